@@ -14,12 +14,18 @@ from drivesizer.catalog import Belt, Catalog, Note, Pulley, Source, columns_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.results.drive_set import DriveSet, made_by, section_of
+from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.mass import MassRow
 from drivesizer.results.problem import Problem
 from drivesizer.units import show
 
-__all__ = ["HEADS", "PartLine", "Total", "machine_parts", "ordered_as", "parts", "parts_list", "totals"]
+__all__ = [
+    "HEADS", "LEAST", "PartLine", "Total", "machine_parts", "mass_text", "money_text", "ordered_as", "parts_list",
+    "total_text", "totals",
+]  # fmt: skip
+
+LEAST = "at least "
+"""Before a total that lacks a part."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -219,25 +225,49 @@ def _total(name: str, unit: str, values: dict[str, tuple[float, float, float]]) 
     )  # fmt: skip
 
 
-def parts(found: DriveSet, catalog: Catalog) -> list[dict[str, str]]:
-    """A row for each part, and one for a belt of which only the ratio is known.
+def money_text(price: float, currency: str) -> str:
+    """A price as it is printed.
 
     Parameters
     ----------
-    found
-        The drive.
-    catalog
-        The catalogue of its parts.
+    price
+        NaN where it is unknown.
+    currency
+        Its unit.
 
     Returns
     -------
-    list of dict
-        Role, family, part and words of each.
+    str
+        The text.
     """
-    rows = [_row(role, part, found, catalog) for role, part in found.parts.items()]
-    if _bare_belt(found):
-        rows.insert(_behind_gearhead(found), {"role": "Belt", "family": "", "part": "", "said": _ratio(found)})
-    return rows
+    return "unknown" if isnan(price) else f"{price:.2f} {currency}"
+
+
+def mass_text(line: PartLine) -> str:
+    """The mass of all pieces of a line as it is printed, marked where it is estimated."""
+    mass = line.quantity * line.mass
+    return show(mass, "g", "mass") if isnan(line.mass_low) else f"≈ {show(mass, 'g', 'mass', 2)}"
+
+
+def total_text(total: Total, digits: int) -> str:
+    """A total as it is printed: at least, where a part of it is unknown.
+
+    Parameters
+    ----------
+    total
+        Of mass or price.
+    digits
+        Of a mass.
+
+    Returns
+    -------
+    str
+        The text.
+    """
+    least = LEAST if total.lacks else ""
+    if total.name == "price":
+        return f"{least}{total.value:.2f} {total.unit}"
+    return least + show(total.value, "kg", "mass", digits)
 
 
 def _bare_belt(found: DriveSet) -> bool:
@@ -251,18 +281,6 @@ def _behind_gearhead(found: DriveSet) -> int:
 
 def _ratio(found: DriveSet) -> str:
     return f"{found.belt_ratio:g} : 1, efficiency {100 * found.belt_efficiency:.4g} %"
-
-
-def _row(role: str, part: Any, found: DriveSet, catalog: Catalog) -> dict[str, str]:
-    if part is None:
-        return {"role": role.capitalize(), "family": "unknown", "part": "", "said": ""}
-    said = [_SAID[role](part), *(found.belt_running if role == "belt" else ())]
-    return {
-        "role": role.capitalize(),
-        "family": made_by(part),
-        "part": ordered_as(part.part, _number(catalog, part)),
-        "said": ", ".join(said),
-    }
 
 
 def _figures_of(*names: str) -> Callable[[Any], str]:

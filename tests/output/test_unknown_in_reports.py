@@ -14,10 +14,11 @@ from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.operating_field import field
 from drivesizer.machine.problem import problem
+from drivesizer.output.parts import parts_list
 from drivesizer.output.report.figures.field import torque_speed
 from drivesizer.output.report.figures.field_panels import Panel, paper_points
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.lines.drive import drive_row
+from drivesizer.output.report.sections.part_lines import parts_table
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import hardest_case, validate
 from drivesizer.sizing import explain, size
@@ -76,14 +77,16 @@ def test_least_figures_are_unknown_in_every_table(spec, rubs_unknown, catalog):
 
 def test_a_mass_that_a_data_sheet_has_is_not_called_unknown(chosen, catalog):
     weighed = replace(chosen, controller=replace(chosen.controller, mass=0.33))
-    assert drive_row(weighed, catalog)["mass_lacks"] == "encoder not known, controller 330 g"
+    masses = {row.cells[1]: row.cells[4] for row in parts_table(parts_list(weighed, catalog, 1), 1, "").rows}
+    assert (masses["encoder"], masses["controller"]) == ("unknown", "330 g")
 
 
 def test_a_name_that_the_catalogue_made_up_is_no_order_number(chosen, catalog):
     made_up = catalog.encoders.record(catalog.encoders.rows["ENC 30 HEDL 5540"])
-    rows = {row["role"]: row["part"] for row in drive_row(replace(chosen, encoder=made_up), catalog)["parts"]}
-    assert rows["Encoder"] == "ENC 30 HEDL 5540, no order number known"
-    assert rows["Motor"] == "118752"
+    lines = parts_list(replace(chosen, encoder=made_up), catalog, 1)
+    rows = {row.cells[1]: row.cells[3] for row in parts_table(lines, 1, "").rows}
+    assert rows["encoder"] == "ENC 30 HEDL 5540, no order number known"
+    assert rows["motor"] == "118752"
 
 
 @pytest.fixture(scope="module")

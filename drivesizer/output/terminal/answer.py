@@ -12,7 +12,7 @@ from rich.text import Text
 
 from drivesizer.catalog import Catalog
 from drivesizer.output.figure_confidence import not_quoted
-from drivesizer.output.parts import PartLine, Total, machine_parts, totals
+from drivesizer.output.parts import PartLine, Total, machine_parts, mass_text, money_text, total_text, totals
 from drivesizer.output.probability import likely
 from drivesizer.output.sums import unknown_of
 from drivesizer.output.terminal import tables as tables
@@ -93,25 +93,17 @@ def _number(line: PartLine) -> Text:
 
 
 def _money(price: float, line: PartLine) -> Text:
-    return Text("unknown", style="yellow") if isnan(price) else Text(f"{price:.2f} {line.currency}")
+    return Text(money_text(price, line.currency), style="yellow" if isnan(price) else "")
 
 
 def _massed(line: PartLine) -> Text:
-    """The mass of all pieces, marked where it is estimated."""
-    if isnan(line.mass):
-        return Text("unknown", style="yellow")
-    mass = line.quantity * line.mass
-    if isnan(line.mass_low):
-        return Text(show(mass, "g", "mass"))
-    return Text(f"≈ {show(mass, 'g', 'mass', 2)}", style="yellow")
+    """The mass of all pieces, coloured where it is estimated or unknown."""
+    return Text(mass_text(line), style="yellow" if isnan(line.mass) or not isnan(line.mass_low) else "")
 
 
 def _summed(total: Total) -> str:
     """A total: at least, where something is unknown; with its band, where something is estimated."""
-    least = "at least " if total.lacks else ""
-    if total.name == "price":
-        return f"{least}{total.value:.2f} {total.unit}"
-    text = least + show(total.value, "kg", "mass", 3)
+    text = total_text(total, 3)
     if not total.estimated:
         return text
     band = f"{show(total.low, 'kg', 'mass', 2).removesuffix(' kg')} to {show(total.high, 'kg', 'mass', 2)}"

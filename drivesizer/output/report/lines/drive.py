@@ -6,49 +6,16 @@ import re
 from math import isnan
 from typing import Any
 
-from drivesizer.catalog import Catalog
 from drivesizer.output.json.loops import number
-from drivesizer.output.parts import parts
-from drivesizer.output.sums import not_in_mass, unknown_of
 from drivesizer.output.text import margin, use
 from drivesizer.results.check import tightest
 from drivesizer.results.check_parts import part_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.robot import AS_SPECIFIED
-from drivesizer.units import from_si, show
+from drivesizer.units import from_si
 
-__all__ = ["case_of", "check_row", "drive_row", "figure_row", "tight_of", "tightest_checks"]
-
-
-def drive_row(best: DriveSet, catalog: Catalog) -> dict[str, Any]:
-    """The summary of a drive.
-
-    Parameters
-    ----------
-    best
-        The drive.
-    catalog
-        The catalogue of its parts.
-
-    Returns
-    -------
-    dict
-        Texts: ``label``, ``parts``, ``total_ratio``, ``mass`` and ``price`` with the parts that they cover and lack,
-        and ``tight``, the smallest margin.
-    """
-    return {
-        "label": best.label,
-        "parts": parts(best, catalog),
-        "total_ratio": f"{best.total_ratio:.4g}",
-        "mass": show(best.mass, "g", "mass"),
-        "mass_of": " + ".join(best.mass_of),
-        "mass_lacks": ", ".join(not_in_mass(best, catalog)),
-        "price": "unknown" if isnan(best.price) else f"{best.price:.2f} EUR",
-        "price_of": " + ".join(best.price_of),
-        "price_lacks": ", ".join(f"{name} not known" for name in unknown_of(best, best.price_of)),
-        "tight": tight_of(best),
-    }
+__all__ = ["case_of", "check_row", "figure_row", "tight_of", "tightest_checks"]
 
 
 def tight_of(drive: DriveSet) -> dict[str, str]:

@@ -9,7 +9,6 @@ from typing import Any
 from drivesizer.output.json.loops import number
 from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines import rows as table
-from drivesizer.output.report.lines.drive import drive_row
 from drivesizer.output.report.lines.reliability_rows import below_confidence_row, every_list
 from drivesizer.output.report.sections.blocks import Block, Column, Pair, Picture, Row, Table, Words
 from drivesizer.output.report.sections.content import Content
@@ -53,10 +52,10 @@ def _blocks(content: Content) -> Iterator[Block]:
         yield from _front(content)
     other = result.unrestricted
     if other:
-        row = drive_row(other, result.catalog)
-        price = f"{row['price']}, sum of {row['price_of']}" if row["price_of"] else row["price"]
+        price = f"{other.price:.2f} EUR, sum of {' + '.join(other.price_of)}" if other.price_of else "unknown"
+        mass = f"{show(other.mass, 'g', 'mass')}, sum of {' + '.join(other.mass_of)}"
         yield Words(("Without the families and parts that the spec names, the whole catalogue would give ",
-                     Strong(other.label), f" ({row['mass']}, sum of {row['mass_of']}; {price})."))  # fmt: skip
+                     Strong(other.label), f" ({mass}; {price})."))  # fmt: skip
 
 
 def _passing(content: Content) -> str:

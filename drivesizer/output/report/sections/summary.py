@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from drivesizer.output.parts import PartLine, machine_parts, totals
+from drivesizer.output.parts import LEAST, PartLine, machine_parts, totals
 from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import case_of, check_row, tight_of, tightest_checks
@@ -15,7 +15,7 @@ from drivesizer.output.report.sections.changes import changes_table
 from drivesizer.output.report.sections.confidence import confidence_table
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.cycle import field_picture
-from drivesizer.output.report.sections.part_lines import LEAST, parts_table, total_text
+from drivesizer.output.report.sections.part_lines import parts_table, total_of
 from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
 from drivesizer.output.report.sections.texts import Status, Strong, TableLink, Text, text_of
@@ -147,7 +147,7 @@ def _summed(lines: Sequence[PartLine], name: str, drives: str) -> tuple[str, str
     least = ", at least" if found and lacks else ""
     notes = [f"without {', '.join(lacks)}"] if least else []
     notes += [f"estimated: {', '.join(total.estimated)}" for total in found if total.estimated]
-    value = " + ".join(total_text(total).removeprefix(LEAST) for total in found) or "unknown"
+    value = " + ".join(total_of(total).removeprefix(LEAST) for total in found) or "unknown"
     return f"{name.capitalize()} of {drives}{least}", value, "; ".join(notes)
 
 
