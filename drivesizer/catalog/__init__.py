@@ -33,6 +33,7 @@ from drivesizer.catalog.parts import (
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
+from drivesizer.files.shipped import shipped_folder
 from drivesizer.files.text import decoded, read_bytes
 from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.version import __version__
@@ -48,13 +49,8 @@ _LARGEST = 16_000_000  # bytes of a catalogue: twenty times the largest that shi
 
 
 def shipped() -> dict[str, Path]:
-    """The catalogues that come with drivesizer, by name.
-
-    In an installed package they lie inside it, in a checkout beside it.
-    """
-    package = Path(__file__).resolve().parent.parent
-    inside, beside = package / "catalogs", package.parent / "catalogs"
-    return {path.stem: path for path in sorted((inside if inside.is_dir() else beside).glob("*.yaml"))}
+    """The catalogues that come with drivesizer, by name."""
+    return {path.stem: path for path in sorted(shipped_folder("catalogs").glob("*.yaml"))}
 
 
 def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Catalog:

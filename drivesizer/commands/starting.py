@@ -10,6 +10,7 @@ from pathlib import Path
 import typer
 
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.shipped import shipped_folder
 
 __all__ = ["KINDS", "at_terminal", "by_questions", "copy_example", "examples", "starter"]
 
@@ -45,11 +46,9 @@ def starter(kind: str) -> str:
 
 
 def examples() -> dict[str, Path]:
-    """The specs that ship as examples, by name; in an installed package they lie inside it, in a checkout beside it."""
-    package = Path(__file__).resolve().parents[1]
-    inside, beside = package / "examples", package.parent / "examples"
-    folder = inside if inside.is_dir() else beside
-    return {path.stem: path for path in sorted(folder.glob("*.yaml")) if path.stem != "study"}
+    """The specs that ship as examples, by name."""
+    paths = sorted(shipped_folder("examples").glob("*.yaml"))
+    return {path.stem: path for path in paths if path.stem != "study"}
 
 
 def copy_example(name: str, output: Path) -> list[Path]:
