@@ -21,9 +21,7 @@ NOT_IN_PINT = {"EUR", "CHF", "krpm", "V/krpm", "PS", "%", "1"}
 @pytest.mark.parametrize(("kind", "unit"), [(k, u) for k in KINDS for u in KINDS[k].units if u not in NOT_IN_PINT])
 def test_every_unit_agrees_with_pint(kind, unit):
     theirs = unit.replace("g_0", "standard_gravity").replace("ozf", "ounce_force").replace("lbf", "pound_force")
-    theirs = (
-        theirs.replace("kgf", "kilogram_force").replace("in", "inch") if unit in ("kgf*cm", "kgf*m", "kgf") else theirs
-    )
+    theirs = theirs.replace("kgf", "kilogram_force").replace("in", "inch") if unit.startswith("kgf") else theirs
     theirs = theirs.replace("gf*", "gram*standard_gravity*") if unit.startswith("gf") else theirs
     theirs = "gram*standard_gravity" if unit == "gf" else theirs
     theirs = theirs.replace("EUR", "")
@@ -55,6 +53,16 @@ def test_every_unit_agrees_with_pint(kind, unit):
         ("23.4 mNm/A", "torque_constant", 0.0234),
         ("2.45 mV/rpm", "torque_constant", 2.45e-3 * 30 / math.pi),
         ("5.5 km/h", "speed", 5.5 / 3.6),
+        ("300 in/min", "speed", 0.127),
+        ("300 ipm", "speed", 0.127),
+        ("50 ft/min", "speed", 0.254),
+        ("3 N·mm", "torque", 0.003),
+        ("1 kgf·cm·s²", "inertia", 0.0980665),
+        ("1 kg·cm·s²", "inertia", 0.0980665),  # of force, as Japanese makers print it
+        ("1 slug*ft^2", "inertia", 1.3558179483314004),
+        ("2 lb-in²", "inertia", 2 * 0.45359237 * 0.0254**2),
+        ("16 oz·in²", "inertia", 0.45359237 * 0.0254**2),
+        ("5 mil", "length", 1.27e-4),
         ("6 in", "length", 0.1524),
         ('6 "', "length", 0.1524),
         ("0.5 µm", "length", 5e-7),
@@ -103,6 +111,7 @@ def test_vendor_spellings(text, kind, si):
         ("-300 degC", "temperature", "absolute zero"),
         ("5 __import__('os')", "length", "not a unit"),
         ("5 mm; 6 mm", "length", "not a unit"),
+        ("1 kgf*m^2", "inertia", "not a unit"),  # GD^2, four times the inertia and g apart
         ("5 dollars", "price", "not a unit"),
     ],
 )

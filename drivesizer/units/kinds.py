@@ -19,17 +19,19 @@ class Kind(NamedTuple):
 # kind | example | accepted units, the SI unit first, each followed by its further spellings.
 # What follows from a unit by rule is not listed: N*m is also read as N·m, N m, N-m and Nm; m^2 as m2, m² and m**2.
 _KINDS = """
-length               | 118 mm      | m; mm; cm; um; km; in inch inches "; ft foot feet
+length               | 118 mm      | m; mm; cm; um; km; in inch inches "; thou mil; ft foot feet; yd
 mass                 | 45 kg       | kg; g; mg; t; lb lbs; oz
 inertia              | 142 g*cm^2  | kg*m^2; g*cm^2; kg*cm^2; g*m^2; g*mm^2; kg*mm^2; lb*in^2; oz*in^2; lb*ft^2
-.                    |             | ozf*in*s^2 oz*in*s^2; lbf*in*s^2 lb*in*s^2
-torque               | 71 mN*m     | N*m; mN*m; uN*m; kN*m; N*cm; ozf*in oz*in in*oz in*ozf; lbf*in lb*in in*lb in*lbf
-.                    |             | lbf*ft lb*ft ft*lb ft*lbf; kgf*cm kg*cm; kgf*m kg*m kp*m; gf*cm g*cm
+.                    |             | ozf*in*s^2 oz*in*s^2; lbf*in*s^2 lb*in*s^2; lbf*ft*s^2 lb*ft*s^2 slug*ft^2
+.                    |             | kgf*m*s^2 kg*m*s^2 kp*m*s^2; kgf*cm*s^2 kg*cm*s^2; gf*cm*s^2 g*cm*s^2
+torque               | 71 mN*m     | N*m; mN*m; uN*m; kN*m; N*cm; N*mm; ozf*in oz*in in*oz in*ozf
+.                    |             | lbf*in lb*in in*lb in*lbf; lbf*ft lb*ft ft*lb ft*lbf
+.                    |             | kgf*cm kg*cm; kgf*m kg*m kp*m; gf*cm g*cm
 energy               | 12 W*h      | J; kJ; MJ; mJ; W*h; kW*h; W*s
 power                | 20 W        | W; mW; kW; hp HP; PS
 force                | 50 N        | N; mN; kN; lbf; ozf; kgf kp; gf
 speed                | 1.5 m/s     | m/s; mm/s; cm/s; km/h kmh kph; m/min; mm/min; ft/s fps; ft/min fpm
-.                    |             | in/s ips; mi/h mph
+.                    |             | cm/min; in/s ips; in/min ipm; yd/min; mi/h mph
 rotary_speed         | 3000 rpm    | rad/s; rpm RPM 1/min min-1 r/min rev/min U/min; krpm; deg/s; turn/s rev/s rps
 frequency            | 5 Hz        | Hz; kHz; MHz
 acceleration         | 0.75 m/s^2  | m/s^2; mm/s^2; cm/s^2; ft/s^2; in/s^2; g_0
