@@ -26,6 +26,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     },
     "budget": {"Budget": "", "Item": "Each of `others`"},
     "transmission": {"GearheadStage": "", "DirectStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
+    "inertia": {"Solid": ""},
     "supply": {"Supply": ""},
     "power_stage": {"PowerStage": ""},
     "battery": {
@@ -122,6 +123,8 @@ def _takes(field: dict[str, Any]) -> str:
     """The values that a field takes, in words."""
     if "$ref" in field:
         return "a section"
+    if {"$ref": "#/$defs/Solid"} in field.get("oneOf", ()):
+        return f"{_takes(field['oneOf'][0])}, or [a body](spec.md#inertia), or a list of both"
     if "const" in field:
         return f"`{field['const']}`"
     if "enum" in field:

@@ -19,7 +19,7 @@ from drivesizer.units import KINDS, label, noun, to_si
 __all__ = [
     "Acceleration", "Allowance", "Angle", "Area", "Axis", "Bearing", "Capacitance", "Coefficient", "Consumed",
     "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Exponent", "Factor", "Force", "Frequency",
-    "Gain", "Gravity", "Incline", "Inertia", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place", "Power",
+    "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place", "Power",
     "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque",
     "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature", "Thickness", "Torque", "TorqueAbove", "Turning",
     "Velocity", "Voltage", "default", "exactly_one",
@@ -85,7 +85,6 @@ Length = Annotated[float, Quantity("length", above=0.0)]
 Thickness = Annotated[float, Quantity("length", least=0.0)]
 Mass = Annotated[float, Quantity("mass", above=0.0)]
 Counterweight = Annotated[float, Quantity("mass", least=0.0)]
-Inertia = Annotated[float, Quantity("inertia", least=0.0)]
 Speed = Annotated[float, Quantity("speed", above=0.0)]
 SignedSpeed = Annotated[float, Quantity("speed")]
 Turning = Annotated[float, Quantity("rotary_speed", above=0.0)]

@@ -19,7 +19,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Axis, Bearing, Incline, Inertia, Length, Mass, Torque, default
+from drivesizer.files.fields import Axis, Bearing, Incline, Length, Mass, Torque, default
+from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
 from drivesizer.loads.lever import Lever, check_inertia
 from drivesizer.loads.model import SharedLoad

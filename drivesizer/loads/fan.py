@@ -20,7 +20,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Axis, Exponent, Inertia, Torque, Turning, default
+from drivesizer.files.fields import Axis, Exponent, Torque, Turning, default
+from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.torque_curved import capped

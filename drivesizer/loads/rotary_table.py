@@ -24,12 +24,12 @@ from drivesizer.files.fields import (
     Bearing,
     Counterweight,
     Incline,
-    Inertia,
     SignedTorque,
     Thickness,
     Torque,
     default,
 )
+from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
 from drivesizer.loads.lever import Lever, check_inertia
 from drivesizer.loads.model import SharedLoad

@@ -30,7 +30,6 @@ from drivesizer.files.fields import (
     Coefficient,
     Force,
     Incline,
-    Inertia,
     Length,
     Mass,
     Pull,
@@ -39,6 +38,7 @@ from drivesizer.files.fields import (
     Torque,
     default,
 )
+from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage

@@ -26,7 +26,6 @@ from drivesizer.files.fields import (
     Axis,
     Coefficient,
     Density,
-    Inertia,
     Length,
     Mass,
     Section,
@@ -37,6 +36,7 @@ from drivesizer.files.fields import (
     default,
     exactly_one,
 )
+from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import Count, LoadModel
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit

@@ -10,7 +10,6 @@ from drivesizer.files.fields import (
     Angle,
     Coefficient,
     Duration,
-    Inertia,
     Length,
     Quantity,
     Section,
@@ -18,6 +17,7 @@ from drivesizer.files.fields import (
     TorqueAbove,
     default,
 )
+from drivesizer.files.inertia import Inertia
 
 __all__ = ["Following", "Measured"]
 

@@ -225,7 +225,7 @@ def models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseM
             data = None
         if isinstance(step, str):
             fields = [m.model_fields[step] for m in models if step in m.model_fields]
-            models = [found for f in fields for found in _models_in(f.annotation)]
+            models = [found for f in fields for part in (f.annotation, *f.metadata) for found in _models_in(part)]
         found = data if isinstance(data, dict) else {}
         models = [m for m in models if _is_named(m, found)] or models
     return models
@@ -240,6 +240,8 @@ def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
 def _models_in(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
+    if hasattr(annotation, "models"):  # a figure that may be a group of fields too
+        return list(annotation.models)
     if get_origin(annotation) in (Union, UnionType, list) or get_origin(annotation) is not None:
         return [found for inner in get_args(annotation) for found in _models_in(inner)]
     return []

@@ -26,6 +26,7 @@ from drivesizer.files.fields import (
     Turning,
     default,
 )
+from drivesizer.files.inertia import Inertia, InertiaAbove
 from drivesizer.platform.envelope import Passage, Size
 from drivesizer.platform.wheels import Platform as Record
 from drivesizer.spec.following import Following
@@ -34,7 +35,6 @@ from drivesizer.spec.wheels import CasterPlace, Layout, WheelPlace
 
 __all__ = ["Budget", "CentreOfMass", "Item", "Limits", "PassageSection", "PayloadSection", "Platform", "SizeSection"]
 
-InertiaAbove = Annotated[float, Quantity("inertia", above=0.0)]
 AccelerationLimit = Annotated[float, Quantity("acceleration", above=0.0)]
 JerkLimit = Annotated[float, Quantity("jerk", above=0.0)]
 TurningAcceleration = Annotated[float, Quantity("angular_acceleration", above=0.0)]
@@ -62,9 +62,7 @@ class PayloadSection(Section):
     x: Place = default("0 mm", description="of its centre of mass")
     y: Place = default("0 mm")
     height: Thickness | None = Field(default=None, description="above the floor; unknown where not given")
-    inertia: Annotated[float, Quantity("inertia", least=0.0)] = default(
-        "0 kg*m^2", description="about the vertical through its centre of mass"
-    )
+    inertia: Inertia = default("0 kg*m^2", description="about the vertical through its centre of mass")
 
 
 class SizeSection(Section):

@@ -8,7 +8,6 @@ from pydantic import Field, model_validator
 
 from drivesizer.files.fields import (
     Force,
-    Inertia,
     Length,
     Mass,
     Ratio,
@@ -20,6 +19,7 @@ from drivesizer.files.fields import (
     default,
     exactly_one,
 )
+from drivesizer.files.inertia import Inertia
 
 __all__ = ["DIRECT", "BeltStage", "DirectStage", "GearheadStage", "Pulleys", "Stage"]
 

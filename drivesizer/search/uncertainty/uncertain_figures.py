@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from drivesizer.catalog.tolerances.classes import Class, classes
 from drivesizer.catalog.tolerances.distributions import Distribution
+from drivesizer.files.inertia import OfSolids, moment
 from drivesizer.files.yaml_source import Path_
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerance_text import Toleranced
@@ -131,6 +132,8 @@ def applied(spec: RobotSpec, changes: Mapping[Path_, Any]) -> RobotSpec:
 def _moved(place: Any, path: Sequence[str | int], difference: Any) -> Any:
     if not path:
         return place + difference
+    if isinstance(place, OfSolids):
+        return moment(_moved(place.solids, path, difference))
     first, rest = path[0], path[1:]
     if isinstance(place, list):
         return [_moved(one, rest, difference) if n == first else one for n, one in enumerate(place)]
