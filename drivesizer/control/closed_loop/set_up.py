@@ -28,6 +28,7 @@ from drivesizer.spec.robot import RobotSpec
 __all__ = ["FOLLOWS", "Prepared", "prepared"]
 
 FOLLOWS = 0.1  # of the top speed: a drive whose error exceeds it does not follow (our convention)
+_DRAIN = 0.05  # s: slow for the current loop, short for a rest between two motions (our choice)
 _WHOLE = 1e-9  # share of a cycle that is neglected
 
 
@@ -140,6 +141,7 @@ def _drive(
         ),
         encoder=Resolution(edges=edges_of(spec, drive_set), periods=max(own.counted_over, 1)),
         heat=heat,
+        drain_time=_DRAIN if spec.control.at_rest == "drain" else math.inf,
     )  # fmt: skip
 
 

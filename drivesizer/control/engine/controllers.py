@@ -10,7 +10,7 @@ import math
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
 from drivesizer.control.engine.limits import available_voltage, permitted_current
-from drivesizer.control.engine.modes import matrix_of
+from drivesizer.control.engine.modes import friction_holds, matrix_of
 from drivesizer.control.engine.steps import step
 from drivesizer.control.engine.tallies import keep_demand, keep_peak
 
@@ -25,6 +25,14 @@ def pid(p: Array, s: Array, place: int, error: float, rests: bool) -> float:
     s[place + 2], s[place + 3] = error, 1.0
     s[place + 1] = p[at.KEEP] * s[place + 1] + p[at.KD] * change
     return float(p[at.KP] * error + s[place] + s[place + 1])
+
+
+def drain(p: Array, s: Array, error: float, speed: float, slope: float, l: float) -> None:
+    """Drain the outer integral at rest, where friction holds: what braking left there would stay as a current."""
+    still = speed == 0.0 and slope == 0.0 and abs(error) <= p[at.RESTS] and abs(s[at.W]) <= p[at.RESTS]
+    if still and p[at.KEPT] != 1.0 and s[at.OUTER] != 0.0 and friction_holds(p, s[at.F], l):
+        least = p[at.TOL_I] if p[at.CASCADE] != 0.0 else p[at.TOL_U]
+        s[at.OUTER] = s[at.OUTER] * p[at.KEPT] if abs(s[at.OUTER]) > least else 0.0
 
 
 def whole_counts(p: Array, angle: float) -> float:
@@ -77,7 +85,7 @@ def limit_current(p: Array, s: Array, demand: float) -> None:
     s[at.I_CUT] = demand - s[at.I_DEMAND]
 
 
-def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, angle: float) -> None:
+def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, angle: float, l: float) -> None:
     """The outer loops of the cascade at their samples: position, then velocity; each one of its periods late."""
     n_v, n_p = int(p[at.N_V]), int(p[at.N_P])
     if k % n_v != 0:
@@ -91,6 +99,7 @@ def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: fl
         s[at.W_ADD] = s[at.W_NEXT] if late else more
         s[at.W_NEXT] = more
     error = speed + s[at.W_ADD] - w
+    drain(p, s, error, speed, slope, l)
     s[at.I_NEXT] = feedforward_current(p, speed, slope) + pid(
         p, s, at.OUTER, error, s[at.I_CUT] * error > 0.0 or s[at.U_CUT] * error > 0.0
     )
@@ -124,7 +133,7 @@ def current_loop(p: Array, s: Array, g: Array, t: float, weight: float) -> float
 
 
 def voltage_loop(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, ring: Array, l: float,
-           dl: float, t: float, speed: float, weight: float) -> float:  # fmt: skip
+           dl: float, t: float, speed: float, slope: float, weight: float) -> float:  # fmt: skip
     """The voltage PID: a period late, limited in voltage and current, the current predicted over a period."""
     demand = s[at.PEND]
     u = limited_voltage(p, s, g, demand, t, weight)
@@ -139,6 +148,7 @@ def voltage_loop(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
         u = ((s[at.LIMIT] if idle + per_volt * u > 0.0 else -s[at.LIMIT]) - idle) / per_volt
         u = min(max(u, -most), most)
     error = speed - measured_speed(p, s, ring)
+    drain(p, s, error, speed, slope, l)
     s[at.I_CUT] = demand - u - s[at.U_CUT]
     s[at.PEND] = pid(p, s, at.OUTER, error, (demand - u) * error > 0.0)
     return u

@@ -8,7 +8,7 @@ from __future__ import annotations
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
 
-__all__ = ["holding_torque", "load_torque", "mode_of"]
+__all__ = ["friction_holds", "holding_torque", "load_torque", "mode_of"]
 
 
 def direction(speed: float, push: float, up: float, down: float) -> int:
@@ -88,6 +88,27 @@ def mode_of(p: Array, i: float, w: float, f: float, v: float, l: float) -> int:
     T = (p[at.T_F] if side > 0 else p[at.T_B]) + l + p[at.B_L] * w / p[at.RATIO]
     M = push - side * p[at.F_M] - p[at.B_M] * w
     return mode_code(side, side, 1 if T * p[at.RATIO] * p[at.J_M] + p[at.J_L] * M > 0.0 else -1)
+
+
+def friction_holds(p: Array, f: float, l: float) -> bool:
+    """Whether friction alone holds a motor at rest.
+
+    Parameters
+    ----------
+    p
+        Parameters of the drive.
+    f
+        Twist of two masses [rad].
+    l
+        Torque of the load beside its own [N*m].
+
+    Returns
+    -------
+    bool
+        Without any current.
+    """
+    code = mode_of(p, 0.0, 0.0, f, 0.0, l)
+    return code % 3 == 1 and code // 3 % 3 == 1
 
 
 def load_torque(p: Array, side: int) -> float:

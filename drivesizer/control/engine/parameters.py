@@ -17,6 +17,7 @@ from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 __all__ = ["STILL", "STILL_WARM", "resistances", "table"]
 
 STILL, STILL_WARM = 1e-12, 1e-9  # change over a sample that is neglected, of full scale; while the resistance changes
+_RESTS = 1e-4  # of full speed, below which a motor counts as at rest: what is left is a loop settling
 _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes are met to 4e-6 of themselves
 
 
@@ -64,7 +65,7 @@ def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
         "DROP": supply.voltage_drop, "LOSS": supply.loss, "R_B": supply.stage_resistance, "STANDBY": supply.standby,
         "LEADS": supply.leads, "RAISES": float(supply.raises), "PEAK": limit.peak, "CONT2": square,
         "BUDGET": max(budget, 0.0) if not math.isnan(budget) else math.inf, "MOST": most,
-        "TOL_I": tight * full_i, "TOL_W": tight * full_w, "TOL_U": tight * volts,
+        "TOL_I": tight * full_i, "TOL_W": tight * full_w, "TOL_U": tight * volts, "RESTS": _RESTS * full_w,
         "TOL_F": tight * m.ratio * m.torque_constant * full_i / m.stiffness if m.flexible else math.inf,
     }  # fmt: skip
 
@@ -75,7 +76,7 @@ def controller(drive: Drive) -> dict[str, float]:
     if isinstance(c, Gains):
         filtered = c.filter_time + c.period
         return {"H": c.period, "N_V": 1.0, "KP": c.kp, "KI": c.ki * c.period, "KD": c.kd / filtered,
-                "KEEP": c.filter_time / filtered}  # fmt: skip
+                "KEEP": c.filter_time / filtered, "KEPT": math.exp(-c.period / drive.drain_time)}  # fmt: skip
     n_v, n_p = multiples(c)
     filtered = c.filter_time + c.velocity_period
     return {
@@ -84,6 +85,7 @@ def controller(drive: Drive) -> dict[str, float]:
         "CKP": c.current_kp, "CKI": c.current_ki * c.current_period, "PKP": c.position_kp if n_p else 0.0,
         "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
         "DELAY": float(drive.delay), "PROMPT": float(drive.prompt),
+        "KEPT": math.exp(-c.velocity_period / drive.drain_time),
     }  # fmt: skip
 
 

@@ -35,10 +35,10 @@ def control(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z
     speed, l = piece[3] + slope * since, piece[6] + dl * since
     angle = s[at.TURN] + piece[5] + (piece[3] + 0.5 * slope * since) * since
     if p[at.CASCADE] != 0.0:
-        outer_loops(p, s, ring, k, speed, slope, angle)
+        outer_loops(p, s, ring, k, speed, slope, angle, l)
         u = current_loop(p, s, g, t, h)
     else:
-        u = voltage_loop(p, s, g, M, work, stamp, z, ring, l, dl, t, speed, h)
+        u = voltage_loop(p, s, g, M, work, stamp, z, ring, l, dl, t, speed, slope, h)
     record_errors(p, s, g, speed, angle, u, t, h)
     if rows.shape[0] > 0:
         record_row(p, s, rows, kept, size, (t, speed, angle, l, u), k, near)

@@ -72,6 +72,7 @@ class Drive:
     encoder: Resolution = Resolution()
     heat: MotorHeat | None = None  # None: the winding stays at 25 degC
     delay: bool = True  # cascade: each loop responds one of its periods late
+    drain_time: float = math.inf  # s, in which the integral drains to 1/e at rest, where friction holds
     prompt: bool = False  # cascade: except the current loop, which responds at once (see ``slower_loop``)
 
 
