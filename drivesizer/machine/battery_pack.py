@@ -15,7 +15,7 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.physics.battery import capacity_for, peukert_time, table_draw, table_time
 from drivesizer.spec.battery import Battery
 
-__all__ = ["Pack", "Table", "capacity_needed", "pack_of", "run_time", "strings_needed"]
+__all__ = ["Pack", "Table", "capacity_needed", "lacking", "pack_of", "run_time", "strings_needed"]
 
 _ONE = (  # figures of one cell or block that spec and catalogue share
     "nominal_voltage", "charge_voltage", "cutoff_voltage", "capacity", "rated_time", "peukert_exponent", "resistance",
@@ -155,6 +155,24 @@ def pack_of(section: Battery, catalog: Catalog) -> Pack:
         price=s * p * record.price,
         table=_table(section, catalog, row, one["cutoff_voltage"]),
     )  # fmt: skip
+
+
+def lacking(pack: Pack) -> tuple[str, ...]:
+    """Fields of a spec's section ``battery`` that would decide its checks, and that neither it nor a catalogue gives.
+
+    Parameters
+    ----------
+    pack
+        The battery.
+
+    Returns
+    -------
+    tuple[str, ...]
+        Names of fields; ``discharge`` where nothing relates run time to load.
+    """
+    names = ("resistance", "continuous_current", "peak_current", "charge_voltage", "max_charge_current")
+    run_times = () if pack.rule else ("chemistry or discharge",)
+    return (*run_times, *(name for name in names if _unknown(getattr(pack, name))))
 
 
 def _times(cells: int, volts: Any) -> Any:

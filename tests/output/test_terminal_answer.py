@@ -127,3 +127,35 @@ def test_the_unfavourable_end_shows_figures_only_where_they_give_its_margin():
     both = (replace(check, band=Band(0.9, 2.5, 0.05)), check)
     shown = [[str(cell) for cell in column.cells] for column in checks(both, "").columns[1:3]]
     assert shown == [["1 A", "", "1 A", "1.9 A"], ["2 A", "", "2 A", "2 A"]]
+
+
+CART = """\
+name: cart
+load: {kind: wheeled_vehicle, mass: 80 kg, driven_wheels: 4, wheel_diameter: 200 mm, rolling_resistance: 0.015,
+  inertia: 40 kg*cm^2}
+motion: {profile: trapezoid, speed: 1.2 m/s, acceleration_time: 1 s, cruise_time: 5 s}
+supply: {nominal: 24 V, min: 20 V, max: 29 V}
+battery: {nominal_voltage: 12 V, capacity: 20 Ah, series: 2, autonomy: 4 h%s}
+"""
+
+
+@pytest.mark.parametrize("more", ["", ", chemistry: Li-ion, resistance: 10 mohm"])
+def test_a_battery_with_few_figures_has_one_line_that_names_the_fields(more, tmp_path, capsys, monkeypatch):
+    path = tmp_path / "robot.yaml"
+    path.write_text(CART % more, encoding="utf-8")
+    printed = told(size(load_spec(path)), capsys, monkeypatch, 200)
+    line = next(line for line in printed.splitlines() if line.startswith("unknown: "))
+    assert "checks of the battery; the spec's battery gives no " in line
+    assert all(name in line for name in ("continuous_current", "peak_current", "max_charge_current"))
+    assert ("chemistry or discharge" in line) == (not more)
+    assert ("resistance" in line) == (not more)
+    assert printed.count("unknown of each: ") == 1
+
+
+def test_a_quiet_answer_has_its_probability_and_no_table_of_it(capsys, monkeypatch, tmp_path):
+    path = tmp_path / "robot.yaml"
+    path.write_text(CART.replace("80 kg", "80 kg +- 2 kg").partition("battery")[0], encoding="utf-8")
+    sampled = size(load_spec(path), top=1)
+    assert "with a probability of" in told(sampled, capsys, monkeypatch, quiet=True)
+    assert "Probability that all checks pass" not in told(sampled, capsys, monkeypatch, quiet=True)
+    assert "Probability that all checks pass" in told(sampled, capsys, monkeypatch)

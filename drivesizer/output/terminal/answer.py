@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.catalog import Catalog
+from drivesizer.machine.battery_pack import lacking, pack_of
 from drivesizer.output.figure_confidence import not_quoted
 from drivesizer.output.parts import PartLine, Total, machine_parts, mass_text, money_text, total_text, totals
 from drivesizer.output.probability import likely
@@ -18,6 +18,7 @@ from drivesizer.output.sums import unknown_of
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.check import tightest
+from drivesizer.results.check_parts import part_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult, worst
@@ -48,7 +49,7 @@ def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
     console.print()
     title = f"{MARK[best.status]}: the tightest of {len(best.deciding)} checks"
     console.print(tables.checks(tightest(best.deciding, _TIGHT), title, edged=False))
-    for line in _certainty(best, result.catalog):
+    for line in _certainty(best, result):
         console.print(line)
 
 
@@ -121,24 +122,39 @@ def _unpriced(lines: list[PartLine]) -> str:
 # --- certainty --------------------------------------------------------------------------------------------------------
 
 
-def _certainty(best: DriveSet, catalog: Catalog) -> Iterator[Text]:
+def _certainty(best: DriveSet, result: SizingResult) -> Iterator[Text]:
     """Open and unknown checks, the probability that all pass, and the figures that are not the makers' own."""
     for hanging in tables.hanging(best):
         yield Text(hanging, style=STYLE["open"])
-    unknown = [check.title for check in best.deciding if check.status == "unknown"]
-    if unknown:
-        more = f" and {len(unknown) - _NAMED} more (--checks)" if len(unknown) > _NAMED + 1 else ""
-        yield Text(f"unknown: {', '.join(unknown[: _NAMED if more else None])}{more}", style=STYLE["unknown"])
+    yield from _undecided(best, result)
     if best.reliability:
         claim = "no known check fails" if best.reliability.unknown else "all checks pass"
         yield Text(f"With tolerances {claim} with a probability of {likely(best.reliability.probability)}.")
     if best.estimated and best.status == "pass":
         names = dict.fromkeys(f"{one.part} {one.figure.removeprefix(f'{one.part}_')}" for one in best.estimated)
         yield Text(f"holds over the whole band of what is estimated: {', '.join(names).replace('_', ' ')}")
-    counts = {role: not_quoted(part, role, best, catalog) for role, part in best.parts.items() if part is not None}
+    counts = {
+        role: not_quoted(part, role, best, result.catalog) for role, part in best.parts.items() if part is not None
+    }
     doubts = [f"{role} {_counted(found)}" for role, found in counts.items() if found]
     if doubts:
         yield Text(f"figures not out of the maker's own document: {'; '.join(doubts)}", style="dim")
+
+
+def _undecided(best: DriveSet, result: SizingResult) -> Iterator[Text]:
+    """Unknown checks by name; those of the battery in one line with the fields that would decide them."""
+    unknown = [check for check in best.deciding if check.status == "unknown"]
+    of_battery = [check for check in unknown if part_of(check.name) == "Battery"]
+    battery = result.problem.spec.battery
+    if battery and len(of_battery) > 1:
+        fields = ", ".join(lacking(pack_of(battery, result.problem.catalog)))
+        hint = f"; the spec's battery gives no {fields}" if fields else ""
+        yield Text(f"unknown: {len(of_battery)} checks of the battery{hint}", style=STYLE["unknown"])
+        unknown = [check for check in unknown if check not in of_battery]
+    if unknown:
+        more = f" and {len(unknown) - _NAMED} more (--checks)" if len(unknown) > _NAMED + 1 else ""
+        names = "; ".join(check.title for check in unknown[: _NAMED if more else None])
+        yield Text(f"unknown: {names}{more}", style=STYLE["unknown"])
 
 
 def _counted(found: dict[str, str]) -> str:
@@ -173,27 +189,41 @@ def side_by_side(console: Console, sets: Sequence[DriveSet], objective: str, tit
     heads = [("", "left"), *([(objective.replace("_", " "), "right")] if own else [])]
     heads += [("mass", "right"), ("price", "right"), ("energy", "right"), ("margin", "right")]
     table = tables.bare(*heads, edged=False)
+    shared = _shared(sets)
     for found in sets:
         value = [tables.objective(found, objective)] if own else []
-        table.add_row(_drive(found, wide=wide), *value, *_compared(found))
+        table.add_row(_drive(found, shared, wide=wide), *value, *_compared(found))
     for column in table.columns[1:]:
         column.no_wrap = True
     table.columns[0].min_width = max(_widest(found, wide=wide) for found in sets)
     over = "" if all(found.actuator for found in sets) else ", mass of motor and gearhead"
     console.print(Text(f"\n{title}: one drive each{over}", style="bold"))
     console.print(table)
+    if shared:
+        console.print(Text(f"unknown of each: {_few(shared)}", style=STYLE["unknown"]))
+
+
+def _shared(sets: Sequence[DriveSet]) -> list[str]:
+    """Checks that are unknown of every drive of several."""
+    each = [[check.title for check in found.deciding if check.status == "unknown"] for found in sets]
+    return [title for title in each[0] if all(title in other for other in each)] if len(sets) > 1 else []
+
+
+def _few(titles: Sequence[str]) -> str:
+    """Title of a single check, number of several."""
+    return titles[0] if len(titles) == 1 else f"{len(titles)} checks"
 
 
 _SHOWN = {"mass", "price", "energy", "margin"}  # objectives that have a column whatever ranks
 
 
-def _drive(found: DriveSet, *, wide: bool) -> Text:
-    """Motor and gearhead with their part numbers, then the checks that are unknown or open."""
+def _drive(found: DriveSet, shared: Sequence[str], *, wide: bool) -> Text:
+    """Motor and gearhead with their part numbers, then the checks that are open, or unknown and not of all drives."""
     text = _names(found, wide=wide)
     said = []
     for status in ("unknown", "open"):
-        titles = [check.title for check in found.deciding if check.status == status]
-        said += [f"{status}: {titles[0] if len(titles) == 1 else f'{len(titles)} checks'}"] if titles else []
+        titles = [check.title for check in found.deciding if check.status == status and check.title not in shared]
+        said += [f"{status}: {_few(titles)}"] if titles else []
     return text.append(f"\n{', '.join(said)}", STYLE["unknown"]) if said else text
 
 
