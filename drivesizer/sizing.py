@@ -12,6 +12,7 @@ from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.load_cases.requirements import requirements
+from drivesizer.load_cases.screw_requirements import screw_requirements
 from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
 from drivesizer.machine import pulleys
 from drivesizer.machine.budgets import check_battery, of_the_platform
@@ -163,7 +164,8 @@ def _requirements(found: Found, row: int) -> tuple[Requirement, ...]:
     """
     problem = found.evaluation.problem
     if problem.spec.method == "physics":
-        return tuple(requirements([case.cycle for case in problem.cases]))
+        of_screw = screw_requirements([case.spec for case in problem.cases])
+        return (*requirements([case.cycle for case in problem.cases]), *of_screw)
     if len(found.evaluation.candidates.motor):
         return tuple(r.at(row) for r in found.evaluation.wheel.values())
     return tuple(paper_method.vehicle(problem.spec, 0.0).steps.values())

@@ -12,6 +12,7 @@ _OF_PART = (  # part, and how the names of its checks begin
     ("Motor", ("motor_", "winding_", "hottest_", "speed_constant")),
     ("Gearhead", ("gearhead_", "backlash_", "largest_reduction", "holding")),
     ("Belt", ("belt_",)),
+    ("Screw", ("screw_",)),
     ("Encoder", ("encoder_",)),
     ("Controller", ("controller_",)),
     ("Supply", ("supply_", "bus_")),

@@ -103,8 +103,8 @@ class Environment(Section):
 class Margins(Section):
     """Margins by which every limit must exceed the demand, by physics; the paper has its own factors."""
 
-    torque: Allowance = Field(default=0, description="of gearhead torques, motor and controller currents, traction")
-    speed: Allowance = Field(default=0, description="of motor, gearhead and encoder speeds, and of voltage")
+    torque: Allowance = Field(default=0, description="of gearhead torques, currents, traction, loads of a screw")
+    speed: Allowance = Field(default=0, description="of motor, gearhead, encoder and screw speeds, and of voltage")
     temperature: Allowance = Field(default=0, description="of the winding's permitted rise over the ambient")
 
 
@@ -124,6 +124,7 @@ class Needs(Section):
     inertia_ratio: Ratio | None = Field(default=None, description="load's inertia over the motor's, at most")
     resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
     hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
+    life: Duration | None = Field(default=None, description="of the ball screw: hours of the cycle, rests included")
     radial_load: Force | None = Field(
         default=None, description="on the gearhead's shaft, or the motor's without one, such as a belt's pull"
     )

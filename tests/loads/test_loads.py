@@ -584,7 +584,7 @@ EDGES = [
     ("hoist", "counterweight: 9 kg", "counterweight: -1 kg", 'load.counterweight: "-1 kg" must be at least 0 kg'),
     ("hoist", "mass: 14 kg, ", "", "load.mass: is missing; expected"),
     ("ball_screw", "lead: 8 mm", "lead: 0 mm", 'load.lead: "0 mm" must be above 0 m'),
-    ("ball_screw", "inertia: 0.4 kg*cm^2, ", "", "load.inertia: is missing; expected"),
+    ("ball_screw", "inertia: 0.4 kg*cm^2, ", "", "load: give inertia, or diameter and length of a steel screw"),
     ("ball_screw", "back_efficiency: 0.8", "back_efficiency: 1.2", 'load.back_efficiency: "1.2" must be at most 1'),
     ("ball_screw", "preload_torque: 20 mN*m", "preload_torque: -1 mN*m",
      'load.preload_torque: "-1 mN*m" must be at least 0'),

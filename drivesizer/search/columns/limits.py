@@ -18,6 +18,7 @@ from drivesizer.catalog import DIRECT, lines
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
+from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
@@ -40,6 +41,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+_LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
+_OF_SPEED = ("screw_critical_speed", "screw_dn")
 
 
 def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
@@ -59,11 +62,16 @@ def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = No
     list
         Columns of one figure.
     """
-    grip = spec.margins.torque
-    found = [
-        at_most(own.name, own.demand, own.limit, needed=grip, time=np.array(own.time)) for own in cycle.load_cycle.own
-    ]
+    found = [_own_limit(spec, own) for own in cycle.load_cycle.own if own.name != _LIFE or spec.needs.life is not None]
     return found + _belt_limits(spec, spec.belt, cycle, drive) if spec.belt else found
+
+
+def _own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn:
+    """A limit of the load itself with the margin that the spec requires of its kind."""
+    if own.name == _LIFE:
+        return at_most(own.name, spec.needs.life, own.limit)
+    needed = spec.margins.speed if own.name in _OF_SPEED else spec.margins.torque
+    return at_most(own.name, own.demand, own.limit, needed=needed, time=np.array(own.time))
 
 
 def _belt_limits(spec: RobotSpec, belt: BeltStage, cycle: AtGearhead, drive: BeltDrive | None) -> list[CheckColumn]:

@@ -192,7 +192,7 @@ _COLUMNS = {
     "supply": {"nominal", "min", "max", "resistance", "current", "power", "regeneration", "capacitance"},
     "power_stage": {"voltage_drop", "resistance", "standby"},
     "environment": {"ambient"},
-    "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load"},
+    "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load", "life"},
     "battery": {"nominal_voltage", "capacity", "rated_time", "peukert_exponent", "resistance", "open_circuit",
                 "peak_current", "start", "usable", "health", "autonomy", "range"},
     "mission": {"duration"},

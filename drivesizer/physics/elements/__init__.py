@@ -1,0 +1,8 @@
+"""Machine elements between drive and load: formulas of handbooks and makers on plain figures and arrays.
+
+May import: nothing of the rooms beside it.
+"""
+
+from __future__ import annotations
+
+__all__: list[str] = []
