@@ -21,7 +21,9 @@ from drivesizer.catalog.field_reader import Reader, did_you_mean
 from drivesizer.catalog.maker_tolerances import TOLERANCES
 from drivesizer.catalog.maker_tolerances_reading import read_maker_tolerances
 from drivesizer.catalog.no_gearhead import NO_GEARHEAD_SOURCE, with_no_gearhead
-from drivesizer.catalog.parts import DIRECT, PARTS, columns_of
+from drivesizer.catalog.parts import DIRECT, PARTS, columns_of, printed
+from drivesizer.catalog.pull_out_reading import read_pull_outs
+from drivesizer.catalog.pull_outs import PULL_OUTS
 from drivesizer.catalog.relations import relations
 from drivesizer.catalog.tables import CONFIDENCE, Catalog, Note, Source, Table
 from drivesizer.errors import InputError, quoted
@@ -33,7 +35,18 @@ __all__ = ["DATA", "SCHEMA", "parse"]
 
 SCHEMA = 1
 DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
-_TOP = {"catalog", "manufacturer", "overrides", "sources", DATA, *PARTS, DISCHARGES, TOLERANCES, "compatibility"}
+_TOP = {
+    "catalog",
+    "manufacturer",
+    "overrides",
+    "sources",
+    DATA,
+    *PARTS,
+    DISCHARGES,
+    PULL_OUTS,
+    TOLERANCES,
+    "compatibility",
+}
 _HOLDS = ("motors", "actuators")  # whose figures hold at a temperature
 _TABLE = {"family", "source", "common", "columns", "rows", "notes"}
 _NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
@@ -82,6 +95,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         **tables,
         **pairs,
         discharges=read_discharges(reader, data.get(DISCHARGES), tables["batteries"].rows),
+        pull_outs=read_pull_outs(reader, data.get(PULL_OUTS), tables["steppers"].rows),
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
@@ -196,15 +210,16 @@ def _cell_path(path: Path_, place: int) -> Callable[[int], Path_]:
 
 def _headers(reader: Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
     """The columns that a table names, each with the factor and offset of its unit."""
-    schema = columns_of(section)
+    schema, given_columns = columns_of(section), {*printed(section), *_NOT_A_COLUMN}
     headers: list[tuple[Column, float, float]] = []
     for index, text in enumerate(reader.sequence(given, path)):
         match = _HEADER.fullmatch(str(text).strip())
         name = match.group(1) if match else str(text)
         if name not in schema:
             raise reader.fail((*path, index), f"unknown column {quoted(name)}{did_you_mean(name, schema)}")
-        if name in _NOT_A_COLUMN:
-            raise reader.fail((*path, index), _NOT_A_COLUMN[name])
+        if name in _NOT_A_COLUMN or name not in given_columns:
+            said = _NOT_A_COLUMN.get(name, f"{name} of {section} is not given: the search fills it")
+            raise reader.fail((*path, index), said)
         unit = (match.group(2) or "") if match else ""
         headers.append((schema[name], *_unit(reader, schema[name], unit, (*path, index))))
     names = [header[0].name for header in headers]

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.maker_tolerances import MakerTolerance
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
 from drivesizer.errors import reason_of
 from drivesizer.files.cache import CacheWarning, keep, kept
@@ -86,6 +87,8 @@ def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
             arrays[relation] = np.array(getattr(catalog, relation))
     if len(catalog.discharges.time):
         arrays |= {f"discharges.{name}": column for name, column in catalog.discharges._asdict().items()}
+    if len(catalog.pull_outs.speed):
+        arrays |= {f"pull_outs.{name}": column for name, column in catalog.pull_outs._asdict().items()}
     arrays["texts"] = np.frombuffer(json.dumps(texts).encode(), np.uint8)
     return arrays
 
@@ -105,10 +108,12 @@ def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
     pairs: dict[str, Any] = {relation: Pairs(*arrays.get(relation, _NONE)) for relation in RELATIONS}
     printed = NO_DISCHARGES._asdict().items()
     discharges: Any = (arrays.get(f"discharges.{name}", none) for name, none in printed)
+    curves: Any = (arrays.get(f"pull_outs.{name}", none) for name, none in NO_PULL_OUTS._asdict().items())
     return Catalog(
         **tables,
         **pairs,
         discharges=Discharges(*discharges),
+        pull_outs=PullOuts(*curves),
         sources=tuple(Source(*s) for s in texts["sources"]),
         notes=tuple(Note(n[0], tuple(n[1]), tuple(n[2]), *n[3:]) for n in texts["notes"]),
         digests=texts["digests"],

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.discharges import join_discharges
 from drivesizer.catalog.maker_tolerances import join_maker_tolerances
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, one_of
+from drivesizer.catalog.pull_outs import join_pull_outs
 from drivesizer.catalog.tables import Across, Catalog, Pairs, Table, unique_pairs
 from drivesizer.errors import CatalogError, nearest, quoted
 
@@ -37,6 +38,8 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         pairs[relation] = _moved(listed, places["motors"], places[right])
     starts = _starts(catalogs, "batteries")
     printed = [(c.discharges, *first) for c, *first in zip(catalogs, starts, first_source.tolist(), strict=False)]
+    of_steppers = _starts(catalogs, "steppers")
+    curves = [(c.pull_outs, *first) for c, *first in zip(catalogs, of_steppers, first_source.tolist(), strict=False)]
     tolerances, instead = join_maker_tolerances([(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs],
                                   first_source.tolist())  # fmt: skip
     left: dict[str, Any] = {name: _kept(table, places[name]) for name, table in tables.items()}
@@ -44,6 +47,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         **left,
         **pairs,
         discharges=join_discharges(printed, places["batteries"]),
+        pull_outs=join_pull_outs(curves, places["steppers"]),
         sources=tuple(source for c in catalogs for source in c.sources),
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},

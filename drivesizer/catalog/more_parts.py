@@ -92,15 +92,21 @@ class Brake:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stepper:
-    """One wiring of a stepper motor."""
+    """One wiring of a stepper motor; its pull-out torque over speed is in ``pull_outs``."""
 
     part: str = text()
     family: str = text()
     manufacturer: str = text()
     wiring: str = text()  # bipolar, unipolar, series, parallel
+    frame: str = text()  # NEMA 17
     full_steps: float = figure("dimensionless", "1")  # per turn
-    phase_current: float = figure("current", "A")
-    holding_torque: float = figure("torque", "N*m")
+    phase_current: float = figure("current", "A")  # continuous, in both phases at once
+    holding_torque: float = figure("torque", "N*m")  # with that current in both phases
+    detent_torque: float = figure("torque", "N*m")
+    start_speed: float = figure("rotary_speed", "rpm")  # at which the rotor alone starts without a ramp, unloaded
+    pull_out_share: float = figure(
+        "dimensionless", "%"
+    )  # of what ``physics.stepper`` has of the torque; no file has it
     resistance: float = figure("resistance", "ohm")  # of a phase
     inductance: float = figure("inductance", "mH")  # of a phase
     rotor_inertia: float = figure("inertia", "g*cm^2")
@@ -108,6 +114,11 @@ class Stepper:
     max_axial_load: float = figure("force", "N")
     supply_min: float = figure("voltage", "V")
     supply_max: float = figure("voltage", "V")
+    ambient_min: float = figure("temperature", "degC")
+    ambient_max: float = figure("temperature", "degC")
+    shaft_diameter: float = figure("length", "mm")
+    diameter: float = figure("length", "mm")  # side of the flange
+    length: float = figure("length", "mm")
     mass: float = figure("mass", "g")
     price: float = figure("price", "EUR")
 

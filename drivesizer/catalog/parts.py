@@ -32,7 +32,7 @@ class Motor:
     part: str = text()
     family: str = text()
     manufacturer: str = text()
-    kind: str = text()  # brushed or brushless
+    kind: str = text()  # brushed or brushless; stepper in the search view alone
     commutation: str = text()  # graphite, precious metal CLL, Hall sensors, integrated electronics ...
     bearing: str = text()
     winding: str = text()  # slotless: without iron teeth, as of ironless windings
@@ -78,6 +78,10 @@ class Motor:
     commutator_segments: float = figure("dimensionless", "1")
     shaft_diameter: float = figure("length", "mm")
     inside: str = text()  # the actuator that it is built into
+    holding_torque: float = figure("torque", "N*m")  # this and the next three: of a stepper, see ``view.stepper_view``
+    detent_torque: float = figure("torque", "N*m")
+    start_speed: float = figure("rotary_speed", "rpm")
+    pull_out_share: float = figure("dimensionless", "%")
     diameter: float = figure("length", "mm")
     length: float = figure("length", "mm")
     mass: float = figure("mass", "g")
@@ -179,7 +183,7 @@ class Controller:
     part: str = text()
     family: str = text()
     manufacturer: str = text()
-    drives: str = text()  # brushed, brushless, or both
+    drives: str = text()  # brushed, brushless, both of them, or stepper
     buses: str = text()  # separated by semicolons
     supply_min: float = figure("voltage", "V")
     supply_max: float = figure("voltage", "V")
@@ -199,6 +203,7 @@ class Controller:
     max_speed_sine: float = figure("rotary_speed", "rpm")
     max_efficiency: float = figure("dimensionless", "%")
     standby_current: float = figure("current", "mA")  # of the supply, that flows whatever the motor takes
+    microsteps: float = figure("dimensionless", "1")  # of a stepper driver, per full step, at most
     encoder_inputs: str = text()
     choke: str = text()
     derating: str = text()
@@ -255,9 +260,16 @@ def one_of(section: str) -> str:
     return "battery" if section == "batteries" else section.removesuffix("s")
 
 
+_MADE = {  # columns that no catalogue file gives: the search view has them, of actuators and steppers
+    "motors": {"inside", "holding_torque", "detent_torque", "start_speed", "pull_out_share"},
+    "steppers": {"pull_out_share"},
+}
+
+
 def printed(section: str) -> dict[str, Column]:
-    """The columns that a catalogue file may give, without that of the parts inside an actuator."""
-    return {name: column for name, column in columns_of(section).items() if name != "inside"}
+    """The columns that a catalogue file may give, without those that only the search view fills."""
+    made = _MADE.get(section, {"inside"})
+    return {name: column for name, column in columns_of(section).items() if name not in made}
 
 
 @cache

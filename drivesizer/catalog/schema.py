@@ -10,6 +10,8 @@ from drivesizer.catalog.discharges import DISCHARGES, HELD, TABLE
 from drivesizer.catalog.maker_tolerances import TOLERANCES
 from drivesizer.catalog.maker_tolerances_reading import FIGURES
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
+from drivesizer.catalog.pull_out_reading import COLUMNS, CURVE
+from drivesizer.catalog.pull_outs import PULL_OUTS
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.units import KINDS, noun
 
@@ -56,6 +58,7 @@ def catalog_schema() -> dict[str, Any]:
             "sources": {"type": "object", "additionalProperties": _SOURCE, "minProperties": 1},
             **{section: _tables(section) for section in PARTS},
             DISCHARGES: _discharges(),
+            PULL_OUTS: _pull_outs(),
             TOLERANCES: _tolerances(),
             "compatibility": _compatibility(),
         },
@@ -128,6 +131,27 @@ def _discharges() -> dict[str, Any]:
         "additionalProperties": False,
     }
     return {"type": "array", "items": table}
+
+
+def _pull_outs() -> dict[str, Any]:
+    """Pull-out curves of steppers: speed and torque of each row."""
+    heads = ", ".join(f"{name} ({unit})" for name, (_, unit) in COLUMNS.items())
+    cell = {"type": "number", "minimum": 0}
+    curve = {
+        "type": "object",
+        "properties": {
+            "stepper": _TEXT | {"description": "a part number of this file"},
+            "source": {"type": "string", "description": "one of `sources`"},
+            "voltage": {"type": "string", "description": "of the driver's supply, e.g. 24 V"},
+            "current": {"type": "string", "description": "amplitude of a phase's current, e.g. 2.2 A"},
+            "driver": {"type": "string", "description": "with which it was measured"},
+            "columns": {"type": "array", "items": {"type": "string"}, "description": heads},
+            "rows": {"type": "array", "items": {"type": "array", "items": cell, "minItems": 2, "maxItems": 2}},
+        },
+        "required": [name for name in CURVE if name not in ("current", "driver")],
+        "additionalProperties": False,
+    }
+    return {"type": "array", "items": curve}
 
 
 def _tolerances() -> dict[str, Any]:

@@ -14,6 +14,7 @@ from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.maker_tolerances import MakerTolerance
 from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
+from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 
 __all__ = [
     "CONFIDENCE",
@@ -162,6 +163,7 @@ class Catalog:
     overrides: bool = False  # its parts count before those of the catalogues named before it
     across: tuple[Across, ...] = ()  # pairs with parts of other catalogues, until those are loaded with it
     discharges: Discharges = NO_DISCHARGES  # of the batteries
+    pull_outs: PullOuts = NO_PULL_OUTS  # of the steppers
     tolerances: tuple[MakerTolerance, ...] = ()  # that makers state for their figures
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
     estimates: Mapping[str, Mapping[str, Estimates]] = field(default_factory=dict)  # by section and figure

@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivesizer.catalog import PARTS, Catalog, columns_of, load, shipped
+from drivesizer.catalog import PARTS, Catalog, load, shipped
 from drivesizer.catalog.catalog_file import parse
 from drivesizer.catalog.joining import joined
+from drivesizer.catalog.parts import printed
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
@@ -411,7 +412,7 @@ def test_a_wrong_file_is_one_line_with_its_place(old: str, new: str, place: str 
 def test_every_column_needs_its_unit() -> None:
     """No field of any part can be given as a bare number, except ratios and plain numbers."""
     for section in PARTS:
-        for name, column in columns_of(section).items():
+        for name, column in printed(section).items():
             if column.kind in ("text", "ratio", "dimensionless"):
                 continue
             text = (

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from broken_catalogs import about, alone, broken, held_to, laws_of, with_cells
 
-from drivesizer.catalog import PARTS, Catalog, columns_of, load
+from drivesizer.catalog import PARTS, Catalog, load
 from drivesizer.catalog.laws.check import check
 from drivesizer.catalog.laws.law import Law
 from drivesizer.catalog.laws.parts import LAWS
+from drivesizer.catalog.parts import printed
 
 # Actuators: V = 24 V, R = 1.2 ohm, so I_A = 20 A; I_0 = 0.5 A, I_N = 5.5 A, I_peak = 15.5 A, k_m = 50 mN*m/A,
 # J = 200 g*cm^2; with the ratio i and the efficiency e
@@ -62,13 +63,14 @@ brakes:
 steppers:
 - family: S
   source: s
-  common: {wiring: bipolar, max_radial_load: 50 N, max_axial_load: 15 N, supply_min: 12 V, supply_max: 48 V}
+  common: {wiring: bipolar, max_radial_load: 50 N, max_axial_load: 15 N, supply_min: 12 V, supply_max: 48 V,
+    ambient_min: -20 degC, ambient_max: 50 degC, start_speed: 300 rpm, detent_torque: 20 mN*m}
   columns: [part, full_steps, phase_current (A), holding_torque (N*m), resistance (ohm), inductance (mH),
-    rotor_inertia (g*cm^2), mass (g), price (EUR)]
+    rotor_inertia (g*cm^2), diameter (mm), length (mm), shaft_diameter (mm), mass (g), price (EUR)]
   rows:
-  - [S1, 200, 2, 0.45, 1.0, 2.0, 60, 300, 20]
-  - [S2, 200, 3, 1.1, 0.8, 3.0, 200, 700, 30]
-  - [S3, 400, 1.5, 0.44, 1.6, 3.2, 65, 320, 25]
+  - [S1, 200, 2, 0.45, 1.0, 2.0, 60, 42, 40, 5, 300, 20]
+  - [S2, 200, 3, 1.1, 0.8, 3.0, 200, 56, 54, 6.35, 700, 30]
+  - [S3, 400, 1.5, 0.44, 1.6, 3.2, 65, 42, 41, 5, 320, 25]
 belts:
 - family: T
   source: s
@@ -127,7 +129,7 @@ def test_consistent_parts_have_no_finding_and_no_unknown_figure(invented: Catalo
     assert [f.text() for f in check(invented) if f.grade == "finding"] == []
     for section in WHOLES:
         table = invented.table(section)
-        figures = [n for n, c in columns_of(section).items() if c.kind != "text"]
+        figures = [n for n, c in printed(section).items() if c.kind != "text"]
         assert [n for n in figures if np.isnan(table[n]).any()] == [], section
 
 
@@ -147,7 +149,7 @@ def test_every_law_finds_what_breaks_it(invented: Catalog, law: Law) -> None:
 @pytest.mark.parametrize("section", WHOLES)
 def test_hiding_a_figure_makes_no_finding(invented: Catalog, section: str) -> None:
     few, table = alone(invented, section), invented.table(section)
-    for name, column in columns_of(section).items():
+    for name, column in printed(section).items():
         if column.kind != "text":
             columns = dict(table.columns) | {name: np.full(len(table), np.nan)}
             hidden = replace(few, **{section: replace(table, columns=columns)})  # type: ignore[arg-type]

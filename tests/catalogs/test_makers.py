@@ -70,12 +70,18 @@ MAKERS: dict[str, dict[str, int]] = {
     "vinachem": counted(batteries=1), "yhi": counted(batteries=1), "yuasa": counted(batteries=2),
     # steppers: one per wiring and file of settings
     "aml": counted(steppers=1), "amp": counted(steppers=1), "ams": counted(steppers=1),
-    "leadshine": counted(steppers=2 + 3 + 3 + 3),  # 57HS04, 09, 13, 22; 57HS04 has no parallel wiring
+    # 57HS04, 09, 13, 22; 57HS04 has no parallel wiring; 57CM, CS-M and 42CM
+    "leadshine": counted(steppers=2 + 3 + 3 + 3 + 3 + 2 + 4),
     "mclennan": counted(steppers=1), "motionking": counted(steppers=1),
-    "oriental_motor": counted(steppers=5 - 1),  # without PK243B1-SG18, a gearmotor
+    "oriental_motor": counted(steppers=5 - 1 + 4),  # without PK243B1-SG18, a gearmotor; PKP
     "parker": counted(steppers=1),
     "phytron": pin(steppers=8 + 1),  # 8 counted; phyBasic is of another list
-    "trinamic": counted(steppers=1) | pin(controllers=1),
+    "trinamic": counted(steppers=1 + 3) | pin(controllers=1),
+    # those of public tables of motors, less what has no holding torque and what is there twice
+    "cloudray": pin(steppers=7), "fysetc": pin(steppers=13), "hanpose": pin(steppers=10),
+    "kelimotor": pin(steppers=5), "ldo": pin(steppers=63), "moons": pin(steppers=20), "motech": pin(steppers=22),
+    "oukeda": pin(steppers=5), "rattm": pin(steppers=5), "shengyang": pin(steppers=6), "siboor": pin(steppers=7),
+    "stepperonline": pin(steppers=38), "usongshine": pin(steppers=4), "wantai": pin(steppers=4),
     # belts and pulleys: the lists of ReCalc, whole
     "last_anvil": counted(belts=24, pulleys=8), "sds": counted(belts=3), "swyft": counted(belts=54),
     "thrifty": counted(belts=103, pulleys=20), "vbelt": counted(belts=872), "wcp": counted(belts=141, pulleys=36),
@@ -87,7 +93,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "beckhoff": counted(motors=7 + 1, steppers=5) | pin(controllers=8),  # AM8122 has two windings
     "ctre": counted(motors=3),  # two kinds of commutation are one motor; the Falcon is VEX's
     "kollmorgen": counted(motors=3),
-    "nanotec": counted(motors=4, steppers=6 + 2 * 2 + 3),
+    "nanotec": counted(motors=4, steppers=6 + 2 * 2 + 3 + 1),
     "odrive": counted(motors=5 - 2) | pin(controllers=5),  # without M5312s and BotWheel
     "rev": counted(motors=6 - 1, belts=25, pulleys=12) | pin(controllers=1),  # without Core Hex
     "tamagawa": counted(motors=19),
@@ -132,7 +138,7 @@ MAKERS: dict[str, dict[str, int]] = {
 
 def test_every_file_is_counted(shelf: dict[str, Catalog]) -> None:
     assert set(shelf) == set(MAKERS)
-    assert len(MAKERS) == 78
+    assert len(MAKERS) == 92
 
 
 @pytest.mark.parametrize("name", MAKERS)
@@ -315,6 +321,32 @@ ROWS: list[tuple[str, str, str, Figures]] = [
     ("parker", "steppers", "TS33B", {"phase_current": "4 A", "holding_torque": "10.7 N*m", "resistance": "1.45 ohm",
      "inductance": "13.6 mH"}),
     ("phytron", "steppers", "VSS 52.200.2.5", {"phase_current": "2.5 A", "resistance": "0.6 ohm", "full_steps": "200"}),
+    ("stepperonline", "steppers", "17HS19-2004S1", {"phase_current": "2 A", "holding_torque": "0.59 N*m",
+     "resistance": "1.6 ohm", "inductance": "3 mH", "rotor_inertia": "82 g*cm^2", "shaft_diameter": "5 mm"}),
+    ("ldo", "steppers", "42STH48-2504AC", {"phase_current": "2.5 A", "holding_torque": "0.55 N*m"}),
+    ("cloudray", "steppers", "17CS07A-180", {"phase_current": "1.8 A", "holding_torque": "0.71 N*m",
+     "resistance": "1.94 ohm"}),
+    ("fysetc", "steppers", "35HSH7402-24B-400A", {"phase_current": "1.5 A", "holding_torque": "0.42 N*m",
+     "resistance": "2.8 ohm"}),
+    ("hanpose", "steppers", "17HS9401", {"phase_current": "2.8 A", "holding_torque": "0.92 N*m",
+     "resistance": "1.5 ohm"}),
+    ("kelimotor", "steppers", "BJ42D41-14V19", {"phase_current": "2 A", "holding_torque": "0.65 N*m",
+     "resistance": "1.1 ohm"}),
+    ("moons", "steppers", "MS17HA2P4200", {"phase_current": "2.0 A", "holding_torque": "0.39 N*m",
+     "resistance": "1.05 ohm"}),
+    ("motech", "steppers", "1705HS200A", {"phase_current": "2.0 A", "holding_torque": "0.82 N*m",
+     "resistance": "2.0 ohm"}),
+    ("oukeda", "steppers", "OK42STH47-204A1XH", {"phase_current": "2.0 A", "holding_torque": "0.59 N*m",
+     "resistance": "1.4 ohm"}),
+    ("rattm", "steppers", "17HS4402", {"phase_current": "1.3 A", "holding_torque": "0.4 N*m", "resistance": "2.5 ohm"}),
+    ("shengyang", "steppers", "42BYGH3025-3M-25D", {"phase_current": "4.0 A", "holding_torque": "0.56 N*m",
+     "resistance": "0.4 ohm"}),
+    ("siboor", "steppers", "35STH52-1204A", {"phase_current": "1.2 A", "holding_torque": "0.4 N*m",
+     "resistance": "2.3 ohm"}),
+    ("usongshine", "steppers", "17HS8401S", {"phase_current": "1.7 A", "holding_torque": "0.52 N*m",
+     "resistance": "1.8 ohm"}),
+    ("wantai", "steppers", "42BYGHW811", {"phase_current": "2.5 A", "holding_torque": "0.48 N*m",
+     "resistance": "1.25 ohm"}),
     ("trinamic", "steppers", "QSH4218-41-10-035", {"phase_current": "1 A", "resistance": "4.5 ohm",
      "inductance": "7.5 mH"}),
     # belts and pulleys: ReCalc

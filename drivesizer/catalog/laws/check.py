@@ -19,6 +19,7 @@ from drivesizer.catalog.columns import Column
 from drivesizer.catalog.laws.discharge import odd_discharges
 from drivesizer.catalog.laws.law import SLACK, Law, Numbers, decimal_places, half_last_digit
 from drivesizer.catalog.laws.parts import LAWS
+from drivesizer.catalog.laws.pull_out import odd_pull_outs
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Table
 from drivesizer.units import from_si, show
@@ -114,6 +115,8 @@ def check(catalog: Catalog) -> list[Finding]:
         here += _twins(catalog, table)
         if section == "batteries":
             here += _discharges(catalog)
+        if section == "steppers":
+            here += _pull_outs(catalog)
         found += sorted((_judged(f, notes.get(f.part, [])) for f in here), key=lambda f: table.rows[f.part])
     return [*found, *_dangling(catalog), *_alone(catalog)]
 
@@ -197,6 +200,12 @@ def _discharges(catalog: Catalog) -> Iterator[Finding]:
     """Contradictions of batteries' discharge tables, among each other and with the batteries' figures."""
     for odd in odd_discharges(catalog.discharges, catalog.batteries):
         yield Finding(**_place(catalog, catalog.batteries, odd.row), **odd.finding)
+
+
+def _pull_outs(catalog: Catalog) -> Iterator[Finding]:
+    """Contradictions of steppers' pull-out curves with their holding torque and with themselves."""
+    for odd in odd_pull_outs(catalog.pull_outs, catalog.steppers):
+        yield Finding(**_place(catalog, catalog.steppers, odd.row), **odd.finding)
 
 
 # --- parts among each other ------------------------------------------------------------------------------------------

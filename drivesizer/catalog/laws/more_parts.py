@@ -182,7 +182,10 @@ _ORDERS = {
         "ambient_max <= max_winding_temperature", "supply_min < supply_max", "nominal_voltage >= supply_min",
         "nominal_voltage <= supply_max",
     ),
-    "steppers": ("supply_min < supply_max",),
+    "steppers": (
+        "supply_min < supply_max", "detent_torque < holding_torque", "shaft_diameter < diameter",
+        "ambient_min < ambient_max",
+    ),
     "batteries": (
         "cutoff_voltage < nominal_voltage", "nominal_voltage < charge_voltage", "capacity_1h <= capacity_5h",
         "capacity_5h <= capacity_10h", "peak_current >= continuous_current",

@@ -20,6 +20,7 @@ from drivesizer.output.terminal.battery import discharge_tables
 from drivesizer.output.terminal.catalog import counted, figure, of_families
 from drivesizer.output.terminal.chart import Axis, Series, chart
 from drivesizer.output.terminal.estimates import print_estimates, print_family_limits
+from drivesizer.output.terminal.stepper import pull_out_tables
 from drivesizer.output.terminal.tables import bare, console, heading, width_of
 from drivesizer.physics.thermal import DATA_TEMPERATURE, Value, data_temperature, rated_ambient
 from drivesizer.units import from_si, label, show
@@ -61,6 +62,8 @@ def page(hit: Hit, *, sources: bool = False) -> None:
         out.print()
     if hit.section == "batteries":
         out.print(*discharge_tables(hit), sep="\n")
+    if hit.section == "steppers":
+        out.print(*pull_out_tables(hit), sep="\n")
     print_estimates(out, hit)
     print_family_limits(out, hit)
     _partners(out, hit)
