@@ -20,7 +20,8 @@ __all__ = ["PARTS", "made", "renewed"]
 DOCS = Path(__file__).resolve().parent
 sys.path[:0] = [str(DOCS / "generated"), str(DOCS / "hooks")]
 PARTS = {  # name: module and function that make it
-    "commands": ("command_page", "commands"), "equations": ("equation_page", "equations"),
+    "columns": ("catalog_page", "columns"), "commands": ("command_page", "commands"),
+    "equations": ("equation_page", "equations"),
     "loads": ("load_page", "loads"), "platform_equations": ("platform_page", "platform_equations"),
     "sensitivities": ("following_page", "sensitivities"), "spec": ("spec_tables", "sections"),
 }  # fmt: skip

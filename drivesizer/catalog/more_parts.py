@@ -72,6 +72,8 @@ class Actuator:
     dimensions: str = text()
     mass: float = figure("mass", "g")
     price: float = figure("price", "EUR")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,6 +90,8 @@ class Brake:
     added_length: float = figure("length", "mm")
     mass: float = figure("mass", "g")
     price: float = figure("price", "EUR")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,6 +125,8 @@ class Stepper:
     length: float = figure("length", "mm")
     mass: float = figure("mass", "g")
     price: float = figure("price", "EUR")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,6 +142,8 @@ class Belt:
     width: float = figure("length", "mm")
     mass: float = figure("mass", "g")
     price: float = figure("price", "EUR")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,6 +160,8 @@ class Pulley:
     bore: str = text()  # as printed
     mass: float = figure("mass", "g")
     price: float = figure("price", "EUR")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,3 +189,5 @@ class Battery:
     mass: float = figure("mass", "g")
     dimensions: str = text()
     price: float = figure("price", "EUR")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD

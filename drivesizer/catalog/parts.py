@@ -89,6 +89,8 @@ class Motor:
     price_5: float = figure("price", "EUR")  # 5-19 pieces
     price_20: float = figure("price", "EUR")  # 20-49 pieces
     list_price: float = figure("price_chf", "CHF")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,6 +137,8 @@ class Gearhead:
     price_5: float = figure("price", "EUR")
     price_20: float = figure("price", "EUR")
     list_price: float = figure("price_chf", "CHF")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,6 +166,8 @@ class Encoder:
     added_length: float = figure("length", "mm")  # what it adds to the motor
     mass: float = figure("mass", "g")
     price: float = figure("price", "EUR")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
     @property
     def lines(self) -> float:
@@ -211,6 +217,8 @@ class Controller:
     dimensions: str = text()
     mass: float = figure("mass", "g")
     price: float = figure("price", "EUR")
+    foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
+    currency: str = text()  # of it, such as USD
 
 
 EDGES = 4  # of an incremental encoder per line, evaluated in quadrature

@@ -167,8 +167,10 @@ def ordered_as(part: str, order_number: str) -> str:
 
 
 _MADE_UP = "no order number known"  # so a catalogue marks a part whose name is not the maker's
-_OF_BUYING = {"part", "mass", "price", "price_5", "price_20", "list_price"}
-_PRICES = (("price_20", 20), ("price_5", 5), ("price", 1), ("list_price", 1))  # field, and from how many pieces
+_OF_BUYING = {"part", "mass", "price", "price_5", "price_20", "list_price", "foreign_price"}
+_PRICES = (  # field, and from how many pieces
+    ("price_20", 20), ("price_5", 5), ("price", 1), ("list_price", 1), ("foreign_price", 1),
+)  # fmt: skip
 
 
 def _remarks(catalog: Catalog, part: Any) -> list[Note]:
@@ -188,6 +190,7 @@ def _priced(part: Any, quantity: int, known: dict[str, Source]) -> dict[str, Any
     for name, pieces in _PRICES:
         if quantity >= pieces and name in known:
             source, unit = known[name], columns_of(section_of(part))[name].unit
+            unit = (part.currency or "of unknown currency") if name == "foreign_price" else unit
             return {"price": getattr(part, name), "currency": unit, "pieces": pieces, "price_date": source.date,
                     "price_source": source.document, "price_confidence": source.confidence}  # fmt: skip
     return {}

@@ -59,8 +59,8 @@ MAY_BE_ZERO = frozenset({
     "added_length", "ambient_max", "ambient_min", "backlash", "commutator_segments", "coulomb_friction", "current_draw",
     "direction", "friction_torque", "inertia", "load_friction", "mass", "max_axial_load", "max_press_fit",
     "max_radial_load", "no_load_current", "no_load_torque", "phases", "pole_pairs", "price", "price_5", "price_20",
-    "list_price", "radial_load_distance", "stages", "static_torque", "thermal_resistance_winding", "viscous_friction",
-    "voltage_drop",
+    "list_price", "foreign_price", "radial_load_distance", "stages", "static_torque",
+    "thermal_resistance_winding", "viscous_friction", "voltage_drop",
 })  # fmt: skip
 
 # figures of parts that have an end by what they are

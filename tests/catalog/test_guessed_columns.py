@@ -56,3 +56,20 @@ def test_the_guess_is_shown_and_written_and_can_be_used_again(run, tmp_path):
 def test_a_dry_run_writes_nothing(run, tmp_path):
     assert run("--dry-run").exit_code == 0
     assert [path.name for path in tmp_path.iterdir()] == ["parts.csv"]
+
+
+@pytest.mark.parametrize(
+    ("unit", "kept"),
+    [("$", ("foreign_price", 24.95, "USD")), ("GBP", ("foreign_price", 24.95, "GBP")),
+     ("CHF", ("list_price", 24.95, "")), ("€", ("price", 24.95, ""))],
+)  # fmt: skip
+def test_a_price_keeps_its_currency(unit, kept, run, tmp_path):
+    table = f"Order no.,Rated voltage,Unit price\n,V,{unit}\nM-1,12,24.95\n"
+    (tmp_path / "parts.csv").write_text(table, encoding="utf-8")
+    assert run("--family", "M 20", "-o", "own.yaml").exit_code == 0
+    motor = load(["own.yaml"], beside=tmp_path).motors.record(0)
+    column, amount, currency = kept
+    assert (getattr(motor, column), motor.currency) == (amount, currency)
+    with_map = ["catalog", "import", "parts.csv", "--section", "motors", "--map", "own.map.yaml", "-o", "again.yaml"]
+    assert CliRunner().invoke(app, with_map).exit_code == 0
+    assert repr(load(["again.yaml"], beside=tmp_path).motors.record(0)) == repr(motor)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from catalog_texts import MAP, SHEET
 
-from drivesizer.catalog import PARTS, columns_of, load
+from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.spec.robot import read_spec
 
@@ -223,16 +223,3 @@ def test_the_catalogue_on_the_page_is_read_as_it_says(tmp_path):
     assert (len(catalog.motors), len(catalog.gearheads), len(catalog.motor_gearhead.left)) == (2, 2, 4)
     assert catalog.gearheads.record(0).ratio == 12.25
     assert catalog.confidence("motors", 0)["mass"] == "derived"
-
-
-def test_the_columns_on_the_page_are_those_of_the_schema():
-    for section in PARTS:
-        table = CATALOGUES.split(f"### {section}\n", 1)[1].split("### ", 1)[0]
-        rows = re.findall(r"^\| `(\w+)` \| (\S+) \|$", table, re.MULTILINE)
-        units = {"text": "text"}
-        expected = [
-            (c.name, units.get(c.kind, c.unit if c.unit != "1" else "number"))
-            for c in columns_of(section).values()
-            if c.name != "inside"
-        ]
-        assert rows == expected

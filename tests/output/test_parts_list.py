@@ -9,6 +9,7 @@ import pytest
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.output.parts import parts_list, totals
 from drivesizer.output.report import write
 from drivesizer.output.report.table import csv as csv_tables
@@ -167,3 +168,20 @@ def test_a_part_without_any_figure_has_a_line(result, catalog):
     bare = replace(result.sets[0].motor, mass=nan, price=nan, price_5=nan, price_20=nan, list_price=nan)
     line = parts_list(replace(result.sets[0], motor=bare), catalog, 7)[0]
     assert line.quantity == 7 and isnan(line.mass)
+
+
+def test_a_price_in_another_currency_has_a_total_of_its_own(spec, tmp_path):
+    text = (
+        "catalog: 1\nmanufacturer: Anymaker\nsources: {sheet: {document: sheet, confidence: quoted}}\nmotors:\n"
+        "- family: M\n  source: sheet\n  columns: [part, mass (g), foreign_price, currency]\n"
+        "  rows: [[M-1, 120, 24.95, USD]]\n"
+    )
+    (tmp_path / "own.yaml").write_text(text, encoding="utf-8")
+    own = load(["own.yaml"], beside=tmp_path)
+    found = size(spec, top=1).sets[0]
+    lines = parts_list(
+        replace(found, motor=own.motors.record(0), gearhead=NO_GEARHEAD, encoder=None, controller=None), own, 4
+    )
+    assert (lines[0].price, lines[0].currency, lines[0].price_confidence) == (24.95, "USD", "quoted")
+    dollars = next(total for total in totals(lines) if total.unit == "USD")
+    assert dollars.value == pytest.approx(4 * 24.95) and dollars.over == ("motor",)

@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from drivesizer.catalog.columns import Column
+from drivesizer.catalog.exchange.currencies import currency_of
 from drivesizer.catalog.parts import columns_of
 from drivesizer.errors import InputError
 from drivesizer.units import scale
@@ -114,6 +115,8 @@ def _plain(text: str) -> str:
 
 def _fits(unit: str, column: Column) -> bool:
     """Whether a unit is one of a column's kind; a text has none."""
+    if column.name == "price" and currency_of(unit):
+        return True
     if column.kind in ("text", "ratio"):
         return unit in ("", "1")
     try:
