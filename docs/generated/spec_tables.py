@@ -25,7 +25,10 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
         "Following": "`following`", "Measured": "Each of `measured` of `following`",
     },
     "budget": {"Budget": "", "Item": "Each of `others`"},
-    "transmission": {"GearheadStage": "", "DirectStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt"},
+    "transmission": {
+        "GearheadStage": "", "DirectStage": "", "BeltStage": "", "Pulleys": "`pulleys` of a belt",
+        "GearStage": "`kind: gear`, `bevel`, `chain` or `worm`",
+    },
     "inertia": {"Solid": ""},
     "supply": {"Supply": ""},
     "power_stage": {"PowerStage": ""},

@@ -177,8 +177,8 @@ def _with_shaft(spec: RobotSpec, drive_set: DriveParts, train: DriveTrain) -> Dr
     """The drive train with the elastic shaft that a spec gives; the same one of a rigid model."""
     if spec.plant.model == "rigid":
         return train
-    where, stiffness = spec.where(("plant", "model")), spec.plant.stiffness or (spec.belt and spec.belt.stiffness)
-    if not stiffness:
+    where, stiffness = spec.where(("plant", "model")), spec.plant.stiffness or spec.belt_stiffness
+    if not stiffness > 0.0:  # NaN too
         raise InputError(f"{where}: two_mass needs plant.stiffness or the belt's, e.g. stiffness: 500 N*m/rad")
     if not train.load_inertia > 0.0:
         raise InputError(f"{where}: two_mass needs an inertia of the load, e.g. inertia: 0.02 kg*m^2")

@@ -17,9 +17,9 @@ from pydantic_core import core_schema
 from drivesizer.units import KINDS, label, noun, to_si
 
 __all__ = [
-    "Acceleration", "Allowance", "Angle", "Area", "Axis", "Bearing", "Capacitance", "Coefficient", "Consumed",
-    "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Exponent", "Factor", "Force", "Frequency",
-    "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place", "Power",
+    "Acceleration", "Allowance", "Angle", "Area", "Axis", "BackEfficiency", "Bearing", "Capacitance", "Coefficient",
+    "Consumed", "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Exponent", "Factor", "Force",
+    "Frequency", "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place", "Power",
     "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque",
     "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature", "Thickness", "Torque", "TorqueAbove", "Turning",
     "Velocity", "Voltage", "default", "exactly_one",
@@ -113,6 +113,7 @@ Capacitance = Annotated[float, Quantity("capacitance", above=0.0)]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]
 Temperature = Annotated[float, Quantity("temperature", above=0.0)]
 Price = Annotated[float, Quantity("price", above=0.0)]
+BackEfficiency = Annotated[float, Quantity("dimensionless", most=1.0)]  # below 0 of what is self-locking
 Share = Annotated[float, Quantity("dimensionless", above=0.0, most=1.0)]  # a factor or efficiency
 Part = Annotated[float, Quantity("dimensionless", least=0.0, most=1.0)]
 Exponent = Annotated[float, Quantity("dimensionless", least=0.0, most=4.0)]

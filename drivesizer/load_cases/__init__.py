@@ -5,21 +5,26 @@ May import: files, physics, equations, platform, loads, spec, results.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+
+import numpy as np
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import beside
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Course, Profile, course
+from drivesizer.loads.fixed_gear import through_gear
 from drivesizer.loads.kinds import LAWS
 from drivesizer.loads.recorded import Recorded, recorded
-from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.transmission import BeltStage
 
-__all__ = ["load_cycle", "of_course"]
+__all__ = ["at_driven_shaft", "load_cycle", "of_course"]
 
 
 def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
@@ -42,13 +47,56 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with, or a recording is wrong.
     """
-    cycle = _of_the_load(spec, profile)
-    added = spec.belt.inertia if spec.belt else 0.0
-    if added == 0.0:
+    return at_driven_shaft(spec, _of_the_load(spec, profile))
+
+
+def at_driven_shaft(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
+    """A load cycle with what the stages at the load add: the belt's inertia and friction, a gear of fixed ratio.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    cycle
+        Of its load alone.
+
+    Returns
+    -------
+    LoadCycle
+        At the driven shaft. A gear before a belt is seen as behind it, its inertia and friction by the belt's ratio.
+    """
+    gear, belt = spec.gear, spec.belt
+    if gear is None:
+        return _with_belt(cycle, belt)
+    if belt is None or not spec.gear_before_belt:
+        return _with_belt(through_gear(cycle, gear.fixed_gear()), belt)
+    cycle = _with_belt(cycle, belt)
+    limited = replace(cycle, own=(*cycle.own, *_belt_limits(belt, cycle)))
+    return through_gear(limited, gear.fixed_gear(belt.ratio or 1.0))
+
+
+def _with_belt(cycle: LoadCycle, belt: BeltStage | None) -> LoadCycle:
+    """The cycle with inertia and friction of a belt at the same shaft."""
+    added, friction = (belt.inertia, belt.friction_torque) if belt else (0.0, 0.0)
+    if added == friction == 0.0:
         return cycle
     torque = cycle.torque + added * cycle.acceleration
     own = tuple(one._replace(turning=one.turning + added) for one in cycle.own)
+    if friction:
+        torque = torque + friction * np.sign(cycle.speed.mean(axis=1, keepdims=True))
+        own = tuple(one._replace(turning=math.nan) for one in own)
     return replace(cycle, torque=torque, inertia=cycle.inertia + added, own=own).split()
+
+
+def _belt_limits(belt: BeltStage, cycle: LoadCycle) -> Iterator[OwnLimit]:
+    """Tension and speed of a belt at the load, of which a gear before it takes no part."""
+    if belt.pulley_diameter is None:
+        return
+    if belt.max_tension is not None:
+        pull = float(np.abs(cycle.torque).max()) / (belt.pulley_diameter / 2)
+        yield OwnLimit("belt_tension", pull, belt.max_tension)
+    if belt.max_speed is not None:
+        yield OwnLimit("belt_speed", float(np.abs(cycle.speed).max()) * belt.pulley_diameter / 2, belt.max_speed)
 
 
 def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:

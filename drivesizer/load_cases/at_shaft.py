@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle, of_course
+from drivesizer.load_cases import at_driven_shaft, load_cycle, of_course
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Course, Profile
@@ -55,19 +55,21 @@ def at_shaft(spec: RobotSpec) -> AtShaft:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    load, added = spec.load, spec.belt.inertia if spec.belt else 0.0
-    if isinstance(load, Recorded):
-        rolling = load.rolling_torque if isinstance(load, WheelLoad) else 0.0
-        return AtShaft(load.shaft_inertia + added, 1.0, rolling, -rolling, 0.0)
     forward, rest = _creeping(spec, _CREEP), _creeping(spec, 0.0)
     found = (_first(forward), _backward(spec), _first(rest))
-    return AtShaft(forward.inertia + added, forward.radius, *found)
+    return AtShaft(forward.inertia, forward.radius, *found)
 
 
 def _creeping(spec: RobotSpec, speed: float) -> LoadCycle:
-    """A second at a speed, from where the motion starts."""
-    ends = np.full((1, 2), speed)
-    return of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, np.zeros((1, 2))))
+    """A second at a speed, from where the motion starts; of a recording without its torque."""
+    ends, still, load = np.full((1, 2), speed), np.zeros((1, 2)), spec.load
+    if isinstance(load, Recorded):
+        rolling = load.rolling_torque if isinstance(load, WheelLoad) else 0.0
+        torque = np.full((1, 2), math.copysign(rolling, speed) if speed else 0.0)
+        alone = LoadCycle("creeping", np.ones(1), ends, still, torque, load.shaft_inertia)
+    else:
+        alone = of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, still))
+    return at_driven_shaft(spec, alone)
 
 
 def _first(cycle: LoadCycle) -> float:

@@ -34,6 +34,7 @@ from pydantic import Field, model_validator
 
 from drivesizer.files.fields import (
     Axis,
+    BackEfficiency,
     Coefficient,
     Force,
     Incline,
@@ -64,7 +65,6 @@ from drivesizer.physics.load_cycle import LoadCycle
 
 __all__ = ["Screw", "screw"]
 
-BackEfficiency = Annotated[float, Quantity("dimensionless", most=1.0)]
 Rating = Annotated[float, Quantity("force", above=0.0)]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isnan
+from math import isnan, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -157,7 +157,11 @@ def drive_mass(problem: Problem, one: DriveParts) -> float:
 def _drive_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
     spec = problem.spec
     belt = spec.belt.mass if spec.belt else None
-    return drive_rows(one, spec.load.motors, problem.catalog, belt, spec.wants_encoder)
+    rows = drive_rows(one, spec.load.motors, problem.catalog, belt, spec.wants_encoder)
+    if spec.gear is None:
+        return rows
+    each = nan if spec.gear.mass is None else spec.gear.mass
+    return *rows, MassRow(name=spec.gear.kind, each=each, number=spec.load.motors)
 
 
 def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:

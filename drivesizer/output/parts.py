@@ -17,6 +17,8 @@ from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.mass import MassRow
 from drivesizer.results.problem import Problem
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.transmission import GearStage
 from drivesizer.units import show
 
 __all__ = [
@@ -119,7 +121,24 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
         Of :func:`parts_list`.
     """
     spec = problem.machine
-    return parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
+    lines = parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
+    if spec.gear is not None:
+        lines.insert(_behind_belt(spec, lines), _gear_line(spec.gear, spec.load.motors))
+    return lines
+
+
+def _gear_line(gear: GearStage, drives: int) -> PartLine:
+    """The line of a gear of fixed ratio, which the spec gives."""
+    back = gear.fixed_gear().back_efficiency
+    behind = ", self-locking" if back <= 0.0 else f", {100 * back:.4g} % driven back" if back != gear.efficiency else ""
+    said = f"{gear.ratio:g} : 1, efficiency {100 * gear.efficiency:.4g} %{behind}"
+    return PartLine(role=gear.kind, said=said, quantity=drives, mass=nan if gear.mass is None else gear.mass)
+
+
+def _behind_belt(spec: RobotSpec, lines: Sequence[PartLine]) -> int:
+    """The place of a gear in a parts list: behind gearhead and belt, or before the belt."""
+    roles = ["gearhead"] if spec.gear_before_belt else ["gearhead", "belt", "driven pulley"]
+    return 1 + max((n for n, line in enumerate(lines) if line.role in roles), default=0)
 
 
 def _massed(row: MassRow) -> dict[str, Any]:

@@ -87,7 +87,7 @@ def _beside(catalog: Catalog, sets: Candidates, whole: Evaluation) -> Iterator[A
 
 
 def _belts(problem: Problem, sets: Candidates) -> Array:
-    """Mass of belt and pulleys of each ratio; the least where they are not out of the catalogues."""
+    """Mass of belt, pulleys and gear of each ratio; the least where they are not out of the catalogues."""
     mass, belt = np.zeros(len(sets.motor)), problem.spec.belt
     least = nan if not problem.catalog.ends else BELT[1][0]
     own = least if belt is None or belt.mass is None else belt.mass
@@ -95,6 +95,9 @@ def _belts(problem: Problem, sets: Candidates) -> Array:
         drive = problem.belt_drive(ratio)
         bought = [part.mass for part in drive.parts.values()] if drive else [own if ratio != 1.0 else 0.0]
         mass[sets.belt == ratio] = np.sum(bought)
+    gear = problem.spec.gear
+    if gear is not None:
+        mass += nan if gear.mass is None else gear.mass
     return mass
 
 

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import asdict
+from math import nan
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -42,7 +43,7 @@ from drivesizer.spec.sections import (
 from drivesizer.spec.select import Select
 from drivesizer.spec.tolerance_text import Toleranced, taken
 from drivesizer.spec.tolerances import Tolerances
-from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, Stage
+from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, GearStage, Stage
 
 __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
 
@@ -60,7 +61,7 @@ class RobotSpec(Section):
     )
     load: Load
     motion: Motion | None = Field(default=None, description="one cycle, repeated; a recorded load brings its own")
-    transmission: Annotated[list[Stage], Field(min_length=1, max_length=2)] = default(
+    transmission: Annotated[list[Stage], Field(min_length=1, max_length=3)] = default(
         [{"kind": "gearhead"}], description="from the motor to the load"
     )
     paper_factors: PaperFactors = Field(default_factory=PaperFactors)
@@ -92,12 +93,40 @@ class RobotSpec(Section):
     @model_validator(mode="after")
     def _chain(self) -> RobotSpec:
         kinds = [stage.kind for stage in self.transmission]
-        if kinds[0] == "belt" or kinds[1:] not in ([], ["belt"]):
-            raise ValueError("transmission must be a gearhead or direct, or one of them and then a belt")
+        behind = ["belt" if kind == "belt" else "gear" for kind in kinds[1:]]
+        if (
+            not isinstance(self.transmission[0], GearheadStage | DirectStage)
+            or len(set(behind)) != len(behind)
+            or ({"gearhead", DIRECT} & set(kinds[1:]))
+        ):
+            raise ValueError(
+                "transmission must be a gearhead or direct, or one of them and then a belt, a gear, or one of each"
+            )
+        self._check_gear()
         named = self.select.gearhead.named.values()
         if self.is_direct and {name for names in named for name in names} - {DIRECT}:
             raise ValueError(f"select: with kind: {DIRECT} as transmission there is none; leave gearhead out")
         return self
+
+    def _check_gear(self) -> None:
+        """Refuse a gear where nothing behind it would know of it."""
+        gear, belt = self.gear, self.belt
+        if gear is None:
+            return
+        if self.platform is not None:
+            raise ValueError(f"transmission: a {gear.kind} drives no wheel of a platform; expected a gearhead or belt")
+        if not self.gear_before_belt or belt is None:
+            return
+        if gear.has_own_torque and belt.ratio is None:
+            raise ValueError(
+                f"transmission: inertia and friction of a {gear.kind} before a belt need the one ratio of the belt; "
+                "expected ratio, or the belt before it"
+            )
+        if belt.pulleys is not None and (belt.max_tension or belt.max_speed):
+            raise ValueError(
+                f"transmission: max_tension and max_speed of pulleys behind a {gear.kind} are not checked; expected "
+                "the belt before it, or ratio with pulley_diameter"
+            )
 
     @field_validator("cases")
     @classmethod
@@ -162,6 +191,7 @@ class RobotSpec(Section):
             and not motion.there_and_back
             and load.drag_area == 0.0
             and not self.cases
+            and self.gear is None
         )
 
     @property
@@ -210,6 +240,24 @@ class RobotSpec(Section):
     def belt(self) -> BeltStage | None:
         """The belt stage, where there is one."""
         return next((stage for stage in self.transmission if isinstance(stage, BeltStage)), None)
+
+    @property
+    def gear(self) -> GearStage | None:
+        """The further stage of fixed ratio, where there is one."""
+        return next((stage for stage in self.transmission if isinstance(stage, GearStage)), None)
+
+    @property
+    def gear_before_belt(self) -> bool:
+        """Whether the gear drives the belt, and not the load."""
+        return isinstance(self.transmission[1], GearStage) if len(self.transmission) == 3 else False
+
+    @property
+    def belt_stiffness(self) -> float:
+        """Stiffness of the belt at the driven shaft [N*m/rad]; NaN where it is unknown."""
+        stiffness = self.belt.stiffness if self.belt else None
+        if stiffness is None:
+            return nan
+        return stiffness / self.gear.ratio**2 if self.gear and self.gear_before_belt else stiffness
 
     @property
     def belt_ratios(self) -> list[float]:

@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from drivesizer.files.fields import (
+    Angle,
+    BackEfficiency,
     Force,
     Length,
     Mass,
@@ -16,12 +18,14 @@ from drivesizer.files.fields import (
     Speed,
     Stiffness,
     Thickness,
+    Torque,
     default,
     exactly_one,
 )
 from drivesizer.files.inertia import Inertia
+from drivesizer.loads.fixed_gear import FixedGear
 
-__all__ = ["DIRECT", "BeltStage", "DirectStage", "GearheadStage", "Pulleys", "Stage"]
+__all__ = ["DIRECT", "BeltStage", "DirectStage", "GearStage", "GearheadStage", "Pulleys", "Stage"]
 
 DIRECT = "direct"  # the kind of stage, and the name of direct drive in catalogues
 
@@ -65,6 +69,7 @@ class BeltStage(Section):
     pulleys: Pulleys | None = None
     efficiency: Share = Field(description="in either direction of power")
     inertia: Inertia = default("0 kg*m^2", description="of belt and pulleys, seen at the load's shaft")
+    friction_torque: Torque = default("0 N*m", description="of its bearings at any load, seen at the load's shaft")
     stiffness: Stiffness | None = Field(default=None, description="of the belt, seen at the load's shaft")
     mass: Mass | None = Field(
         default=None, description="of belt and pulleys, where these are not out of the catalogues"
@@ -90,4 +95,39 @@ class BeltStage(Section):
         return [self.ratio] if self.ratio is not None else sorted(set(self.ratios or []))
 
 
-Stage = Annotated[GearheadStage | DirectStage | BeltStage, Field(discriminator="kind")]
+class GearStage(Section):
+    """One further stage of fixed ratio, behind or before the belt: spur or bevel gears, a chain, or a worm."""
+
+    kind: Literal["gear", "bevel", "chain", "worm"]
+    ratio: Ratio = Field(description="turns of its input shaft per turn of its output shaft; below 1 it steps up")
+    efficiency: Share = Field(description="when the input shaft drives")
+    back_efficiency: BackEfficiency | None = Field(
+        default=None,
+        description="when the output shaft drives; where not given as efficiency, of a worm 2 - 1/efficiency. 0 or "
+        "below is self-locking",
+    )
+    pinion_inertia: Inertia = default("0 kg*m^2", description="of what turns with its input shaft: pinion or worm")
+    wheel_inertia: Inertia = default("0 kg*m^2", description="of what turns with its output shaft: wheel or sprocket")
+    pinion_friction: Torque = default("0 N*m", description="of bearings and seals of the input shaft, at any load")
+    wheel_friction: Torque = default("0 N*m", description="of bearings and seals of the output shaft, at any load")
+    backlash: Angle | None = Field(default=None, description="at its output shaft; unknown where not given")
+    mass: Mass | None = Field(default=None, description="of the whole stage; unknown where not given")
+
+    def fixed_gear(self, behind: float = 1.0) -> FixedGear:
+        """Its figures, with inertia and friction as seen where a belt of a ratio is behind it."""
+        back = self.back_efficiency
+        if back is None:
+            back = 2.0 - 1.0 / self.efficiency if self.kind == "worm" else self.efficiency
+        return FixedGear(
+            self.ratio, self.efficiency, back,
+            self.pinion_inertia * behind**2, self.wheel_inertia * behind**2,
+            self.pinion_friction * behind, self.wheel_friction * behind,
+        )  # fmt: skip
+
+    @property
+    def has_own_torque(self) -> bool:
+        """Whether inertia or friction at any load is given."""
+        return any((self.pinion_inertia, self.wheel_inertia, self.pinion_friction, self.wheel_friction))
+
+
+Stage = Annotated[GearheadStage | DirectStage | BeltStage | GearStage, Field(discriminator="kind")]

@@ -40,7 +40,7 @@ WRONG = [
     ("  rolling_resistance: 0.02", "  sinkage: 2 m #", ":8:", ["sinkage must be below"]),
     ("  cylinders:", "  inertia: 1 kg*cm^2\n  cylinders:", ":8:", ["inertia", "both"]),
     ("inner_diameter: 60 mm", "inner_diameter: 600 mm", ":17:", ["below outer_diameter"]),
-    ("kind: belt", "kind: chain", ":36:", ["chain", "belt"]),
+    ("kind: belt", "kind: rope", ":36:", ["rope", "belt"]),
     ("  - kind: belt", "  - knd: belt", ":36:", ["kind is missing"]),
     ("    efficiency: 0.95", "    efficiency: 95", ":38:", ["at most 1"]),
     ("ratio: 1.1 ", "ratio: 1.1\n    ratios: [1.1, 2] ", ":36:", ["ratio or ratios", "both"]),

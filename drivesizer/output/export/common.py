@@ -71,10 +71,16 @@ class Export:
     rotor_loss: tuple[float, float]  # N*m and N*m*s/rad, losses that heat the housing; 0 where unknown
     ambient: float  # K
     elastic: bool  # the spec has two masses
+    turns: bool  # the load turns about an axis; else it moves along a line
     lever: Lever | None  # this drive's share of a load that gravity turns
     gravity: float  # m/s^2
     cycle: Cycle
     said: tuple[str, ...]  # assumptions
+
+    @property
+    def travel(self) -> str:
+        """Travel of the load per angle of the driven shaft, as a text."""
+        return f"{self.train.radius:.5g} {'rad' if self.turns else 'm'} per rad of it"
 
     @property
     def friction(self) -> float:
@@ -190,10 +196,11 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         rotor_loss=_loss(motor),
         ambient=spec.environment.ambient,
         elastic=spec.plant.model != "rigid",
+        turns=spec.load.axis == "rotary",
         lever=lever,
         gravity=spec.environment.gravity,
         cycle=_cycle(spec, train, lever),
-        said=(*said, *_whose(case, spec)),
+        said=(*said, *_whose(case, spec), *_behind_gear(spec)),
     )
 
 
@@ -210,6 +217,13 @@ def _whose(case: str, spec: RobotSpec) -> list[str]:
     if not isinstance(spec.load, WheelLoad):
         return []
     return [f"motion and load are those of {case}; the other wheels have their own"]
+
+
+def _behind_gear(spec: RobotSpec) -> list[str]:
+    """The place of the driven shaft where a gear of fixed ratio belongs to the load."""
+    if spec.gear is None:
+        return []
+    return [f"the driven shaft is the input shaft of the {spec.gear.kind}; weight is a torque over time of the motion"]
 
 
 def _named(part: Any) -> str:
@@ -232,9 +246,9 @@ def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
 
 
 def _lever(spec: RobotSpec) -> Lever | None:
-    """One drive's share of a lever with weight."""
+    """One drive's share of a lever with weight; None behind a gear of fixed ratio, whose shaft turns more often."""
     lever = spec.load.lever
-    if lever is None or lever.moment(spec.environment.gravity) == 0.0:
+    if spec.gear is not None or lever is None or lever.moment(spec.environment.gravity) == 0.0:
         return None
     return lever._replace(mass=lever.mass / spec.load.motors)
 

@@ -169,7 +169,7 @@ def _units(described: Element, of: Export) -> None:
     for variable in described.iter("ScalarVariable"):
         real = variable.find("Real")
         if real is not None:
-            turns = variable.get("name") == "load_speed" and of.train.radius == 1.0
+            turns = variable.get("name") == "load_speed" and of.turns
             real.set("unit", "rad/s" if turns else named[variable.get("name", "")][0])
 
 

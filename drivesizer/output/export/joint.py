@@ -17,7 +17,7 @@ BASE, LINK, JOINT = "base", "load", "shaft"
 def remarks(of: Export) -> list[str]:
     """Remarks on the file, as sentences."""
     train, least = of.train, of.limits
-    travel = f"; the load travels {brief(train.radius)} m per rad of it" if train.radius != 1.0 else ""
+    travel = f"; the load travels {of.travel}" if train.radius != 1.0 else ""
     said = [
         f"{of.label}; {of.program}. SI: kg, m, s, N, N*m, rad.",
         f"{one_of(of)}The joint is the driven shaft{travel}. Total ratio {brief(train.ratio)}.",

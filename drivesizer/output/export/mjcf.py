@@ -59,8 +59,8 @@ def render(of: Export) -> bytes:
 
 def _remarks(of: Export, law: TorqueLaw) -> list[str]:
     said = [
-        f"{one_of(of)}The joint is the driven shaft; the load travels {brief(of.train.radius)} m "
-        "per rad of it." if of.train.radius != 1.0 else f"{one_of(of)}The joint is the load's.",
+        f"{one_of(of)}The joint is the driven shaft; the load travels {of.travel}."
+        if of.train.radius != 1.0 else f"{one_of(of)}The joint is the load's.",
         "ctrl, at every step: reference [0] angle [rad] and [1] speed w [rad/s] of the motor, "
         f"{number(of.train.ratio)} times those of the shaft; [2] feedforward torque [N*m], {_ahead(law)}; "
         "[3] torque of the load [N*m] beyond inertia, friction and weight.",
@@ -144,7 +144,7 @@ def _world(root: Element, of: Export) -> None:
     about = vector([found.inertia] * 3)
     SubElement(body, "inertial", pos=vector(found.centre), mass=number(found.mass), diaginertia=about)
     if of.lever is None:
-        size = number(train.radius if train.radius != 1.0 else 0.1)
+        size = number(0.1 if of.turns else train.radius)
         SubElement(body, "geom", {"type": "cylinder", "size": f"{size} 0.02"} | _SHOWN)
         return
     ends = {"size": number(0.05 * of.lever.length), "fromto": vector((0.0, 0.0, 0.0, *found.centre))}

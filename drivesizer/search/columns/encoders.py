@@ -105,7 +105,7 @@ def encoders_for(
     speed
         Highest speed of its motor with the margin that the spec requires [rad/s]; NaN unknown.
     reduction
-        From its motor to the load.
+        From its motor to the driven shaft.
 
     Returns
     -------
@@ -120,7 +120,8 @@ def encoders_for(
     enough = (counts >= offered.least) & (rows >= 0)
     finest = spec.needs.resolution_at_load
     if finest is not None:
-        enough &= angle_per_edge(counts, reduction[:, None]) <= finest
+        geared = reduction if spec.gear is None else reduction * spec.gear.ratio
+        enough &= angle_per_edge(counts, geared[:, None]) <= finest
     holds = enough & (speed[:, None] <= offered.fastest[motor])
     found = offered.last[motor]
     every = np.arange(len(rows))

@@ -42,7 +42,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 _LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
-_OF_SPEED = ("screw_critical_speed", "screw_dn")
+_OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
 
 
 def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
@@ -77,6 +77,8 @@ def _own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn:
 def _belt_limits(spec: RobotSpec, belt: BeltStage, cycle: AtGearhead, drive: BeltDrive | None) -> list[CheckColumn]:
     """Limits of the belt of this ratio, as far as its pulleys are known."""
     found, diameter = [], drive.driven_diameter if drive else belt.pulley_diameter
+    if spec.gear_before_belt:  # the load cycle brings them: it is that before the gear
+        diameter = None
     if diameter is not None and belt.max_tension is not None:
         pull = cycle.load_torque / (diameter / 2)
         found.append(at_most("belt_tension", pull, belt.max_tension, needed=spec.margins.torque))
@@ -87,6 +89,30 @@ def _belt_limits(spec: RobotSpec, belt: BeltStage, cycle: AtGearhead, drive: Bel
         held = drive.teeth_in_mesh
         found.append(at_least("belt_teeth_in_mesh", LEAST_IN_MESH, held, by_choice=True))
     return found
+
+
+def lost_at_load(spec: RobotSpec, backlash: Array, belt: Array) -> Array:
+    """Backlash of gearheads, and of a gear of fixed ratio, as the load has it [rad].
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    backlash
+        Of the gearheads at their output [rad]; NaN unknown.
+    belt
+        Ratio of the belt.
+
+    Returns
+    -------
+    array
+        Of each candidate.
+    """
+    lost: Array = backlash / belt
+    if spec.gear is None:
+        return lost
+    own = np.nan if spec.gear.backlash is None else spec.gear.backlash
+    return lost / spec.gear.ratio + own / (belt if spec.gear_before_belt else 1.0)
 
 
 def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[CheckColumn]:
@@ -122,7 +148,9 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[C
     ]  # fmt: skip
     needs = spec.needs
     if needs.backlash_at_load is not None:
-        found.append(at_most("backlash_at_load", gearhead["backlash"] / cycle.belt, needs.backlash_at_load))
+        found.append(
+            at_most("backlash_at_load", lost_at_load(spec, gearhead["backlash"], cycle.belt), needs.backlash_at_load)
+        )
     if needs.radial_load is not None:
         load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], **torque)
         found.append(load)
@@ -264,8 +292,7 @@ def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts)
     if needs.inertia_ratio is not None:
         found.append(at_most("inertia_ratio", cycle.load_cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
-        stiffness = spec.belt.stiffness if spec.belt and spec.belt.stiffness is not None else np.nan
-        first = resonance(stiffness, cycle.load_cycle.inertia, 1 + cycle.load_cycle.inertia / own)
+        first = resonance(spec.belt_stiffness, cycle.load_cycle.inertia, 1 + cycle.load_cycle.inertia / own)
         found.append(at_least("first_resonance", needs.resonance, first.resonance))
     return found
 
@@ -369,7 +396,8 @@ def _counting(spec: RobotSpec, belt: float, demand: Demands, parts: Parts) -> li
     ]
     need = spec.needs.resolution_at_load
     if need is not None:
-        edge = angle_per_edge(lines(encoder), demand.total_ratio * belt)
+        geared = belt if spec.gear is None else belt * spec.gear.ratio
+        edge = angle_per_edge(lines(encoder), demand.total_ratio * geared)
         found.append(at_most("encoder_resolution", edge, need))
     return found
 
