@@ -1,7 +1,7 @@
 """Records of the catalogue's further kinds of parts, beside motor, gearhead, encoder and controller.
 
-An actuator or gearmotor is sold as one part; ``search_view`` splits it for the search. Belts, pulleys, brakes, steppers
-and batteries are parts of their own.
+An actuator or gearmotor is sold as one part; ``search_view`` splits it for the search. Belts, pulleys, screws, brakes,
+steppers and batteries are parts of their own.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from drivesizer.catalog.columns import figure, text
 
-__all__ = ["Actuator", "Battery", "Belt", "Brake", "Pulley", "Stepper"]
+__all__ = ["Actuator", "Battery", "Belt", "Brake", "Pulley", "Screw", "Stepper"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,6 +162,34 @@ class Pulley:
     price: float = figure("price", "EUR")
     foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
     currency: str = text()  # of it, such as USD
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Screw:
+    """One nut with its shaft, of steel, as long as the machine needs."""
+
+    part: str = text()
+    family: str = text()
+    manufacturer: str = text()
+    kind: str = text()  # ball, trapezoidal, lead
+    diameter: float = figure("length", "mm")  # nominal
+    lead: float = figure("length", "mm")
+    starts: float = figure("dimensionless", "1")
+    root_diameter: float = figure("length", "mm")  # of the core
+    ball_diameter: float = figure("length", "mm")  # of the ball centres
+    pitch_diameter: float = figure("length", "mm")  # of a sliding thread
+    shaft_diameter: float = figure("length", "mm")  # outside, where it is not the nominal one
+    dynamic_load: float = figure("force", "N")
+    static_load: float = figure("force", "N")
+    permissible_thrust: float = figure("force", "N")  # of a sliding nut
+    stiffness: float = figure("stiffness", "N/um")  # axial, of the nut
+    axial_play: float = figure("length", "mm")
+    efficiency: float = figure("dimensionless", "%")  # of the screw that drives the nut
+    back_efficiency: float = figure("dimensionless", "%")  # of the nut that drives the screw
+    dn_max: float = figure("dimensionless", "1")  # mm rpm, by the ball centres where their diameter is known
+    nut_mass: float = figure("mass", "kg")
+    mass: float = figure("mass", "kg")  # of nut and shaft; of the machine's length where it is chosen
+    price: float = figure("price", "EUR")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

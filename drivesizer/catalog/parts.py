@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog.columns import Column, columns, figure, text
-from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
+from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Screw, Stepper
 
 __all__ = [
     "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor",
@@ -241,6 +241,7 @@ PARTS: dict[str, type[Any]] = {
     "steppers": Stepper,
     "belts": Belt,
     "pulleys": Pulley,
+    "screws": Screw,
     "batteries": Battery,
 }
 

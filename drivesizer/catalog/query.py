@@ -40,10 +40,11 @@ OPTIONS: dict[str, dict[str, str]] = {
     "family": dict.fromkeys(PARTS, "family"),
     "voltage": {"motors": "nominal_voltage", "controllers": "supply_min supply_max", "actuators": "nominal_voltage",
      "brakes": "supply", "batteries": "nominal_voltage"},
-    "diameter": dict.fromkeys(("motors", "gearheads", "encoders", "actuators"), "diameter"),
+    "diameter": dict.fromkeys(("motors", "gearheads", "encoders", "actuators", "screws"), "diameter"),
     "power": {"motors": "assigned_power", "gearheads": "continuous_power"},
     "kind": {"motors": "kind", "gearheads": "kind", "encoders": "kind", "controllers": "drives", "actuators": "gearing",
-     "steppers": "wiring", "belts": "profile", "pulleys": "profile", "batteries": "chemistry", "brakes": "family"},
+     "steppers": "wiring", "belts": "profile", "pulleys": "profile", "screws": "kind", "batteries": "chemistry",
+     "brakes": "family"},
 }  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.maker_tolerances import MakerTolerance
-from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
+from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Screw, Stepper
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 
@@ -153,6 +153,7 @@ class Catalog:
     steppers: Table[Stepper]
     belts: Table[Belt]
     pulleys: Table[Pulley]
+    screws: Table[Screw]
     batteries: Table[Battery]
     motor_gearhead: Pairs
     motor_encoder: Pairs

@@ -57,7 +57,7 @@ temperature          | 25 degC     | K; degC C; degF F
 temperature_difference | 75 K      | K
 angle                | 2 deg       | rad; deg; arcmin '; arcsec "; turn rev
 density              | 7850 kg/m^3 | kg/m^3; g/cm^3 g/cc; lb/in^3; lb/ft^3
-stiffness            | 20 N/mm     | N/m; N/mm; kN/m; lbf/in lb/in
+stiffness            | 20 N/mm     | N/m; N/mm; kN/m; N/um; lbf/in lb/in
 torsional_stiffness  | 1.2 N*m/arcmin | N*m/rad; N*m/deg; N*m/arcmin; mN*m/rad
 damping              | 1e-6 N*m*s  | N*m*s/rad N*m*s; mN*m/rpm mNm*min
 dimensionless        | 0.02 or 2 % | 1; %

@@ -56,7 +56,8 @@ RANGES: dict[str, tuple[float, float]] = {
 
 # figures of parts that may be 0: what a part has none of; any other figure of 0 is unknown, and written ~
 MAY_BE_ZERO = frozenset({
-    "added_length", "ambient_max", "ambient_min", "backlash", "commutator_segments", "coulomb_friction", "current_draw",
+    "added_length", "ambient_max", "ambient_min", "axial_play", "backlash", "commutator_segments", "coulomb_friction",
+    "current_draw",
     "direction", "friction_torque", "inertia", "load_friction", "mass", "max_axial_load", "max_press_fit",
     "max_radial_load", "no_load_current", "no_load_torque", "phases", "pole_pairs", "price", "price_5", "price_20",
     "list_price", "foreign_price", "radial_load_distance", "stages", "static_torque",

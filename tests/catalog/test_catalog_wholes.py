@@ -1,4 +1,4 @@
-"""The checker's laws of actuators, brakes, steppers, belts, pulleys and batteries, on an invented catalogue."""
+"""The checker's laws of actuators, brakes, steppers, belts, pulleys, screws and batteries, on an invented catalogue."""
 
 from __future__ import annotations
 
@@ -83,6 +83,17 @@ pulleys:
   common: {profile: HTD, pitch: 5 mm, width: 9 mm, bore: 8 mm}
   columns: [part, teeth, mass (g), price (EUR)]
   rows: [[P20, 20, 20, 10], [P24, 24, 29, 11], [P36, 36, 65, 14]]
+screws:
+- family: B
+  source: s
+  common: {kind: ball, starts: 1, efficiency: 90 %, back_efficiency: 80 %, dn_max: 70000, axial_play: 0.05 mm}
+  columns: [part, diameter (mm), lead (mm), root_diameter (mm), ball_diameter (mm), pitch_diameter (mm),
+    shaft_diameter (mm), dynamic_load (N), static_load (N), permissible_thrust (N), stiffness (N/um), nut_mass (kg),
+    mass (kg), price (EUR)]
+  rows:
+  - [B16, 16, 10, 13, 16.5, 14.5, 15.8, 9000, 17000, 6500, 160, 0.2, 1.5, 90]
+  - [B20, 20, 10, 17, 20.7, 18.5, 19.6, 12000, 26000, 9000, 240, 0.3, 2.5, 110]
+  - [B25, 25, 10, 22, 25.9, 23, 24.6, 16000, 40000, 15000, 330, 0.4, 3.9, 140]
 batteries:
 - family: C
   source: s
@@ -111,7 +122,7 @@ batteries:
   rows:
   - [L10, 10, 9.4, 8.5, 6.2, 30, 150, 15, 3600, 30]
 """
-WHOLES = ("actuators", "brakes", "steppers", "belts", "pulleys", "batteries")
+WHOLES = ("actuators", "brakes", "steppers", "belts", "pulleys", "screws", "batteries")
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Laws of actuators, brakes, steppers, belts, pulleys and batteries, as tables."""
+"""Laws of actuators, brakes, steppers, belts, pulleys, screws and batteries, as tables."""
 
 from __future__ import annotations
 
@@ -130,6 +130,13 @@ _STEPPER_LAWS: list[Formula] = [
      lambda s: s["supply_max"] / s["resistance"], ("supply_max", "resistance"), 0.0, ROUNDED),
 ]  # fmt: skip
 
+# --- screws ----------------------------------------------------------------------------------------------------------
+
+_SCREW_LAWS: list[Formula] = [
+    ("play of a screw", "5 % of the diameter at most", "axial_play", "<=", lambda s: 0.05 * s["diameter"],
+     ("diameter",), 0.0, "none: 0 of preloaded nuts to 0.8 % of 385 screws"),
+]  # fmt: skip
+
 # --- batteries -------------------------------------------------------------------------------------------------------
 
 # chemistry, W h/kg at least and at most, of which parts
@@ -186,6 +193,9 @@ _ORDERS = {
         "supply_min < supply_max", "detent_torque < holding_torque", "shaft_diameter < diameter",
         "ambient_min < ambient_max",
     ),
+    "screws": ("root_diameter < diameter", "diameter < ball_diameter", "pitch_diameter < diameter",
+               "root_diameter < pitch_diameter", "shaft_diameter <= ball_diameter", "back_efficiency < efficiency",
+               "nut_mass <= mass"),
     "batteries": (
         "cutoff_voltage < nominal_voltage", "nominal_voltage < charge_voltage", "capacity_1h <= capacity_5h",
         "capacity_5h <= capacity_10h", "peak_current >= continuous_current",
@@ -235,6 +245,24 @@ _BANDS: list[Band] = [
     ("pulleys", "mass beside volume", "mass", lambda p: (p["pitch"] * p["teeth"]) ** 2 * p["width"] / (4 * np.pi),
      150.0, 30000.0, ("pitch", "pitch", "teeth", "teeth", "width"),
      "kg/m^3: a plastic rim on spokes; a steel one with a hub twice as long as the belt is wide"),
+    ("screws", "core beside diameter", "root_diameter", lambda s: s["diameter"], 0.65, 0.98, ("diameter",),
+     "0.74 to 0.95 of 765 screws"),
+    ("screws", "ball centres beside diameter", "ball_diameter", lambda s: s["diameter"], 1.0, 1.12, ("diameter",),
+     "1.015 to 1.07 of 616 screws"),
+    ("screws", "shaft beside diameter", "shaft_diameter", lambda s: s["diameter"], 0.85, 1.02, ("diameter",),
+     "0.875 to 1.002 of 136 screws"),
+    ("screws", "lead beside diameter", "lead", lambda s: s["diameter"], 0.03, 4.5, ("diameter",),
+     "0.06 to 2.5 of 919 screws"),
+    ("screws", "static beside dynamic load", "static_load", lambda s: s["dynamic_load"], 1.0, 5.5, ("dynamic_load",),
+     "1.2 to 4.5 of 868 screws"),
+    ("screws", "static load by area", "static_load", lambda s: s["diameter"] ** 2, 5e6, 5e8, ("diameter", "diameter"),
+     "Pa: 1.5e7 to 3.7e8 of 868 screws"),
+    ("screws", "thrust by area", "permissible_thrust", lambda s: s["diameter"] ** 2, 5e6, 1e8,
+     ("diameter", "diameter"), "Pa: 2.0e7 to 2.7e7 of 13 screws"),
+    ("screws", "stiffness by diameter", "stiffness", lambda s: s["diameter"], 3e8, 1e11, ("diameter",),
+     "N/m^2: 1.5e9 to 6.0e10 of 734 screws"),
+    ("screws", "permissible diameter times speed", "dn_max", lambda s: np.ones(len(s)), 5e3, 5e5, (),
+     "mm rpm: 1.8e4 to 1.6e5 of 817 screws"),
     *(("batteries", f"energy by mass, {name}", "capacity", _capacity_for_1_wh_per_kg(name), least, most,
        ("mass", "nominal_voltage", "chemistry"), f"W h/kg: {reason}") for name, least, most, reason in _CHEMISTRIES),
     ("batteries", "peak current beside V / R", "peak_current", lambda b: b["nominal_voltage"] / b["resistance"],
@@ -255,18 +283,21 @@ _BESIDE: list[Beside] = [
     ("steppers", "price", usual("family"), 10.0, "of the family's parts: several sizes"),
     ("belts", "price", usual("family", "width"), 10.0, "of the family's belts of that width: all lengths"),
     ("pulleys", "price", usual("family", "width"), 10.0, "of the family's pulleys of that width: all sizes"),
+    ("screws", "nut_mass", usual("family"), 300.0, "of the family's nuts: all sizes"),
+    ("screws", "price", usual("family"), 100.0, "of the family's screws: all sizes and lengths"),
     ("batteries", "price", usual("family", "nominal_voltage"), 30.0, "of the family's parts of that voltage"),
 ]
 
-_SHARES = [("actuators", "efficiency")]
+_SHARES = [("actuators", "efficiency"), ("screws", "efficiency")]
 
 _WHOLE = [("actuators", "pole_pairs"), ("actuators", "stages"), ("steppers", "full_steps"), ("belts", "teeth"),
-          ("pulleys", "teeth")]  # fmt: skip
+          ("pulleys", "teeth"), ("screws", "starts")]  # fmt: skip
 
 LAWS_OF_MORE_PARTS: tuple[Law, ...] = (
     *formulas("actuators", _ACTUATOR_LAWS, HANDBOOK),
     *formulas("actuators", _ENERGY_LAWS, ENERGY),
     *formulas("steppers", _STEPPER_LAWS, USAGE),
+    *formulas("screws", _SCREW_LAWS, USAGE),
     *formulas("batteries", _BATTERY_LAWS, DEFINITION),
     *_capacities(),
     *reductions("actuators", "gearing"),

@@ -233,8 +233,8 @@ _WHOLE = [("motors", "pole_pairs"), ("motors", "phases"), ("motors", "commutator
 
 # thermal_resistance_winding: motors of which only winding to ambient is known have it in the housing's;
 # stages: 0 is direct drive
-_MAY_BE_ZERO = {"thermal_resistance_winding", "friction_torque", "viscous_friction", "backlash", "voltage_drop",
-                "stages", "direction", "price", "price_5", "price_20", "list_price", "added_length",
+_MAY_BE_ZERO = {"thermal_resistance_winding", "friction_torque", "viscous_friction", "backlash", "axial_play",
+                "voltage_drop", "stages", "direction", "price", "price_5", "price_20", "list_price", "added_length",
                 "inertia"}  # fmt: skip
 
 _OTHERS = (

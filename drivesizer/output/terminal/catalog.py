@@ -50,6 +50,10 @@ _SHOWN: dict[str, tuple[tuple[str, str], ...]] = {  # head, column
     ),
     "belts": (("profile", "profile"), ("pitch", "pitch"), ("teeth", "teeth"), ("width", "width")),
     "pulleys": (("profile", "profile"), ("pitch", "pitch"), ("teeth", "teeth"), ("width", "width"), ("bore", "bore")),
+    "screws": (
+        ("diameter", "diameter"), ("lead", "lead"), ("core", "root_diameter"), ("C", "dynamic_load"),
+        ("C0", "static_load"), ("eff.", "efficiency"), ("dn", "dn_max"),
+    ),
     "batteries": (
         ("chemistry", "chemistry"), ("voltage", "nominal_voltage"), ("capacity", "capacity"),
         ("cont.", "continuous_current"), ("resistance", "resistance"), ("mass", "mass"),
@@ -65,6 +69,7 @@ _NOTES = {
     "steppers": "current, resistance and inductance of a phase; torque at standstill",
     "belts": "",
     "pulleys": "width of the widest belt",
+    "screws": "ratings dynamic and static; dn in mm rpm",
     "batteries": "",
 }
 _BESIDE = 4  # parts side by side on 80 columns
