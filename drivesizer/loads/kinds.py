@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 
 __all__ = ["AXES", "LAWS", "MODULES", "Load", "TorqueLaw"]
 
-_FILES = ("wheeled_vehicle", "conveyor", "hoist", "screw", "rack_pinion", "rotary_table", "arm", "fan", "recorded")
+_FILES = (
+    "wheeled_vehicle", "conveyor", "hoist", "screw", "rack_pinion", "belt_axis", "rotary_table", "arm", "fan",
+    "recorded",
+)  # fmt: skip
 
 TorqueLaw = Callable[..., LoadCycle]
 _HOMES = {name: import_module(f"drivesizer.loads.{name}") for name in _FILES}

@@ -119,6 +119,7 @@ _PHYSICS = {
     "belt_tension": CheckKind("Belt effective tension", *_NEWTON),
     "belt_speed": CheckKind("Belt speed", "speed", "m/s"),
     "belt_teeth_in_mesh": CheckKind("Belt teeth in mesh, small pulley"),
+    "belt_axis_tension": CheckKind("Belt axis, effective tension", *_NEWTON),
     "screw_buckling": CheckKind("Screw axial load, buckling and core", *_NEWTON),
     "screw_static_load": CheckKind("Screw static load with its safety", *_NEWTON),
     "screw_thrust": CheckKind("Screw thrust of the nut", *_NEWTON),

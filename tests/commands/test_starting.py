@@ -44,7 +44,7 @@ def test_answers_are_read_as_strictly_as_a_file_and_asked_again(told):
 
 def test_american_units_are_offered_and_mean_the_same(told):
     """30 kg are 66.1 lb, to three digits."""
-    assert told("init", answers="12\nUS\n" + "\n" * 20).exit_code == 0
+    assert told("init", answers="13\nUS\n" + "\n" * 20).exit_code == 0
     text = Path("robot.yaml").read_text(encoding="utf-8")
     assert "mass: 66.1 lb" in text and "wheel_diameter: 7.87 in" in text
     assert load_spec("robot.yaml").load.mass == pytest.approx(30.0, rel=1e-3)

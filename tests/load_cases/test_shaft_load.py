@@ -98,8 +98,8 @@ def test_a_fan_s_drag_comes_with_its_speed():
 
 
 KINDS = [
-    "conveyor", "hoist", "lead_screw", "ball_screw", "rack_pinion", "rotary_table", "arm", "fan", "flywheel",
-    "wheeled_vehicle",
+    "conveyor", "hoist", "lead_screw", "ball_screw", "rack_pinion", "belt_axis", "rotary_table", "arm", "fan",
+    "flywheel", "wheeled_vehicle",
 ]  # fmt: skip
 
 

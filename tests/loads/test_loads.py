@@ -104,6 +104,45 @@ def test_freight_elevator_of_halliday():
     assert c.power[0, 0] * 0.93 == pytest.approx(740, abs=5.1)  # 735 W, printed with two digits
 
 
+JUNMA = """
+name: x
+load:
+  kind: belt_axis
+  mass: 4 kg
+  pulley_diameter: 64 mm
+  friction_coefficient: 0.2
+  friction_torque: 0.05 N*m
+  inertia: {diameter: 64 mm, length: 20 mm, density: 2690 kg/m^3}
+  idler_inertia: {diameter: 64 mm, length: 20 mm, density: 2690 kg/m^3}
+  max_tension: 100 N
+motion: {speed: 30 m/min, acceleration_time: 0.1 s, cruise_time: 0.9 s, rest_time: 0.1 s}
+transmission:
+  - kind: direct
+  - kind: gear
+    ratio: 5
+    efficiency: 90 %
+    pinion_inertia:
+      - {diameter: 20 mm, length: 20 mm, density: 7870 kg/m^3}
+      - {diameter: 30 mm, mass: 0.3 kg}
+    wheel_inertia: {diameter: 100 mm, length: 20 mm, density: 7870 kg/m^3}
+supply: {nominal: 24 V}
+environment: {gravity: 9.8 m/s^2}
+"""
+
+
+def test_timing_belt_of_yaskawa():
+    """JUNMA series, selection of servomotor size: 745 rpm, 0.0669 N·m, (1.639 + 0.687 + 0.362) kg·cm² at the motor."""
+    c = load_cycle(read_spec(YamlSource(JUNMA, "x.yaml")))
+    running = (c.acceleration == 0).all(axis=1) & (c.speed > 0).all(axis=1)
+    assert c.speed.max() * 30 / math.pi == pytest.approx(745, abs=1.5)  # printed from rounded 149 rpm
+    assert c.torque[running] == pytest.approx(0.0669, abs=5e-5)
+    assert c.inertia == pytest.approx(2.69e-4, abs=0.005e-4)
+    (tension,) = c.own
+    assert tension.name == "belt_axis_tension"
+    pulley = 2690 * math.pi * 0.02 * 0.064**4 / 32
+    assert tension.demand == pytest.approx(0.2 * 4 * 9.8 + (4 + pulley / 0.032**2) * 0.5 / 0.1)
+
+
 @pytest.mark.parametrize(
     ("load", "speed", "time", "printed"),
     [("mass: 820 kg, friction_coefficient: 0.1", 2.0, 1.0, 2440), ("mass: 300 kg, incline: 90 deg", 1.08, 0.27, 4100)],
@@ -229,6 +268,12 @@ def rack_by_hand(s, v, a, sign):
     return through(force, v, 0.93, 0.93) * 0.02 + 2e-4 * a / 0.02
 
 
+def belt_axis_by_hand(s, v, a, sign):
+    belt = 0.4 + 3e-4 / 0.015**2  # idlers at their own rim
+    force = 6 * G * math.sin(0.2) + sign * (0.05 * 6 * G * math.cos(0.2) + 4) - 7 + (6 + belt) * a
+    return (through(force, v, 0.94, 0.94) * 0.02 + 1e-4 * a / 0.02 + sign * 0.03) / 2
+
+
 def table_by_hand(s, v, a, sign):
     return 0.3 * a + 0.4 * sign - 0.6 + 5 * G * 0.07 * math.sin(0.8) * math.cos(0.5 + s)
 
@@ -268,6 +313,13 @@ MACHINES = {
         "kind: rack_pinion, mass: 16 kg, pinion_diameter: 40 mm, efficiency: 0.93, incline: -0.1 rad, "
         "friction_coefficient: 0.04, friction_force: 3 N, force: 9 N, inertia: 2 kg*cm^2",
         rack_by_hand,
+        0.02,
+    ),
+    "belt_axis": Machine(
+        "kind: belt_axis, mass: 6 kg, pulley_diameter: 40 mm, belt_mass: 0.4 kg, efficiency: 0.94, incline: 0.2 rad, "
+        "friction_coefficient: 0.05, friction_force: 4 N, friction_torque: 30 mN*m, force: -7 N, inertia: 1 kg*cm^2, "
+        "idler_inertia: 3 kg*cm^2, idler_diameter: 30 mm, motors: 2",
+        belt_axis_by_hand,
         0.02,
     ),
     "rotary_table": Machine(
@@ -430,6 +482,8 @@ MASSIVE = {  # what weighs, rubs or resists, k times
     "lead: 5 mm, efficiency: 0.9, back_efficiency: 0.7, incline: 20 deg, friction_coefficient: 0.1",
     "rack_pinion": "mass: {0} kg, friction_force: {1} N, force: {1} N, inertia: {2} kg*m^2, pinion_diameter: 30 mm, "
     "efficiency: 0.9, incline: 20 deg, friction_coefficient: 0.1",
+    "belt_axis": "mass: {0} kg, belt_mass: {1} kg, friction_force: {1} N, force: {1} N, inertia: {2} kg*m^2, "
+    "friction_torque: {2} N*m, pulley_diameter: 30 mm, efficiency: 0.9, incline: 20 deg, friction_coefficient: 0.1",
     "rotary_table": "inertia: {0} kg*m^2, friction_torque: {1} N*m, torque: {2} N*m, mass: {1} kg, "
     "eccentricity: 0.3 m, tilt: 40 deg, start_angle: 200 deg",
     "arm": "mass: {0} kg, length: 0.4 m, friction_torque: {1} N*m, start_angle: -1 rad, tilt: 10 deg",
@@ -465,7 +519,8 @@ def test_alike_motor_sets_share_alike(kind):
 def test_the_torque_to_accelerate_is_inertia_times_acceleration(kind):
     """Torque jumps at a corner by what inertia takes, where power keeps its direction and so its losses."""
     c = massive(kind)
-    losses = {"conveyor": 0.9, "hoist": 0.9, "lead_screw": 0.6, "ball_screw": 0.9, "rack_pinion": 0.9}
+    losses = {"conveyor": 0.9, "hoist": 0.9, "lead_screw": 0.6, "ball_screw": 0.9, "rack_pinion": 0.9,
+              "belt_axis": 0.9}  # fmt: skip
     turning = 0.02 if kind in losses else 0.0
     corner = int(np.flatnonzero(np.isclose(c.time[:, 0], 0.5))[0])
     before, after = c.torque[corner - 1, 1], c.torque[corner, 0]
@@ -503,6 +558,7 @@ def test_other_units_the_same_machine(one, other):
         "kind: ball_screw, mass: 9 kg, lead: 6 mm, efficiency: 0.9, friction_coefficient: 0.1, "
         "preload_torque: 50 mN*m, inertia: 2 kg*cm^2",
         "kind: rack_pinion, mass: 9 kg, pinion_diameter: 30 mm, friction_coefficient: 0.1, efficiency: 0.9",
+        "kind: belt_axis, mass: 9 kg, pulley_diameter: 30 mm, friction_coefficient: 0.1, friction_torque: 0.1 N*m",
         "kind: rotary_table, inertia: 0.3 kg*m^2, friction_torque: 0.2 N*m",
         "kind: fan, inertia: 0.3 kg*m^2, friction_torque: 0.2 N*m, rated_torque: 1 N*m, rated_speed: 2 rad/s",
     ],
@@ -591,6 +647,9 @@ EDGES = [
     ("lead_screw", "efficiency: 0.4", "efficiency: .inf", "load.efficiency"),
     ("rack_pinion", "pinion_diameter: 40 mm", "pinion_diameter: 1e999 mm", "load.pinion_diameter"),
     ("rack_pinion", "mass: 16 kg", "mass: 16", "load.mass"),
+    ("belt_axis", "pulley_diameter: 40 mm, ", "", "load.pulley_diameter: is missing; expected length"),
+    ("belt_axis", "idler_diameter: 30 mm", "idler_diameter: 0 mm", 'load.idler_diameter: "0 mm" must be above 0 m'),
+    ("belt_axis", "belt_mass: 0.4 kg", "belt_mass: -1 kg", 'load.belt_mass: "-1 kg" must be at least 0 kg'),
     ("rotary_table", "inertia: 0.3 kg*m^2", "inertia: -1 kg*m^2", 'load.inertia: "-1 kg*m^2" must be at least 0 kg·m²'),
     ("rotary_table", "inertia: 0.3 kg*m^2", "inertia: 0.02 kg*m^2", "mass times eccentricity squared, 0.0245 kg·m²"),
     ("rotary_table", "mass: 5 kg", "weight: 5 kg", "load.weight"),
@@ -631,6 +690,7 @@ HUGE = {
     "ball_screw": ("mass: 25 kg", "mass: 1e308 kg"),
     "lead_screw": ("efficiency: 0.4", "efficiency: 1e-308"),
     "rack_pinion": ("mass: 16 kg", "mass: 1e308 kg"),
+    "belt_axis": ("mass: 6 kg", "mass: 1e308 kg"),
     "rotary_table": ("inertia: 0.3 kg*m^2", "inertia: 1e308 kg*m^2"),
     "arm": ("friction_torque: 0.5 N*m", "friction_torque: 1e308 kN*m"),
     "fan": ("rated_speed: 1.7 rad/s", "rated_speed: 1e-200 rad/s"),

@@ -269,6 +269,7 @@ FIRST = {  # of each load a figure that must be above zero
     "lead_screw": "mass: 20 kg",
     "ball_screw": "lead: 10 mm",
     "rack_pinion": "pinion_diameter: 40 mm",
+    "belt_axis": "mass: 6 kg",
     "arm": "length: 300 mm",
     "fan": "rated_speed: 1800 rpm",
     "flywheel": "rated_speed: 1200 rpm",
