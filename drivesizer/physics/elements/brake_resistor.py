@@ -1,0 +1,316 @@
+r"""Regenerated energy on a bus: what its capacitors store, and what a chopper burns in a resistor.
+
+.. math::
+
+    E_C &= \tfrac12 C (U_{ch}^2 - U_0^2) \qquad (1) \\
+    U_{ch} / I_{ch} &\le R \le U_{ch}^2 / P_{max} \qquad (2), (3) \\
+    P_R &= U_{ch}^2 / R \qquad (4) \\
+    C &\ge 2 E / (U_{lim}^2 - U_0^2) \qquad (5)
+
+A rectifier or power supply takes nothing back: the capacitors store what is regenerated up to (1), give it back while
+the drives draw, and what finds no room is burnt. The chopper switches on and off; while on it burns (4).
+
+Sources: (1), (3), (5) Copley Controls, Xenus Plus User Guide, A.1.6 to A.1.9, and Kollmorgen SERVOSTAR S and CD,
+M-SS-005-03, appendix D, equations 2, 3 and 5; (2), (3), (4) Lenze Drive Solution Designer, DMS 4.2 EN, 12.6.2; mean
+over the cycle, of longer ones over the worst window: Siemens SINAMICS Engineering Manual, November 2015, page 370.
+
+Symbols: U_ch voltage at which the chopper switches on, U_0 voltage of the supply, U_lim highest voltage permitted [V];
+C capacitance of the bus [F]; R resistance [ohm]; I_ch largest current of the chopper [A]; P_max largest regenerated
+power, P_R power of the resistor while it is on [W]; E energy [J].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import floor, inf, isnan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "burnt_energy", "derated_power", "largest_mean", "largest_pulse", "largest_resistance", "least_bus_capacitance",
+    "power_while_on", "preferred_resistance", "smallest_resistance", "storable_energy",
+]  # fmt: skip
+
+Array = NDArray[np.float64]
+_E24 = (1.0, 1.1, 1.2, 1.3, 1.5, 1.6, 1.8, 2.0, 2.2, 2.4, 2.7, 3.0, 3.3, 3.6, 3.9, 4.3, 4.7, 5.1, 5.6, 6.2, 6.8,
+        7.5, 8.2, 9.1)  # fmt: skip
+_NEARLY = 1e-9  # relative
+
+
+def storable_energy(capacitance: Any, chopper: Any, supply: Any) -> Any:
+    """Energy that the bus takes before its chopper switches on, (1) [J].
+
+    Parameters
+    ----------
+    capacitance
+        Of the bus, C [F].
+    chopper, supply
+        Voltage at which the chopper switches on, and before [V].
+
+    Returns
+    -------
+    float or array
+        0 where the chopper is on already.
+
+    Examples
+    --------
+    4.7 mF from 48 V to 56 V:
+
+    >>> round(float(storable_energy(4.7e-3, 56.0, 48.0)), 3)
+    1.955
+    """
+    return np.maximum(0.5 * capacitance * (np.square(chopper) - np.square(supply)), 0.0)
+
+
+def largest_resistance(chopper: Any, power: Any) -> Any:
+    """Largest resistance that burns a power at the chopper's voltage, (3) [ohm]; infinite where there is none to burn.
+
+    Parameters
+    ----------
+    chopper
+        Voltage at which the chopper switches on, U_ch [V].
+    power
+        Largest regenerated power, P_max [W].
+
+    Returns
+    -------
+    float or array
+        Resistance [ohm].
+    """
+    with np.errstate(divide="ignore"):
+        return np.square(chopper) / np.asarray(power, float)
+
+
+def smallest_resistance(chopper: Any, current: Any) -> Any:
+    """Smallest resistance that a chopper can switch, (2) [ohm].
+
+    Parameters
+    ----------
+    chopper
+        Voltage at which the chopper switches on, U_ch [V].
+    current
+        Largest current of the chopper, I_ch [A].
+
+    Returns
+    -------
+    float or array
+        Resistance [ohm].
+
+    Examples
+    --------
+    maxon DSR 50/5 at 56 V and 5 A:
+
+    >>> smallest_resistance(56.0, 5.0)
+    11.2
+    """
+    return chopper / current
+
+
+def power_while_on(chopper: Any, resistance: Any) -> Any:
+    """Power of a resistor while its chopper is on, (4) [W].
+
+    Parameters
+    ----------
+    chopper
+        Voltage across it, U_ch [V].
+    resistance
+        Of the resistor, R [ohm].
+
+    Returns
+    -------
+    float or array
+        Power [W].
+
+    Examples
+    --------
+    Roboteq SR2K60V25R prints 125 W at 25 V in its first stage of 5 ohm, and 292 W at 27 V in both, 2.5 ohm:
+
+    >>> power_while_on(25.0, 5.0), round(power_while_on(27.0, 2.5))
+    (np.float64(125.0), 292)
+    """
+    return np.square(chopper) / resistance
+
+
+def least_bus_capacitance(stored: Any, limit: Any, supply: Any) -> Any:
+    """Capacitance of a bus that stores all that is regenerated, without a resistor, (5) [F].
+
+    Parameters
+    ----------
+    stored
+        Largest energy that is regenerated and not drawn again, E [J].
+    limit, supply
+        Highest voltage permitted, U_lim, and before, U_0 [V].
+
+    Returns
+    -------
+    float or array
+        Infinite where the limit leaves no room, 0 where nothing is stored.
+
+    Examples
+    --------
+    >>> round(float(least_bus_capacitance(1.955, 56.0, 48.0)), 5)
+    0.0047
+    """
+    room = np.square(limit) - np.square(supply)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(np.asarray(stored) == 0.0, 0.0, np.where(room > 0.0, 2.0 * stored / room, inf))
+
+
+def burnt_energy(drawn: Array, returned: Array, capacity: float) -> Array:
+    """Energy burnt in each piece of a cycle that repeats, the bus storing what it can [J].
+
+    Within a piece what is drawn goes before what is regenerated, so that no more is stored than may be.
+
+    Parameters
+    ----------
+    drawn, returned
+        Energy to and from the drives in each piece [J], shape (pieces,).
+    capacity
+        Energy that the bus stores, of ``storable_energy`` [J].
+
+    Returns
+    -------
+    array
+        Shape (pieces,), in periodic steady state: of a cycle that regenerates more than it draws with a full store.
+
+    Examples
+    --------
+    2 J find room, 3 J are burnt; the store is empty again before the next braking:
+
+    >>> burnt_energy(np.array([6.0, 0.0, 0.0]), np.array([0.0, 4.0, 1.0]), 2.0).tolist()
+    [0.0, 2.0, 1.0]
+    """
+    if not capacity > 0.0:
+        return returned.copy()
+    held = capacity if returned.sum() > drawn.sum() else 0.0  # where a periodic store is at some moment of its cycle
+    burnt = np.zeros(len(drawn))
+    steps = list(zip(drawn.tolist(), returned.tolist(), strict=True))
+    for _ in range(2):  # from that moment on the second time has the periodic course
+        for piece, (out, into) in enumerate(steps):
+            held = max(held - out, 0.0) + into
+            over = max(held - capacity, 0.0)
+            held, burnt[piece] = held - over, over
+    return burnt
+
+
+def largest_mean(duration: Array, energy: Array, window: float) -> float:
+    """Largest mean power over any window of a cycle that repeats [W].
+
+    Parameters
+    ----------
+    duration, energy
+        Of each piece [s], [J]; the power within a piece is even.
+    window
+        Length of the window [s].
+
+    Returns
+    -------
+    float
+        No less than the mean over the cycle.
+
+    Examples
+    --------
+    10 J in the first of 4 s, over 2 s and over 5 s:
+
+    >>> cycle = np.array([1.0, 3.0]), np.array([10.0, 0.0])
+    >>> largest_mean(*cycle, 2.0), largest_mean(*cycle, 5.0)
+    (5.0, 4.0)
+    """
+    total, per_cycle = float(duration.sum()), float(energy.sum())
+    whole = floor(window / total)
+    rest = window - whole * total
+    ends = np.concatenate([[0.0], np.cumsum(np.tile(duration, 2))])
+    sums = np.concatenate([[0.0], np.cumsum(np.tile(energy, 2))])
+    starts = np.concatenate([ends[ends <= total], ends[(ends >= rest) & (ends - rest <= total)] - rest])
+    most = float((np.interp(starts + rest, ends, sums) - np.interp(starts, ends, sums)).max())
+    return max((whole * per_cycle + most) / window, per_cycle / total)
+
+
+def largest_pulse(duration: Array, energy: Array, continuous: float = 0.0) -> float:
+    """Largest energy of an uninterrupted braking in a cycle that repeats [J].
+
+    Parameters
+    ----------
+    duration, energy
+        Of each piece [s], [J].
+    continuous
+        Power up to which burning is no pulse, for a resistor withstands it at any time [W].
+
+    Returns
+    -------
+    float
+        Infinite where more than that is burnt all the time.
+
+    Examples
+    --------
+    The last braking and the first are one, for the cycle repeats:
+
+    >>> largest_pulse(np.ones(5), np.array([3.0, 0.0, 4.0, 0.0, 2.0]))
+    5.0
+    """
+    pulsed = energy > continuous * duration * (1.0 + _NEARLY)
+    if pulsed.all():
+        return inf
+    first = int(np.argmin(pulsed))  # a piece without: no run goes round the end from there
+    energy, pulsed = np.roll(energy, -first), np.roll(pulsed, -first)
+    sums = np.cumsum(np.where(pulsed, energy, 0.0))
+    before = np.maximum.accumulate(np.where(pulsed, 0.0, sums))  # at the last piece without
+    return float((sums - before).max())
+
+
+def derated_power(power: float, ambient: float, rated: float, none: float) -> float:
+    """Continuous power of a resistor at an ambient temperature, straight from its rated ambient to where it is none.
+
+    Parameters
+    ----------
+    power
+        At the rated ambient [W].
+    ambient, rated, none
+        Temperatures [K]; NaN unknown.
+
+    Returns
+    -------
+    float
+        NaN above a rated ambient without a line, the power itself where neither temperature is known.
+
+    Examples
+    --------
+    maxon DSR 50/5: 10 W at 25 degC, none at 75 degC; at 40 degC:
+
+    >>> round(derated_power(10.0, 313.15, 298.15, 348.15), 3)
+    7.0
+    """
+    if isnan(rated) or ambient <= rated:
+        return power
+    share = (none - ambient) / (none - rated)
+    return 0.0 if share < 0.0 else power * share
+
+
+def preferred_resistance(most: float, ends: Sequence[float]) -> float:
+    """Largest resistance of the series E24 up to a value, within what is made [ohm].
+
+    Parameters
+    ----------
+    most
+        Largest resistance that burns enough [ohm]; infinite: any.
+    ends
+        Least and greatest resistance that is made [ohm].
+
+    Returns
+    -------
+    float
+        NaN where none is so small.
+
+    Examples
+    --------
+    >>> preferred_resistance(10.9, (0.01, 10e3)), preferred_resistance(0.5, (1.0, 10.0))
+    (10.0, nan)
+    """
+    below = min(most, ends[1]) * (1.0 + _NEARLY)
+    if not below >= ends[0]:
+        return float("nan")
+    decade = 10.0 ** floor(np.log10(below))
+    fitting = [round(step * scale, 12) for scale in (decade, decade / 10.0) for step in _E24 if step * scale <= below]
+    return max((value for value in fitting if value >= ends[0]), default=float("nan"))
