@@ -13,8 +13,8 @@ __all__ = ["SCHEMA", "fields_of", "sections"]
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
 _DEFS: dict[str, Any] = SCHEMA["$defs"]
 _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each with its heading
-    "motion": dict.fromkeys(("Trapezoid", "Triangle", "SCurve", "Harmonic", "Hold"), "")
-    | {"Segments": "", "Segment": "Each of `segments`", "Csv": "", "Track": ""}
+    "motion": dict.fromkeys(("Trapezoid", "Triangle", "Move", "SCurve", "Harmonic", "Hold"), "")
+    | {"Segments": "", "Segment": "Each of `segments`", "Csv": "", "Cam": "", "Track": ""}
     | {"Waypoints": "", "Waypoint": "Each of `waypoints`"},
     "platform": {
         "Platform": "", "WheelPlace": "Each of `wheels`", "Mecanum": "`layout` of `kind: mecanum`",

@@ -58,14 +58,14 @@ def beside(spec_file: str, name: str, where: str) -> Path:
 
 
 def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
-    """Columns of a recording in SI, with rising times.
+    """Columns of a recording in SI, with rising times, or of a table with a first column that rises.
 
     Parameters
     ----------
     path
         A CSV file in UTF-8: a header, a row of units such as ``s,m/s``, then the numbers.
     forms
-        Sets of columns that the file may have, in any order; one of each is ``time``.
+        Sets of columns that the file may have, in any order; ``time`` rises, of a form without it the first.
 
     Returns
     -------
@@ -81,7 +81,8 @@ def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
     rows = rows_of(path, text, len(forms[0]))
     header, form = _header(path, next(rows, None), forms)
     factors = factors_of(path, header, form, next(rows, None))
-    values = values_of(path, rows, header, factors, float if text.isascii() and "_" not in text else plain_number)
+    convert = float if text.isascii() and "_" not in text else plain_number
+    values = values_of(path, rows, header, factors, convert, "time" if "time" in form else next(iter(form)))
     refuse_impossible(path, values, header, form, factors)
     return {name: values[:, header.index(name)].copy() for name in form}
 
@@ -213,8 +214,9 @@ def values_of(
     header: list[str],
     factors: list[float],
     convert: Callable[[str], float],
+    rising: str = "time",
 ) -> NDArray[np.float64]:
-    """Numbers in SI, with rising times.
+    """Numbers in SI, those of one column rising.
 
     Parameters
     ----------
@@ -226,6 +228,8 @@ def values_of(
         Names of the columns, and their factors to SI.
     convert
         Converts a cell: ``float``, or ``plain_number`` where the text may hold what ``float`` must not accept.
+    rising
+        The column whose numbers rise.
 
     Returns
     -------
@@ -237,7 +241,7 @@ def values_of(
     InputError
         One line that says where, what was found and what is expected.
     """
-    width, time = len(header), header.index("time")
+    width, time = len(header), header.index(rising)
     found, before = array("d"), -math.inf
     for count, (line, cells) in enumerate(rows):
         if len(cells) != width:
@@ -250,7 +254,7 @@ def values_of(
             values = [number_of(path, line, *cell) for cell in zip(header, cells, factors, strict=True)]
         if not values[time] > before:
             shown = quoted(cells[time])
-            raise InputError(f"{path}:{line}: time: {shown} is not after the row before; expected rising times")
+            raise InputError(f"{path}:{line}: {rising}: {shown} is not after the row before; expected rising {rising}s")
         if count == _MOST_ROWS:
             raise InputError(f"{path}:{line}: row: more than {_MOST_ROWS} rows; expected a thinned recording")
         before = values[time]

@@ -15,16 +15,18 @@ the straight lines add where the curve is hollow, they take away where it bulges
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.csv_columns import beside, columns
+from drivesizer.load_cases.breakpoints import Leg, checked, straight
+from drivesizer.load_cases.moves import cam, move
 from drivesizer.loads.course import Profile
 from drivesizer.physics.motion_curves import fastest_ramp
-from drivesizer.spec.motions import Csv, Harmonic, Hold, SCurve, Segments, Trapezoid, Triangle
+from drivesizer.spec.motions import Cam, Csv, Harmonic, Hold, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
@@ -35,7 +37,6 @@ SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a 
 
 _PIECES = 32  # of a jerk phase
 _QUARTER = 64  # pieces of a quarter of a harmonic period: the speed is off by 7.5e-5 of its peak, 1 - cos(pi/256)
-_Leg = tuple[str, float, float]  # field that gives its time; time [s]; speed at its end
 _Ramp = list[tuple[float, float, float]]
 
 
@@ -51,7 +52,7 @@ def trapezoid(motion: Trapezoid) -> Profile:
         (*_deceleration(motion), 0.0),
         ("rest_time", motion.rest_time, 0.0),
     )
-    return _straight("trapezoid", legs, motion.there_and_back)
+    return straight("trapezoid", legs, motion.there_and_back)
 
 
 def triangle(motion: Triangle) -> Profile:
@@ -62,16 +63,16 @@ def triangle(motion: Triangle) -> Profile:
     """
     top, half = 2 * motion.distance / motion.time, motion.time / 2
     legs = (("time", half, top), ("time", half, 0.0), ("rest_time", motion.rest_time, 0.0))
-    return _straight("triangle", legs, motion.there_and_back)
+    return straight("triangle", legs, motion.there_and_back)
 
 
 def segments(motion: Segments) -> Profile:
     """Straight pieces as they are listed."""
-    legs: list[_Leg] = []
+    legs: list[Leg] = []
     for number, segment in enumerate(motion.segments, 1):
         speed = segment.to if segment.to is not None else legs[-1][2] if legs else 0.0
         legs.append((f"segments[{number}].time", segment.time, speed))
-    return _straight("segments", legs)
+    return straight("segments", legs)
 
 
 def s_curve(motion: SCurve) -> Profile:
@@ -113,7 +114,7 @@ def harmonic(motion: Harmonic) -> Profile:
     time = tuple(motion.period * k / (4 * n) for k in range(4 * n + 1))
     speed = tuple(motion.amplitude * omega * sine[k % (4 * n)] for k in range(4 * n + 1))
     slope = tuple(motion.amplitude * omega * omega * sine[(k + n) % (4 * n)] for k in range(4 * n + 1))
-    return _checked(Profile("harmonic", time, speed, slope), "period")
+    return checked(Profile("harmonic", time, speed, slope), "period")
 
 
 def hold(motion: Hold) -> Profile:
@@ -122,7 +123,7 @@ def hold(motion: Hold) -> Profile:
     >>> hold(Hold(profile="hold", time="1 min"))
     Profile(name='hold', time=(0.0, 60.0), speed=(0.0, 0.0), acceleration=None)
     """
-    return _straight("hold", [("time", motion.time, 0.0)])
+    return straight("hold", [("time", motion.time, 0.0)])
 
 
 def _deceleration(motion: Trapezoid) -> tuple[str, float]:
@@ -130,25 +131,6 @@ def _deceleration(motion: Trapezoid) -> tuple[str, float]:
     if motion.deceleration_time is None:
         return "acceleration_time", motion.acceleration_time
     return "deceleration_time", motion.deceleration_time
-
-
-def _straight(name: str, legs: Sequence[_Leg], there_and_back: bool = False) -> Profile:
-    """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint."""
-    back = [(field, duration, -to) for field, duration, to in legs if there_and_back]
-    time, speed = [0.0], [0.0]
-    for field, duration, to in (*legs, *back):
-        end, change = time[-1] + duration, to - speed[-1]
-        slope = change / duration if duration else 0.0
-        if not all(map(math.isfinite, (end, slope, (speed[-1] + to) * duration))):
-            raise InputError(f"motion.{field}: {duration:g} s leads beyond the range of numbers to compute with")
-        if end > time[-1]:
-            time.append(end)
-            speed.append(to)
-        elif change:
-            raise InputError(f"motion.{field}: {duration:g} s is too short beside the {end:g} s before it")
-    if not any(speed) and any(to for _, _, to in legs):
-        raise InputError(f"motion.{legs[0][0]}: the speed is too small a number to compute with")
-    return Profile(name, tuple(time), tuple(speed))
 
 
 def _curve(rising: _Ramp, cruise: float, down: _Ramp, motion: SCurve | Trapezoid, field: str) -> Profile:
@@ -161,7 +143,7 @@ def _curve(rising: _Ramp, cruise: float, down: _Ramp, motion: SCurve | Trapezoid
         points.append((end, 0.0, 0.0))
     if motion.there_and_back:
         points += [(points[-1][0] + t, -v, -a) for t, v, a in points[1:]]
-    return _checked(Profile("s-curve", *zip(*points, strict=True)), field)
+    return checked(Profile("s-curve", *zip(*points, strict=True)), field)
 
 
 def _ramp(speed: float, jerk_time: float, hold: float) -> _Ramp:
@@ -174,19 +156,10 @@ def _ramp(speed: float, jerk_time: float, hold: float) -> _Ramp:
     return first + last[last[0][0] <= first[-1][0] :]
 
 
-def _checked(profile: Profile, field: str) -> Profile:
-    """The profile, when its numbers can be computed with."""
-    figures = (*profile.time, *profile.speed, *(profile.acceleration or ()))
-    if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:
-        raise InputError(f"motion.{field}: leads beyond the range of numbers to compute with")
-    if any(t1 <= t0 for t0, t1, _, _ in profile.pieces()):
-        raise InputError(f"motion.{field}: a part of the motion is too short beside its {profile.duration:g} s")
-    return profile
-
-
 _MADE: dict[str, Callable[[Any], Profile]] = {
     "trapezoid": trapezoid,
     "triangle": triangle,
+    "move": move,
     "s_curve": s_curve,
     "harmonic": harmonic,
     "hold": hold,
@@ -208,6 +181,9 @@ def profile_of(spec: RobotSpec) -> Profile:
     if isinstance(motion, Csv):
         path = beside(spec.file, motion.file, spec.where(("motion", "file")))
         return replace(from_csv(path, _kind(spec)), name=motion.file)
+    if isinstance(motion, Cam):
+        path = beside(spec.file, motion.file, spec.where(("motion", "file")))
+        return replace(cam(path, motion, "angle" if spec.load.axis == "rotary" else "length"), name=motion.file)
     return _MADE[motion.profile](motion)
 
 

@@ -26,6 +26,7 @@ class Profile:
     time: tuple[float, ...]  # s, strictly rising
     speed: tuple[float, ...]  # m/s, or rad/s of a load that turns
     acceleration: tuple[float, ...] | None = None  # where it is continuous; else that of each straight piece
+    ends: tuple[tuple[float, float], ...] | None = None  # or at both ends of each piece, where it jumps between them
 
     @property
     def duration(self) -> float:
@@ -124,7 +125,9 @@ def course(profile: Profile) -> Course:
     """
     time, speed = np.array(profile.time), np.array(profile.speed)
     duration, ends = np.diff(time), np.stack([speed[:-1], speed[1:]], axis=1)
-    if profile.acceleration is None:
+    if profile.ends is not None:
+        acceleration = np.array(profile.ends)
+    elif profile.acceleration is None:
         acceleration = np.repeat(np.diff(ends, axis=1) / duration[:, None], 2, axis=1)
     else:
         slope = np.array(profile.acceleration)

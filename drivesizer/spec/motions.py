@@ -16,14 +16,18 @@ from drivesizer.files.fields import (
     Place,
     Section,
     SignedVelocity,
+    Turning,
     Velocity,
     default,
 )
 
 __all__ = [
-    "Csv", "Harmonic", "Hold", "Motion", "SCurve", "Segment", "Segments", "Track", "Trapezoid", "Triangle", "Waypoint",
-    "Waypoints",
+    "Cam", "Csv", "Harmonic", "Hold", "Motion", "Move", "SCurve", "Segment", "Segments", "Track", "Trapezoid",
+    "Triangle", "Waypoint", "Waypoints",
 ]  # fmt: skip
+
+
+_ROUNDING = 1e-9  # of a time: ramps that fill it may be rounded
 
 
 class _Repeated(Section):
@@ -57,6 +61,51 @@ class SCurve(_Repeated):
     speed: Velocity = Field(description="limit")
     acceleration: Acceleration = Field(description="limit, for deceleration too")
     jerk: Jerk = Field(description="limit")
+
+
+class Move(_Repeated):
+    """From rest to rest over a distance in a time, by a law of motion.
+
+    Largest speed and acceleration are C_v distance / time and C_a distance / time²: triangle 2 and 4, the least
+    acceleration; trapezoid, a third of the time each, 1.5 and 4.5; parabola 1.5 and 6, the least RMS torque of inertia;
+    sine 1.57 and 4.93; poly5 1.875 and 5.77; cycloidal 2 and 6.28; modified_sine 1.76 and 5.53; modified_trapezoid 2
+    and 4.89. The last four are without a jump of acceleration.
+    """
+
+    profile: Literal["move"]
+    distance: Distance
+    time: Duration = Field(description="of the whole move")
+    law: Literal[
+        "trapezoid", "triangle", "parabola", "sine", "poly5", "cycloidal", "modified_sine", "modified_trapezoid"
+    ] = Field(default="trapezoid", description="shape of the speed over time")
+    acceleration_time: Duration | None = Field(
+        default=None, description="of law: trapezoid; a third of the time where not given"
+    )
+    deceleration_time: Duration | None = Field(default=None, description="acceleration_time where not given")
+
+    @model_validator(mode="after")
+    def _shaped(self) -> Move:
+        if self.law != "trapezoid" and (self.acceleration_time or self.deceleration_time):
+            raise ValueError("expected acceleration_time and deceleration_time with law: trapezoid only")
+        if sum(self.ramps) > self.time * (1.0 + _ROUNDING):
+            raise ValueError("expected acceleration_time and deceleration_time of no more than time together")
+        return self
+
+    @property
+    def ramps(self) -> tuple[float, float]:
+        """Times of acceleration and deceleration of straight lines [s]."""
+        share = 2.0 if self.law == "triangle" else 3.0
+        up = self.time / share if self.acceleration_time is None else self.acceleration_time
+        return up, up if self.deceleration_time is None else self.deceleration_time
+
+
+class Cam(Section):
+    """A cam table: position over the angle of a master that turns evenly, one run of the table after the other."""
+
+    profile: Literal["cam"]
+    file: str = Field(min_length=1, description="CSV: columns angle and position, then a row of units")
+    master_speed: Turning = Field(description="at which the angle runs")
+    smoothing: Pause = default("0 s", description="width of the window in which the position is smoothed")
 
 
 class Harmonic(Section):
@@ -138,7 +187,7 @@ def _named(motion: Any) -> Any:
 
 Motion = Annotated[
     Annotated[
-        Trapezoid | Triangle | SCurve | Harmonic | Hold | Segments | Csv | Track | Waypoints,
+        Trapezoid | Triangle | Move | SCurve | Harmonic | Hold | Segments | Csv | Cam | Track | Waypoints,
         Field(discriminator="profile"),
     ],
     BeforeValidator(_named),

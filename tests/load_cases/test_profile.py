@@ -352,7 +352,7 @@ def test_a_spec_names_a_file_beside_it(robot, tmp_path, monkeypatch, rotary, uni
 def test_name_or_file(spec, tmp_path):
     assert profile(spec, "trapezoid") == trapezoid(spec.motion)
     assert profile(spec, str(write(tmp_path, HEAD + "0,0\n1,1\n"))).speed == (0.0, 1.0)
-    with pytest.raises(InputError, match='"zigzag" is not known; expected trapezoid, triangle, s-curve, harmonic'):
+    with pytest.raises(InputError, match='"zigzag" is not known; expected trapezoid, triangle, move, s-curve'):
         profile(spec, "zigzag")
     with pytest.raises(InputError, match=r'"harmonic": the spec.s motion is trapezoid; expected that or a file'):
         profile(spec, "harmonic")

@@ -1,0 +1,67 @@
+"""Breakpoints of speed over time: straight lines from standstill, and what no profile may be made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from drivesizer.errors import InputError
+from drivesizer.loads.course import Profile
+
+__all__ = ["Leg", "checked", "straight"]
+
+Leg = tuple[str, float, float]  # field that gives its time; time [s]; speed at its end
+
+
+def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Profile:
+    """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint.
+
+    Parameters
+    ----------
+    name
+        Of the profile.
+    legs
+        One after the other.
+    there_and_back
+        Whether the same follows with speeds the other way.
+
+    Returns
+    -------
+    Profile
+        Its breakpoints.
+
+    Raises
+    ------
+    InputError
+        When a leg's figures cannot be computed with.
+    """
+    back = [(field, duration, -to) for field, duration, to in legs if there_and_back]
+    time, speed = [0.0], [0.0]
+    for field, duration, to in (*legs, *back):
+        end, change = time[-1] + duration, to - speed[-1]
+        slope = change / duration if duration else 0.0
+        if not all(map(math.isfinite, (end, slope, (speed[-1] + to) * duration))):
+            raise InputError(f"motion.{field}: {duration:g} s leads beyond the range of numbers to compute with")
+        if end > time[-1]:
+            time.append(end)
+            speed.append(to)
+        elif change:
+            raise InputError(f"motion.{field}: {duration:g} s is too short beside the {end:g} s before it")
+    if not any(speed) and any(to for _, _, to in legs):
+        raise InputError(f"motion.{legs[0][0]}: the speed is too small a number to compute with")
+    return Profile(name, tuple(time), tuple(speed))
+
+
+def checked(profile: Profile, field: str) -> Profile:
+    """The profile, when its numbers can be computed with."""
+    figures = (
+        *profile.time,
+        *profile.speed,
+        *(profile.acceleration or ()),
+        *(x for e in profile.ends or () for x in e),
+    )
+    if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:
+        raise InputError(f"motion.{field}: leads beyond the range of numbers to compute with")
+    if any(t1 <= t0 for t0, t1, _, _ in profile.pieces()):
+        raise InputError(f"motion.{field}: a part of the motion is too short beside its {profile.duration:g} s")
+    return profile
