@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -53,13 +54,27 @@ def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Pr
 
 
 def checked(profile: Profile, field: str) -> Profile:
-    """The profile, when its numbers can be computed with."""
-    figures = (
-        *profile.time,
-        *profile.speed,
-        *(profile.acceleration or ()),
-        *(x for e in profile.ends or () for x in e),
-    )
+    """The profile, when its numbers can be computed with.
+
+    Parameters
+    ----------
+    profile
+        As it was made.
+    field
+        Of the motion, for messages.
+
+    Returns
+    -------
+    Profile
+        The same.
+
+    Raises
+    ------
+    InputError
+        When they leave the range of numbers, or a part has no length beside the whole.
+    """
+    sloped = (*(profile.acceleration or ()), *itertools.chain.from_iterable(profile.ends or ()))
+    figures = (*profile.time, *profile.speed, *sloped)
     if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:
         raise InputError(f"motion.{field}: leads beyond the range of numbers to compute with")
     if any(t1 <= t0 for t0, t1, _, _ in profile.pieces()):

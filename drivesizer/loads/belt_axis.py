@@ -7,7 +7,7 @@ at the radius of the driving pulley, through the efficiency of belt and pulleys 
 it the inertia of that pulley and the friction torque of its bearings (``stage_losses``). The belt is a loop: all of it
 is accelerated, none of it climbs. J_i is of the idlers, at their own radius. F is the effective tension, the difference
 of the two strands; pretension has to keep the slack one tight. Where the motor rides along on the carriage it counts as
-mass, and the belt, which stands still, does not.
+mass, and the belt is at rest: its mass is 0.
 
 Worked example: a carriage of 4 kg, μ 0.2, on two pulleys of aluminium of 64 mm by 20 mm with 0.05 N·m of friction,
 behind gears of 100 mm and 20 mm, 5 : 1 at 90 %: 745 rpm, 0.0669 N·m and 2.69 kg·cm² at the motor with its coupling
@@ -66,7 +66,7 @@ class BeltAxis(SharedLoad):
 
     @property
     def belt_moves(self) -> float:
-        """What is accelerated beside the carriage: belt, and idlers as a mass at their rim [kg]."""
+        """Mass that is accelerated beside the carriage: belt, and idlers as a mass at their rim [kg]."""
         radius = (self.idler_diameter or self.pulley_diameter) / 2
         return self.belt_mass + self.idler_inertia / radius**2
 
