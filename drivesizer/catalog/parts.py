@@ -109,6 +109,11 @@ class Gearhead:
     continuous_torque: float = figure("torque", "N*m")  # at the output
     intermittent_torque: float = figure("torque", "N*m")
     emergency_torque: float = figure("torque", "N*m")  # a thousand times in its life or less
+    ratcheting_torque: float = figure("torque", "N*m")  # at which the teeth of a strain wave gear jump
+    rated_life: float = figure("time", "h")  # L_10, at continuous_torque and rated_speed
+    median_life: float = figure("time", "h")  # L_50, at the same
+    rated_speed: float = figure("rotary_speed", "rpm")  # at the input; continuous_input_speed where not given
+    life_exponent: float = figure("dimensionless", "1")  # of the torque: 3 of balls, 10/3 of rollers
     efficiency: float = figure("dimensionless", "%")  # the maximum, at rated torque
     backlash: float = figure("angle", "deg")  # at no load
     stiffness: float = figure("torsional_stiffness", "N*m/arcmin")
@@ -123,7 +128,11 @@ class Gearhead:
     max_radial_load: float = figure("force", "N")
     radial_load_distance: float = figure("length", "mm")
     max_axial_load: float = figure("force", "N")
-    max_tilting_moment: float = figure("torque", "N*m")
+    max_tilting_moment: float = figure("torque", "N*m")  # about the output bearing
+    bearing_distance: float = figure("length", "mm")  # of the output bearing, behind the face that distances count from
+    bearing_diameter: float = figure("length", "mm")  # pitch circle of a cross roller bearing at the output
+    bearing_dynamic_load: float = figure("force", "N")  # its rating C
+    bearing_static_load: float = figure("force", "N")  # its rating C0
     max_press_fit: float = figure("force", "N")
     axial_play: str = text()  # as printed, in mm
     radial_play: str = text()  # as printed
@@ -227,7 +236,8 @@ DIRECT = "direct"  # the part that represents direct drive, without a gearhead
 NO_GEARHEAD = Gearhead(
     part=DIRECT, family=DIRECT, kind=DIRECT, reduction="1:1", ratio=1.0, stages=0.0, direction=1.0, efficiency=1.0,
     continuous_torque=inf, intermittent_torque=inf, continuous_input_speed=inf, intermittent_input_speed=inf,
-    continuous_power=inf, intermittent_power=inf, max_radial_load=inf, max_axial_load=inf, temperature_min=0.0,
+    continuous_power=inf, intermittent_power=inf, max_radial_load=inf, max_axial_load=inf, max_tilting_moment=inf,
+    emergency_torque=inf, ratcheting_torque=inf, rated_life=inf, median_life=inf, temperature_min=0.0,
     temperature_max=inf, backlash=0.0, inertia=0.0, diameter=0.0, length=0.0, mass=0.0, price=0.0,
 )  # fmt: skip
 

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.elements.gear_life import turned_load
 from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes
 from drivesizer.physics.lasting_speed import lasting_speeds
 from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, places, rms
@@ -61,7 +62,7 @@ class CycleAtBelt:
     moments: Array  # means of their products over the cycle: (6, 6) or (6, 6, cycles)
     scalars: Scalars
     quickest: float  # s, shortest time constant of the windings
-    coarse: dict[tuple[str, int], Any] = field(default_factory=dict)  # the cycle in few pieces, by use and number
+    coarse: dict[tuple[str, float], Any] = field(default_factory=dict)  # what was computed of it, by use and number
 
     @cached_property
     def time(self) -> Array:
@@ -93,6 +94,26 @@ class CycleAtBelt:
         left, rise = functions[owner, 0], functions[owner, 1] - functions[owner, 0]
         ends = [left + rise * (share + step / count[owner])[:, None] for step in (0, 1)]
         return Pieces(duration[owner] / count[owner], np.stack(ends, axis=1))
+
+    @cached_property
+    def torque(self) -> Array:
+        """Torque at the output, driving, braking and at rest, at both ends of each segment [N*m]."""
+        one = self.functions.ndim == 3
+        found: Array = (self.functions[:, :, : AT_REST + 1] if one else self.functions[: AT_REST + 1]).sum(2 * one)
+        return found
+
+    @cached_property
+    def speed(self) -> Array:
+        """Speed at the output, at both ends of each segment [rad/s]."""
+        found: Array = self.functions[:, :, SPEED] if self.functions.ndim == 3 else self.functions[SPEED]
+        return found
+
+    def turned(self, exponent: float) -> Figure:
+        """Mean over the cycle of the torque to an exponent, times speed: ``turned_load`` of it."""
+        store, name = self.coarse, ("turned", exponent)
+        if name not in store:
+            store[name] = turned_load(self.load_cycle.duration, self.torque, self.speed, exponent)
+        return store[name]
 
     def behind(self, ratio: float) -> AtGearhead:
         """The cycle behind a belt of a ratio."""
@@ -135,6 +156,10 @@ class AtGearhead:
         """The six functions at both ends of each segment: shape (segments, 2, 6)."""
         scaled: Array = self.base.functions * self.scale
         return scaled
+
+    def turned(self, exponent: float) -> Figure:
+        """Mean over the cycle of the output torque to an exponent, times speed there."""
+        return self.base.turned(exponent) * self.belt ** (1.0 - exponent)
 
     def envelope(self, pieces: int) -> Envelope:
         """The cycle behind a belt of ratio 1 in so many pieces at most."""

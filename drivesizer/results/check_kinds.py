@@ -45,6 +45,9 @@ _HOT = (  # the winding at its mean temperature
     "CURRENT", "motor.resistance", "motor.thermal_resistance_winding", "motor.thermal_resistance_housing", "HOUSING",
 )  # fmt: skip
 _WARM = (*_HOT, "motor.winding_time_constant", "motor.motor_time_constant")  # as warm as it is at each moment
+_LIFE = (  # of a gear
+    *_RATIO, "gearhead.rated_life", "gearhead.rated_speed", "gearhead.continuous_torque", "gearhead.life_exponent",
+)  # fmt: skip
 _EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
 _DRAWN = (*_WARM, *_EMF)
 _FED = (*_DRAWN, "controller.voltage_drop", "controller.max_efficiency")  # what hangs on the power out of the supply
@@ -64,6 +67,9 @@ _PHYSICS = {
     ),
     "gearhead_continuous_power": CheckKind("Gearhead continuous power", *_WATT, ("gearhead.continuous_power",)),
     "gearhead_intermittent_power": CheckKind("Gearhead intermittent power", *_WATT, ("gearhead.intermittent_power",)),
+    "gearhead_emergency_torque": CheckKind("Gearhead emergency stop torque", *_NM, ("gearhead.emergency_torque",)),
+    "gearhead_ratcheting": CheckKind("Gearhead ratcheting torque", *_NM, ("gearhead.ratcheting_torque",)),
+    "gearhead_life": CheckKind("Gearhead nominal life", "time", "h", _LIFE),
     "gearhead_radial_load": CheckKind("Gearhead radial load", *_NEWTON, ("gearhead.max_radial_load",)),
     "gearhead_temperature_range": CheckKind(
         "Gearhead temperature range", *_CELSIUS, ("gearhead.temperature_min", "gearhead.temperature_max")

@@ -23,6 +23,7 @@ from drivesizer.results.reliability import Reliability
 from drivesizer.search import ranking
 from drivesizer.search.both_methods import compared
 from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.columns.gearheads_worn import life_of_gearheads
 from drivesizer.search.estimated import decided, estimated
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import smallest_margin
@@ -174,7 +175,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
     """Figures of a drive without a limit, and the settings of its controller."""
     values = {name: float(column[index]) for name, column in evaluation.figures.items()}
     found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
-    found += _held(evaluation, parts)
+    found += [*_held(evaluation, parts), *_gearhead_life(evaluation, index, parts.gearhead)]
     motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
     if controller is None:
         return tuple(found)
@@ -209,6 +210,24 @@ def _held(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
         Figure(name=name, title=title, value=float(value), kind="temperature", unit="degC")
         for (name, title), value in zip(_HELD.items(), ends, strict=True)
     ]
+
+
+_LIVES = {
+    "rated_life": ("gearhead_life", "Gearhead nominal life, rests included"),
+    "median_life": ("gearhead_median_life", "Gearhead median life L_50, rests included"),
+}
+
+
+def _gearhead_life(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
+    """Lives of the gearhead in the load case that wears it most; none without a rated life, or where it never turns."""
+    columns = {name: np.array([value]) for name, value in asdict(gearhead).items()}
+    found = []
+    for rated, (name, title) in _LIVES.items():
+        cycles = [case.at_belt.behind(float(evaluation.candidates.belt[index])) for case in evaluation.problem.cases]
+        life = min(float(life_of_gearheads(cycle, columns, rated)[0]) for cycle in cycles)
+        if math.isfinite(life):
+            found.append(Figure(name=name, title=title, value=life, kind="time", unit="h"))
+    return found
 
 
 def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:

@@ -28,6 +28,7 @@ from drivesizer.files.fields import (
     Section,
     Share,
     Temperature,
+    TorqueAbove,
     Voltage,
     default,
 )
@@ -124,7 +125,12 @@ class Needs(Section):
     inertia_ratio: Ratio | None = Field(default=None, description="load's inertia over the motor's, at most")
     resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
     hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
-    life: Duration | None = Field(default=None, description="of the ball screw: hours of the cycle, rests included")
+    life: Duration | None = Field(
+        default=None, description="of gearhead, its output bearing and ball screw: hours of the cycle, rests included"
+    )
+    shock_torque: TorqueAbove | None = Field(
+        default=None, description="at the load's shaft, in an emergency stop or a collision"
+    )
     radial_load: Force | None = Field(
         default=None, description="on the gearhead's shaft, or the motor's without one, such as a belt's pull"
     )

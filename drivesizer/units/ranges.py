@@ -61,7 +61,7 @@ MAY_BE_ZERO = frozenset({
     "direction", "friction_torque", "inertia", "load_friction", "mass", "max_axial_load", "max_press_fit",
     "max_radial_load", "no_load_current", "no_load_torque", "phases", "pole_pairs", "price", "price_5", "price_20",
     "list_price", "foreign_price", "radial_load_distance", "stages", "static_torque",
-    "thermal_resistance_winding", "viscous_friction", "voltage_drop",
+    "thermal_resistance_winding", "viscous_friction", "voltage_drop", "bearing_distance",
 })  # fmt: skip
 
 # figures of parts that have an end by what they are

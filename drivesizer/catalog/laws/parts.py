@@ -166,6 +166,8 @@ _ORDERS = {
     "gearheads": (
         "intermittent_torque >= continuous_torque", "emergency_torque >= intermittent_torque",
         "emergency_torque >= continuous_torque", "intermittent_power >= continuous_power",
+        "ratcheting_torque >= emergency_torque", "median_life >= rated_life",
+        "bearing_static_load >= bearing_dynamic_load",
         "intermittent_input_speed >= continuous_input_speed", "temperature_min < temperature_max", "price_5 <= price",
         "price_20 <= price_5",
     ),
@@ -235,7 +237,7 @@ _WHOLE = [("motors", "pole_pairs"), ("motors", "phases"), ("motors", "commutator
 # stages: 0 is direct drive
 _MAY_BE_ZERO = {"thermal_resistance_winding", "friction_torque", "viscous_friction", "backlash", "axial_play",
                 "voltage_drop", "stages", "direction", "price", "price_5", "price_20", "list_price", "added_length",
-                "inertia"}  # fmt: skip
+                "inertia", "bearing_distance"}  # fmt: skip
 
 _OTHERS = (
     Law(section="gearheads", name="efficiency per stage, at least", meaning="0.75 to the power of the stages at least",

@@ -25,6 +25,7 @@ from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
 from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit
 from drivesizer.search.columns.encoders import angle_per_edge
+from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_limits
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import BeltStage
 
@@ -151,6 +152,10 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[C
         found.append(
             at_most("backlash_at_load", lost_at_load(spec, gearhead["backlash"], cycle.belt), needs.backlash_at_load)
         )
+    if needs.shock_torque is not None:
+        found += shock_limits(spec, needs.shock_torque, cycle, gearhead)
+    if needs.life is not None:
+        found.append(at_most("gearhead_life", needs.life, life_of_gearheads(cycle, gearhead)))
     if needs.radial_load is not None:
         load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], **torque)
         found.append(load)
