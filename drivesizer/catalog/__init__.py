@@ -30,6 +30,7 @@ from drivesizer.catalog.parts import (
     lines,
     one_of,
 )
+from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
@@ -39,9 +40,9 @@ from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.version import __version__
 
 __all__ = [
-    "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "CacheWarning", "Catalog",
-    "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "Pulley", "Source", "Stepper", "Table",
-    "columns_of", "lines", "load", "one_of", "shipped",
+    "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "BrakeResistor", "CacheWarning",
+    "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "PowerSupply", "Pulley", "Source",
+    "Stepper", "Table", "columns_of", "lines", "load", "one_of", "shipped",
 ]  # fmt: skip
 
 

@@ -7,6 +7,7 @@ derived from them. All figures are SI floats; NaN is *unknown*, and an empty tex
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -18,6 +19,7 @@ import numpy as np
 
 from drivesizer.catalog.columns import Column, columns, figure, text
 from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Screw, Stepper
+from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
 
 __all__ = [
     "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor",
@@ -253,6 +255,8 @@ PARTS: dict[str, type[Any]] = {
     "pulleys": Pulley,
     "screws": Screw,
     "batteries": Battery,
+    "power_supplies": PowerSupply,
+    "brake_resistors": BrakeResistor,
 }
 
 
@@ -273,10 +277,10 @@ RELATIONS = {"motor_gearhead": "gearheads", "motor_encoder": "encoders", "motor_
 def one_of(section: str) -> str:
     """Singular of a section's name.
 
-    >>> one_of("motors"), one_of("batteries")
-    ('motor', 'battery')
+    >>> one_of("motors"), one_of("batteries"), one_of("brake_resistors")
+    ('motor', 'battery', 'brake resistor')
     """
-    return "battery" if section == "batteries" else section.removesuffix("s")
+    return re.sub("ies$", "y", section).removesuffix("s").replace("_", " ")
 
 
 _MADE = {  # columns that no catalogue file gives: the search view has them, of actuators and steppers

@@ -39,12 +39,13 @@ _OPTION = re.compile(r"\s*(<=|>=|!=|==|<|>|=)?\s*(.*?)\s*", re.DOTALL)
 OPTIONS: dict[str, dict[str, str]] = {
     "family": dict.fromkeys(PARTS, "family"),
     "voltage": {"motors": "nominal_voltage", "controllers": "supply_min supply_max", "actuators": "nominal_voltage",
-     "brakes": "supply", "batteries": "nominal_voltage"},
+     "brakes": "supply", "batteries": "nominal_voltage", "power_supplies": "nominal_voltage",
+     "brake_resistors": "chopper_voltage_min chopper_voltage_max"},
     "diameter": dict.fromkeys(("motors", "gearheads", "encoders", "actuators", "screws"), "diameter"),
-    "power": {"motors": "assigned_power", "gearheads": "continuous_power"},
+    "power": {"motors": "assigned_power", "gearheads": "continuous_power", "brake_resistors": "power"},
     "kind": {"motors": "kind", "gearheads": "kind", "encoders": "kind", "controllers": "drives", "actuators": "gearing",
      "steppers": "wiring", "belts": "profile", "pulleys": "profile", "screws": "kind", "batteries": "chemistry",
-     "brakes": "family"},
+     "brakes": "family", "power_supplies": "kind", "brake_resistors": "kind"},
 }  # fmt: skip
 
 

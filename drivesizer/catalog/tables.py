@@ -15,6 +15,7 @@ from drivesizer.catalog.maker_tolerances import MakerTolerance
 from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Screw, Stepper
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
+from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
 
 __all__ = [
     "CONFIDENCE",
@@ -155,6 +156,8 @@ class Catalog:
     pulleys: Table[Pulley]
     screws: Table[Screw]
     batteries: Table[Battery]
+    power_supplies: Table[PowerSupply]
+    brake_resistors: Table[BrakeResistor]
     motor_gearhead: Pairs
     motor_encoder: Pairs
     motor_brake: Pairs

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf, nan
 from typing import Any
 
-from drivesizer.catalog import DIRECT, Actuator, Controller, Encoder, Gearhead, Motor
+from drivesizer.catalog import DIRECT, PARTS, Actuator, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.energy import EnergyBudget
@@ -180,7 +180,7 @@ class DriveSet(DriveParts):
 
 def section_of(part: Any) -> str:
     """The catalogue's section that a part is listed in, such as ``motors``."""
-    return f"{type(part).__name__.lower()}s"
+    return next(section for section, kind in PARTS.items() if isinstance(part, kind))
 
 
 def made_by(part: Any) -> str:

@@ -121,8 +121,27 @@ batteries:
     peak_current (A), resistance (mohm), mass (g), price (EUR)]
   rows:
   - [L10, 10, 9.4, 8.5, 6.2, 30, 150, 15, 3600, 30]
+power_supplies:
+- family: P
+  source: s
+  common: {kind: enclosed, nominal_voltage: 48 V, voltage_min: 46 V, voltage_max: 55 V, peak_time: 4 s, hold_up: 20 ms,
+    overvoltage_min: 57 V, overvoltage_max: 65 V, return_voltage: 63 V, efficiency: 93 %}
+  columns: [part, continuous_current (A), peak_current (A), mass (g), price (EUR)]
+  rows: [[P5, 5, 7.5, 600, 60], [P10, 10, 15, 1100, 90], [P20, 20, 30, 1900, 150]]
+brake_resistors:
+- family: R
+  source: s
+  common: {kind: shunt regulator, resistance_min: 1 ohm, resistance_max: 1000 ohm, rated_ambient: 40 degC,
+    zero_power_ambient: 90 degC, chopper_voltage_min: 54 V, chopper_voltage_max: 56 V, supply_min: 12 V,
+    supply_max: 50 V, max_voltage: 160 V, capacitance: 1000 uF}
+  columns: [part, resistance (ohm), min_resistance (ohm), power (W), peak_power (W), pulse_energy (J),
+    chopper_current (A), mass (g), price (EUR)]
+  rows: [[R25, 12, 10, 25, 260, 250, 5, 160, 60], [R50, 8, 7, 50, 390, 500, 8, 310, 80],
+    [R100, 5, 4, 100, 620, 1100, 12, 600, 120]]
 """
-WHOLES = ("actuators", "brakes", "steppers", "belts", "pulleys", "screws", "batteries")
+WHOLES = (
+    "actuators", "brakes", "steppers", "belts", "pulleys", "screws", "batteries", "power_supplies", "brake_resistors",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")

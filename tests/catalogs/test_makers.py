@@ -88,16 +88,23 @@ MAKERS: dict[str, dict[str, int]] = {
     # screws: the tables of the makers' catalogues, by program; HIWIN without 3 rows that are cut in print
     "thk": counted(screws=616 + 13), "hiwin": counted(screws=31 + 4 + 2 + 21 + 41 + 37), "rexroth": counted(screws=65),
     "wangong": counted(screws=10 + 12 + 2), "sfu": counted(screws=27), "pbc": counted(screws=38),
+    # power supplies and brake resistors: lists out of data sheets, manuals and public files
+    "danotherm": counted(brake_resistors=5), "factonation": counted(brake_resistors=5),
+    "omron": counted(brake_resistors=5), "te_connectivity": counted(brake_resistors=5),
+    "teco": counted(brake_resistors=7 + 9), "mean_well": counted(power_supplies=65),
+    "phoenix_contact": counted(power_supplies=3), "puls": counted(power_supplies=3),
+    "solahd": counted(power_supplies=2),
     # motors without a gearhead
     "amk": counted(motors=3 - 1),  # without DD7-28-10
     "anaheim": pin(motors=2),
     "andymark": counted(motors=5 - 1 + 1, belts=89, pulleys=8),  # no snow blower; RS775-125 of WPILib
     "banebots": counted(motors=2),
-    "beckhoff": counted(motors=7 + 1, steppers=5) | pin(controllers=8),  # AM8122 has two windings
+    "beckhoff": counted(motors=7 + 1, steppers=5, brake_resistors=5 + 4, power_supplies=1)
+    | pin(controllers=8),  # AM8122 has two windings
     "ctre": counted(motors=3),  # two kinds of commutation are one motor; the Falcon is VEX's
     "kollmorgen": counted(motors=3),
     "nanotec": counted(motors=4, steppers=6 + 2 * 2 + 3 + 1),
-    "odrive": counted(motors=5 - 2) | pin(controllers=5),  # without M5312s and BotWheel
+    "odrive": counted(motors=5 - 2, brake_resistors=1) | pin(controllers=5),  # without M5312s and BotWheel
     "rev": counted(motors=6 - 1, belts=25, pulleys=12) | pin(controllers=1),  # without Core Hex
     "tamagawa": counted(motors=19),
     "tq": counted(motors=3),
@@ -116,7 +123,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "lktech": pin(actuators=5),
     "myactuator": pin(actuators=25 - 20 + 10),  # 25 names of V2 and V3 counted; ten V4 of the brochure
     # 37D without the two bare motors, 25D, LP without 5:1 and 10:1, HPCB and 3052, the Romi's: counted but one 25D
-    "pololu": pin(actuators=(20 - 2) + (3 + 1) + (11 - 2) + 2 + 1, controllers=15),
+    "pololu": pin(actuators=(20 - 2) + (3 + 1) + (11 - 2) + 2 + 1, controllers=15, brake_resistors=4 - 2),
     # X, MX, AX-12A, XL-320, P and Y counted, one per voltage; PRO
     "robotis": pin(actuators=67 + 3 * 3 + 1 + 1 + 6 + 6 + 11),
     "robstride": pin(actuators=7 + 1 + 1),  # RS00 to RS06 and EduLite counted; RS10P is of the maker's page
@@ -127,7 +134,8 @@ MAKERS: dict[str, dict[str, int]] = {
     "amc": counted(controllers=3), "basicmicro": pin(controllers=9), "cytron": pin(controllers=2),
     "dimension_engineering": pin(controllers=2), "granite_devices": pin(controllers=3),
     "mjbots": counted(controllers=4 * 2),  # with and without cooling
-    "phidgets": pin(controllers=2), "roboteq": pin(controllers=15), "synapticon": counted(controllers=2),
+    "phidgets": pin(controllers=2), "roboteq": pin(controllers=15, brake_resistors=2),
+    "synapticon": counted(controllers=2),
     "technosoft": pin(controllers=5), "vesc": pin(controllers=8),
     # encoders: one per resolution that the sheet lists
     "ams_osram": pin(encoders=19), "broadcom": pin(encoders=5),
@@ -141,7 +149,7 @@ MAKERS: dict[str, dict[str, int]] = {
 
 def test_every_file_is_counted(shelf: dict[str, Catalog]) -> None:
     assert set(shelf) == set(MAKERS)
-    assert len(MAKERS) == 98
+    assert len(MAKERS) == 107
 
 
 @pytest.mark.parametrize("name", MAKERS)
@@ -376,6 +384,25 @@ ROWS: list[tuple[str, str, str, Figures]] = [
     ("wangong", "screws", "SFS1205-2.8", {"lead": "5 mm", "dynamic_load": "6482 N", "stiffness": "186 N/um"}),
     ("sfu", "screws", "SFU1204-4", {"dynamic_load": "5815 N", "static_load": "11072 N"}),
     ("pbc", "screws", "16 x 25 mm lead", {"diameter": "16 mm", "lead": "25 mm", "efficiency": "83 %"}),
+    # power supplies and brake resistors
+    ("beckhoff", "power_supplies", "PS2001-4810", {"peak_current": "30 A", "peak_time": "12 ms",
+     "voltage_max": "56 V"}),
+    ("mean_well", "power_supplies", "SDR-480-48", {"continuous_current": "10 A", "peak_current": "15 A",
+     "peak_time": "3 s", "efficiency": "94 %", "hold_up": "14 ms"}),
+    ("mean_well", "power_supplies", "RSD-150C-24", {"overvoltage_min": "27.6 V", "overvoltage_max": "32.4 V"}),
+    ("solahd", "power_supplies", "SDN 20-24-480CC", {"overvoltage_min": "30.5 V", "return_voltage": "35 V"}),
+    ("puls", "power_supplies", "QS40.241", {"peak_current": "60 A", "peak_time": "4 s", "efficiency": "94.6 %"}),
+    ("phoenix_contact", "power_supplies", "QUINT4-PS/1AC/24DC/20", {"continuous_current": "20 A"}),
+    ("roboteq", "brake_resistors", "SR2K60V25R, 30 V", {"resistance": "2.5 ohm", "power": "110 W",
+     "chopper_voltage_max": "32 V", "capacitance": "1.65 mF"}),
+    ("beckhoff", "brake_resistors", "AX2090-BW65-0518", {"resistance": "18 ohm", "power": "450 W", "mass": "2.8 kg"}),
+    ("omron", "brake_resistors", "R88A-RR22047S", {"resistance": "47 ohm", "power": "70 W"}),
+    ("teco", "brake_resistors", "JSDG2S-75A3", {"resistance": "12.5 ohm", "min_resistance": "6.8 ohm",
+     "power": "12 W"}),
+    ("te_connectivity", "brake_resistors", "HSC75", {"resistance_min": "0.05 ohm", "resistance_max": "50000 ohm",
+     "max_voltage": "1400 V"}),
+    ("danotherm", "brake_resistors", "HSD 140", {"resistance_min": "0.47 ohm", "max_voltage": "1200 V"}),
+    ("factonation", "brake_resistors", "R8 750 W", {"resistance": "50 ohm", "power": "50 W"}),
     # batteries: a table of cells, and the blocks' sheets
     ("a123", "batteries", "ANR26650M1", {"nominal_voltage": "3.3 V", "capacity": "2.3 A*h", "mass": "0.07 kg"}),
     ("aa_portable_power", "batteries", "LFP-26650-3300", {"capacity": "3.3 A*h", "continuous_current": "9.9 A",

@@ -430,6 +430,7 @@ def same(one, other, section: str) -> None:
 
 FULL = dict.fromkeys(PARTS, "maxon") | {
     "actuators": "robotis", "steppers": "beckhoff", "belts": "andymark", "pulleys": "andymark", "batteries": "samsung",
+    "screws": "rexroth", "power_supplies": "mean_well", "brake_resistors": "omron",
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Laws of actuators, brakes, steppers, belts, pulleys, screws and batteries, as tables."""
+"""Laws of the further kinds of parts, from actuators to brake resistors, as tables."""
 
 from __future__ import annotations
 
@@ -200,6 +200,15 @@ _ORDERS = {
         "cutoff_voltage < nominal_voltage", "nominal_voltage < charge_voltage", "capacity_1h <= capacity_5h",
         "capacity_5h <= capacity_10h", "peak_current >= continuous_current",
     ),
+    "power_supplies": (
+        "voltage_min <= nominal_voltage", "nominal_voltage <= voltage_max", "continuous_current < peak_current",
+        "voltage_max <= overvoltage_min", "overvoltage_min <= overvoltage_max", "voltage_max < return_voltage",
+    ),
+    "brake_resistors": (
+        "resistance_min < resistance_max", "min_resistance <= resistance", "power < peak_power",
+        "rated_ambient < zero_power_ambient", "chopper_voltage_min <= chopper_voltage_max", "supply_min < supply_max",
+        "chopper_voltage_max < max_voltage",
+    ),
 }  # fmt: skip
 
 # section, name, figure, expected, least and most share of it, other figures, reason
@@ -263,6 +272,26 @@ _BANDS: list[Band] = [
      "N/m^2: 1.5e9 to 6.0e10 of 734 screws"),
     ("screws", "permissible diameter times speed", "dn_max", lambda s: np.ones(len(s)), 5e3, 5e5, (),
      "mm rpm: 1.8e4 to 1.6e5 of 817 screws"),
+    ("power_supplies", "power", "continuous_current", lambda p: 1.0 / p["nominal_voltage"], 5.0, 2e4,
+     ("nominal_voltage",), "W: 60 to 3000 of 74 units"),
+    ("power_supplies", "peak beside continuous current", "peak_current", lambda p: p["continuous_current"], 1.0, 4.0,
+     ("continuous_current",), "1.5 to 3 of 14 units"),
+    ("power_supplies", "time of the peak", "peak_time", lambda p: np.ones(len(p)), 1e-3, 60.0, (),
+     "s: 12 ms to 5 s of 14 units"),
+    ("power_supplies", "over-voltage beside nominal voltage", "overvoltage_max", lambda p: p["nominal_voltage"], 1.05,
+     1.6, ("nominal_voltage",), "1.35 to 1.4 of 18 units"),
+    ("power_supplies", "hold-up", "hold_up", lambda p: np.ones(len(p)), 1e-3, 0.5, (), "s: 12 to 28 ms of 15 units"),
+    ("brake_resistors", "power while on beside continuous power", "power",
+     lambda b: b["chopper_voltage_max"] ** 2 / b["resistance"], 1e-3, 1.5,
+     ("chopper_voltage_max", "chopper_voltage_max", "resistance"), "0.017 to 0.38 of four shunt regulators"),
+    ("brake_resistors", "pulse beside continuous power", "pulse_energy", lambda b: b["power"], 0.1, 3000.0, ("power",),
+     "s: 25 and 133 of two resistors of Siemens, 5 of a small one of Vishay"),
+    ("brake_resistors", "power by mass", "power", lambda b: b["mass"], 5.0, 1000.0, ("mass",),
+     "W/kg: 140 and 160 of two"),
+    ("brake_resistors", "current beside power", "chopper_current", lambda b: b["peak_power"] / b["chopper_voltage_max"],
+     0.5, 3.0, ("peak_power", "chopper_voltage_max"), "0.93 of one"),
+    ("brake_resistors", "capacitance", "capacitance", lambda b: np.ones(len(b)), 1e-6, 1.0, (),
+     "F: 0.94 and 1.65 mF of two"),
     *(("batteries", f"energy by mass, {name}", "capacity", _capacity_for_1_wh_per_kg(name), least, most,
        ("mass", "nominal_voltage", "chemistry"), f"W h/kg: {reason}") for name, least, most, reason in _CHEMISTRIES),
     ("batteries", "peak current beside V / R", "peak_current", lambda b: b["nominal_voltage"] / b["resistance"],
@@ -285,10 +314,12 @@ _BESIDE: list[Beside] = [
     ("pulleys", "price", usual("family", "width"), 10.0, "of the family's pulleys of that width: all sizes"),
     ("screws", "nut_mass", usual("family"), 300.0, "of the family's nuts: all sizes"),
     ("screws", "price", usual("family"), 100.0, "of the family's screws: all sizes and lengths"),
+    ("power_supplies", "price", usual("manufacturer"), 30.0, "of the maker's units: all sizes"),
+    ("brake_resistors", "price", usual("manufacturer"), 30.0, "of the maker's resistors: all sizes"),
     ("batteries", "price", usual("family", "nominal_voltage"), 30.0, "of the family's parts of that voltage"),
 ]
 
-_SHARES = [("actuators", "efficiency"), ("screws", "efficiency")]
+_SHARES = [("actuators", "efficiency"), ("screws", "efficiency"), ("power_supplies", "efficiency")]
 
 _WHOLE = [("actuators", "pole_pairs"), ("actuators", "stages"), ("steppers", "full_steps"), ("belts", "teeth"),
           ("pulleys", "teeth"), ("screws", "starts")]  # fmt: skip

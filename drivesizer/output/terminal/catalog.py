@@ -58,6 +58,14 @@ _SHOWN: dict[str, tuple[tuple[str, str], ...]] = {  # head, column
         ("chemistry", "chemistry"), ("voltage", "nominal_voltage"), ("capacity", "capacity"),
         ("cont.", "continuous_current"), ("resistance", "resistance"), ("mass", "mass"),
     ),
+    "power_supplies": (
+        ("kind", "kind"), ("voltage", "nominal_voltage"), ("cont.", "continuous_current"), ("peak", "peak_current"),
+        ("for", "peak_time"), ("trips", "overvoltage_min"),
+    ),
+    "brake_resistors": (
+        ("kind", "kind"), ("resistance", "resistance"), ("power", "power"), ("peak", "peak_power"),
+        ("on from", "chopper_voltage_min"), ("current", "chopper_current"),
+    ),
 }  # fmt: skip
 _NOTES = {
     "motors": "torque nominal, speed without load",
@@ -71,6 +79,8 @@ _NOTES = {
     "pulleys": "width of the widest belt",
     "screws": "ratings dynamic and static; dn in mm rpm",
     "batteries": "",
+    "power_supplies": "current continuous and peak; over-voltage protection from",
+    "brake_resistors": "power continuous and peak; current of the chopper",
 }
 _BESIDE = 4  # parts side by side on 80 columns
 
