@@ -184,7 +184,22 @@ def profile_of(spec: RobotSpec) -> Profile:
     if isinstance(motion, Cam):
         path = beside(spec.file, motion.file, spec.where(("motion", "file")))
         return replace(cam(path, motion, "angle" if spec.load.axis == "rotary" else "length"), name=motion.file)
-    return _MADE[motion.profile](motion)
+    return _carrying(_MADE[motion.profile](motion), motion)
+
+
+def _carrying(made: Profile, motion: Any) -> Profile:
+    """The profile with the payload of each of its pieces, where the motion has one."""
+    if not getattr(motion, "carries", False):
+        return made
+    if isinstance(motion, Segments):
+        carried: list[float] = []
+        for piece in motion.segments:
+            carried.append(piece.payload if piece.payload is not None else carried[-1] if carried else 0.0)
+        return replace(made, payload=tuple(carried))
+    pieces = len(made.time) - 1
+    back = motion.payload if motion.payload_back is None else motion.payload_back
+    out = pieces // 2 if motion.there_and_back else pieces
+    return replace(made, payload=(motion.payload,) * out + (back,) * (pieces - out))
 
 
 def profile(spec: RobotSpec, name_or_file: str) -> Profile:
@@ -218,7 +233,7 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     if name_or_file == own:
         return profile_of(spec)
     if name_or_file == "s-curve" and isinstance(spec.motion, Trapezoid):
-        return _rounded(spec.motion)
+        return _carrying(_rounded(spec.motion), spec.motion)
     raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
 
 

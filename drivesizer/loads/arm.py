@@ -35,6 +35,7 @@ class Arm(SharedLoad):
 
     axis: ClassVar[Axis] = "rotary"
     has_end: ClassVar[bool] = True
+    takes_payload: ClassVar[bool] = True
     kind: Literal["arm"]
     mass: Mass = Field(description="of arm and payload")
     length: Length = Field(description="from the joint to their centre of mass")
@@ -83,4 +84,8 @@ def arm(load: Arm, gravity: float, course: Course) -> LoadCycle:
     inertia = load.mass * load.length * load.length if load.inertia is None else load.inertia
     course, weight = weight_on_lever(load.lever, gravity, course)
     torque = inertia * course.acceleration + weight + load.friction_torque * course.direction
+    if course.heaviest:  # in the hand, where the centre of mass is
+        level = load.lever._replace(mass=1.0).moment(gravity) * np.cos(load.start_angle + course.position)
+        torque = torque + course.payload * (load.length**2 * course.acceleration + level)
+        inertia += course.heaviest * load.length**2
     return course.cycle(torque / load.motors, inertia=inertia / load.motors)

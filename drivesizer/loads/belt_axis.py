@@ -49,6 +49,7 @@ class BeltAxis(SharedLoad):
 
     axis: ClassVar[Axis] = "linear"
     has_end: ClassVar[bool] = True
+    takes_payload: ClassVar[bool] = True
     kind: Literal["belt_axis"]
     mass: Mass = Field(description="of the carriage and what is on it")
     pulley_diameter: Length = Field(description="of the driving pulley, on its pitch circle")

@@ -43,6 +43,7 @@ class Conveyor(SharedLoad):
     """A belt conveyor, level or inclined, driven at a drum."""
 
     axis: ClassVar[Axis] = "linear"
+    takes_payload: ClassVar[bool] = True
     kind: Literal["conveyor"]
     mass: Mass = Field(description="goods on the belt")
     belt_mass: Counterweight = default("0 kg", description="of the belt itself")

@@ -7,7 +7,7 @@ Symbols: s position [m or rad], v speed [m/s or rad/s], a acceleration [m/s^2 or
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import fsum, nan
 
 import numpy as np
@@ -26,6 +26,7 @@ class Profile:
     time: tuple[float, ...]  # s, strictly rising
     speed: tuple[float, ...]  # m/s, or rad/s of a load that turns
     acceleration: tuple[float, ...] | None = None  # where it is continuous; else that of each straight piece
+    payload: tuple[float, ...] | None = None  # kg, on each straight piece beside the load's own mass; none where None
     ends: tuple[tuple[float, float], ...] | None = None  # or at both ends of each piece, where it jumps between them
 
     @property
@@ -57,6 +58,12 @@ class Course:
     position: Ends
     speed: Ends
     acceleration: Ends
+    payload: NDArray[np.float64] | float = 0.0  # kg, beside the load's own mass; shape (segments, 1)
+
+    @property
+    def heaviest(self) -> float:
+        """Largest payload [kg]."""
+        return float(np.max(self.payload))
 
     @property
     def direction(self) -> NDArray[np.float64]:
@@ -67,7 +74,7 @@ class Course:
     def split(self) -> Course:
         """The same course, cut where it turns round: within a segment the direction is one."""
         pieces, shares, speed = cut_points(self.speed)
-        cut = Course(self.name, self.duration, self.position, speed, self.acceleration)._in_pieces(pieces, shares)
+        cut = replace(self, speed=speed)._in_pieces(pieces, shares)
         turns = np.flatnonzero(pieces == 2)
         first = (np.cumsum(pieces) - pieces)[turns]
         cut.speed[first, 1] = cut.speed[first + 1, 0] = 0.0  # not what rounding makes of it
@@ -94,6 +101,7 @@ class Course:
             left["position"] + travel,
             left["speed"] + rise["speed"] * share,
             left["acceleration"] + rise["acceleration"] * share,
+            self.payload if isinstance(self.payload, float) else self.payload[owner],
         )
 
     def cycle(
@@ -134,4 +142,5 @@ def course(profile: Profile) -> Course:
         acceleration = np.stack([slope[:-1], slope[1:]], axis=1)
     travel = np.cumsum(duration * ends.mean(axis=1))
     position = np.stack([np.concatenate([[0.0], travel[:-1]]), travel], axis=1)
-    return Course(profile.name, duration, position, ends, acceleration).split()
+    payload = 0.0 if profile.payload is None else np.array(profile.payload)[:, None]
+    return Course(profile.name, duration, position, ends, acceleration, payload).split()

@@ -36,6 +36,7 @@ class Hoist(SharedLoad):
 
     axis: ClassVar[Axis] = "linear"
     has_end: ClassVar[bool] = True
+    takes_payload: ClassVar[bool] = True
     kind: Literal["hoist"]
     mass: Mass = Field(description="of what is lifted, its carrier included")
     counterweight: Counterweight = default("0 kg", description="hung against the mass, with as many falls")
@@ -72,8 +73,8 @@ def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
         When a figure leaves the range of numbers that can be computed with.
     """
     moved = load.mass + load.counterweight
-    weight = (load.mass - load.counterweight) * gravity
-    force = weight + moved * course.acceleration + load.friction_force * course.direction
+    weight = (load.mass + course.payload - load.counterweight) * gravity
+    force = weight + (moved + course.payload) * course.acceleration + load.friction_force * course.direction
     if _slack(load, gravity, course, force):
         raise FieldError(("motion",), "the rope goes slack, as it cannot push; expected less acceleration or friction")
     losses = (load.rope_efficiency, load.rope_efficiency)

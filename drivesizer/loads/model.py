@@ -18,6 +18,7 @@ class LoadModel(Section):
     """A load as a user writes it; its file also has the torque law."""
 
     axis: ClassVar[Axis]  # of its motion: along a line or about an axis
+    takes_payload: ClassVar[bool] = False  # whether a motion may add one to its mass
     has_end: ClassVar[bool] = False  # whether its travel is limited, so that a cycle has to end where it starts
 
     @property

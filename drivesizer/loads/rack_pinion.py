@@ -32,6 +32,7 @@ class RackPinion(SharedLoad):
 
     axis: ClassVar[Axis] = "linear"
     has_end: ClassVar[bool] = True
+    takes_payload: ClassVar[bool] = True
     kind: Literal["rack_pinion"]
     mass: Mass
     pinion_diameter: Length = Field(description="of its pitch circle")

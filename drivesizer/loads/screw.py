@@ -73,6 +73,7 @@ class Screw(SharedLoad):
 
     axis: ClassVar[Axis] = "linear"
     has_end: ClassVar[bool] = True
+    takes_payload: ClassVar[bool] = True
     kind: Literal["lead_screw", "ball_screw"]
     mass: Mass = Field(description="of the slide and what is on it")
     lead: Length = Field(description="travel per turn")

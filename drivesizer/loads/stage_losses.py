@@ -18,6 +18,7 @@ from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.loads.course import Course
 from drivesizer.physics.load_cycle import Ends, LoadCycle
@@ -49,7 +50,7 @@ class OnIncline(Protocol):
         """Further force against the forward motion, at rest too [N]."""
 
 
-def force_along(course: Course, load: OnIncline, gravity: float, moved: float) -> Ends:
+def force_along(course: Course, load: OnIncline, gravity: float, moved: NDArray[np.float64] | float) -> Ends:
     """Force that moves a load along its incline: friction, weight, further force and inertia [N].
 
     Parameters
@@ -61,16 +62,18 @@ def force_along(course: Course, load: OnIncline, gravity: float, moved: float) -
     gravity
         Acceleration of free fall [m/s^2].
     moved
-        What rubs and is accelerated, the load's mass among it [kg].
+        What rubs and is accelerated, the load's mass among it, a payload of the course not [kg].
 
     Returns
     -------
     array
         Force at both ends of each segment [N], shape (segments, 2).
     """
+    moved, climbing = moved + course.payload, load.mass + course.payload
     friction = load.friction_coefficient * moved * gravity * math.cos(load.incline) + load.friction_force
-    climb = load.mass * gravity * math.sin(load.incline)
-    return friction * course.direction + (climb + load.force) + moved * course.acceleration
+    climb = climbing * gravity * math.sin(load.incline)
+    force: Ends = friction * course.direction + (climb + load.force) + moved * course.acceleration
+    return force
 
 
 def through_stage(
@@ -98,7 +101,7 @@ def through_stage(
         Of the stage when the shaft drives the load and when the load drives the shaft; the latter below 0 where the
         shaft has to drive even then.
     mass
-        Of all that moves along the line [kg].
+        Of all that moves along the line, but a payload of the course [kg].
     turning
         Inertia of what turns with the shaft [kg*m^2].
     motors
@@ -118,5 +121,5 @@ def through_stage(
     at_rest = 1.0 if backward > 0.0 else 0.0
     factor = np.where(flow > 0.0, 1.0 / forward, np.where(flow < 0.0, backward, at_rest))
     torque = ideal.torque * factor + turning * ideal.acceleration + drag * direction
-    inertia = turning + mass * radius * radius
+    inertia = turning + (mass + course.heaviest) * radius * radius
     return replace(ideal, torque=torque / motors, inertia=inertia / motors).split()

@@ -75,6 +75,7 @@ class WheeledVehicle(LoadModel):
     """A vehicle on driven wheels, each with its own drive."""
 
     axis: ClassVar[Axis] = "linear"
+    takes_payload: ClassVar[bool] = True
     kind: Literal["wheeled_vehicle"]
     mass: Mass = Field(description="whole vehicle, payload included")
     driven_wheels: Count = Field(description="wheels with a drive")
@@ -139,13 +140,14 @@ def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> Loa
     if load.drag_area > 0.0:
         course = course.finer(np.where(np.ptp(course.speed, axis=1) > 0.0, _PIECES, 1))
     turning = turning_inertia(load)
-    weight = load.mass * gravity * math.sin(load.slope)
-    rolling = eq.nominal_force(rolling_resistance(load), load.mass, gravity, load.slope) - weight
+    mass = load.mass + course.payload
+    weight = mass * gravity * math.sin(load.slope)
+    rolling = eq.nominal_force(rolling_resistance(load), mass, gravity, load.slope) - weight
     wind = course.speed + load.headwind
     drag = load.air_density * load.drag_area * wind * np.abs(wind) / 2
-    force = rolling * course.direction + weight + drag + load.mass * course.acceleration
+    force = rolling * course.direction + weight + drag + mass * course.acceleration
     torque = force * r / N + turning * course.acceleration / r
-    inertia = turning + load.mass * r**2 / N
+    inertia = turning + (load.mass + course.heaviest) * r**2 / N
     own = _grip(load, gravity, course, force / N, turning)
     return course.cycle(torque, r, inertia=inertia, own=own)
 
@@ -173,10 +175,11 @@ def _grip(load: WheeledVehicle, gravity: float, course: Course, force: Ends, tur
     """The largest force of a wheel on the floor against what friction transmits."""
     if load.friction_coefficient is None:
         return ()
-    worst = int(np.abs(force).argmax())
+    held = held_by_a_wheel(load, gravity) * (1.0 + course.payload / load.mass)
+    worst = int((np.abs(force) / held).argmax())
     end = np.cumsum(course.duration)
     time = np.stack([end - course.duration, end], axis=1).reshape(-1)[worst]
-    limit = held_by_a_wheel(load, gravity)
+    limit = float(np.broadcast_to(held, force.shape).reshape(-1)[worst])
     most = float(np.abs(force).reshape(-1)[worst])
     return (OwnLimit("traction", most, limit, float(time), turning),)
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from drivesizer.files.fields import (
     Acceleration,
     Bearing,
+    Counterweight,
     Distance,
     Duration,
     Jerk,
@@ -33,6 +34,19 @@ _ROUNDING = 1e-9  # of a time: ramps that fill it may be rounded
 class _Repeated(Section):
     rest_time: Pause = default("0 s", description="standing still at the end of the cycle")
     there_and_back: bool = Field(default=False, description="the same motion back, each with its rest")
+    payload: Counterweight = default("0 kg", description="added to the load's mass, on the way out and in its rest")
+    payload_back: Counterweight | None = Field(default=None, description="on the way back; payload where not given")
+
+    @model_validator(mode="after")
+    def _back(self) -> Self:
+        if self.payload_back is not None and not self.there_and_back:
+            raise ValueError("give there_and_back: true beside payload_back")
+        return self
+
+    @property
+    def carries(self) -> bool:
+        """Whether a payload is added to the load's mass."""
+        return bool(self.payload or self.payload_back)
 
 
 class Trapezoid(_Repeated):
@@ -128,6 +142,9 @@ class Segment(Section):
 
     time: Duration
     to: SignedVelocity | None = Field(default=None, description="speed at its end; the present one where not given")
+    payload: Counterweight | None = Field(
+        default=None, description="added to the load's mass; that of the piece before where not given"
+    )
 
 
 class Segments(Section):
@@ -142,6 +159,11 @@ class Segments(Section):
         if speeds and speeds[-1] != 0.0:
             raise ValueError("expected the last speed to be 0: a cycle starts and ends at standstill")
         return self
+
+    @property
+    def carries(self) -> bool:
+        """Whether a payload is added to the load's mass."""
+        return any(piece.payload for piece in self.segments)
 
 
 class Csv(Section):

@@ -143,6 +143,9 @@ class RobotSpec(Section):
             raise ValueError("motion: a recorded load brings its own motion; leave this one out")
         if not recorded and self.motion is None:
             raise ValueError("motion is missing; expected fields such as speed, acceleration_time, cruise_time")
+        if self.carries and (self.platform is not None or not self.load.takes_payload):
+            what = "platform" if self.platform else self.load.kind
+            raise ValueError(f"motion: a {what} takes no payload that changes; expected load cases")
         if self.method == "paper" and not self.paper_applies:
             raise ValueError(
                 "method: the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it "
@@ -192,6 +195,7 @@ class RobotSpec(Section):
             and load.drag_area == 0.0
             and not self.cases
             and self.gear is None
+            and not self.carries
         )
 
     @property
@@ -240,6 +244,11 @@ class RobotSpec(Section):
     def belt(self) -> BeltStage | None:
         """The belt stage, where there is one."""
         return next((stage for stage in self.transmission if isinstance(stage, BeltStage)), None)
+
+    @property
+    def carries(self) -> bool:
+        """Whether the motion adds a payload to the load's mass."""
+        return bool(getattr(self.motion, "carries", False))
 
     @property
     def gear(self) -> GearStage | None:
