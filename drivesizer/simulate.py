@@ -32,6 +32,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.losses import loss_assumptions
+from drivesizer.results.screws import for_drive
 from drivesizer.results.sizing import Check, SizingResult, verdict
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
@@ -62,6 +63,7 @@ def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
     str
         The name of the case; the first where no check decides.
     """
+    spec = for_drive(spec, drive_set.chosen_screw)
     names = [name for _, name, _ in load_cases(spec)]
     met = [c for c in drive_set.every_check if c.name in _MET_BY_THE_LOOP and c.case in names]
     order = {"fail": 0, "unknown": 1, "open": 1, "pass": 1}
@@ -102,6 +104,7 @@ def validate(
         When the profile is wrong or too long, the catalogue lacks a figure that the simulation needs, or ``control``
         requires the impossible.
     """
+    spec = for_drive(spec, drive_set.chosen_screw)
     cases = {name: case for _, name, case in load_cases(spec)}
     driven = next(iter(cases)) if load_case is None else load_case
     spec = cases[driven]

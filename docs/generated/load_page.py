@@ -43,6 +43,8 @@ def _load(name: str, kinds: list[str]) -> str:
     if "cylinders" in model["properties"]:
         parts += ["`cylinders` has", fields_of(SCHEMA["$defs"]["Cylinders"])]
         parts += ["and each of these", fields_of(SCHEMA["$defs"]["Cylinder"])]
+    if "screw" in model["properties"]:
+        parts += ["`screw` has", fields_of(SCHEMA["$defs"]["ScrewChoice"])]
     return "\n\n".join([*parts, *(_starter(kind) for kind in kinds)])
 
 

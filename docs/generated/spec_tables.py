@@ -59,7 +59,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "paper_factors": {"PaperFactors": ""},
 }  # fmt: skip
 _BY_KIND = ("Fan", "Screw")  # models of several kinds: what the page says above their fields
-_LOADS = ("Cylinder", "Cylinders")  # further models of loads, which have a page of their own
+_LOADS = ("Cylinder", "Cylinders", "ScrewChoice")  # further models of loads, which have a page of their own
 
 
 def sections() -> str:

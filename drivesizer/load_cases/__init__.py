@@ -24,7 +24,7 @@ from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import BeltStage
 
-__all__ = ["at_driven_shaft", "load_cycle", "of_course"]
+__all__ = ["at_driven_shaft", "load_cycle", "located", "of_course"]
 
 
 def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
@@ -105,7 +105,7 @@ def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
     if isinstance(load, WheelLoad):
         return load.cycle
     if isinstance(load, Recorded):
-        with _located(spec):
+        with located(spec):
             return recorded(load, beside(spec.file, load.file, spec.where(("load", "file"))))
     return of_course(spec, course(profile or profile_of(spec)))
 
@@ -130,14 +130,14 @@ def of_course(spec: RobotSpec, course: Course) -> LoadCycle:
     InputError
         When the load cannot follow, or a figure leaves the range of numbers that can be computed with.
     """
-    with _located(spec):
+    with located(spec):
         cycle = LAWS[spec.load.kind](spec.load, spec.environment.gravity, course)
     return replace(cycle, own=()) if spec.platform else cycle  # a platform's own checks know more
 
 
 @contextmanager
-def _located(spec: RobotSpec) -> Iterator[None]:
-    """Errors of a field with its file and line."""
+def located(spec: RobotSpec) -> Iterator[None]:
+    """Errors of a field with its file and line, raised within."""
     try:
         yield
     except FieldError as error:

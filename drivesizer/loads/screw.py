@@ -32,6 +32,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from drivesizer.errors import FieldError
 from drivesizer.files.fields import (
     Axis,
     BackEfficiency,
@@ -40,10 +41,13 @@ from drivesizer.files.fields import (
     Incline,
     Length,
     Mass,
+    Names,
     Pull,
     Quantity,
     Ratio,
+    Section,
     Share,
+    Thickness,
     Torque,
     default,
     exactly_one,
@@ -63,9 +67,34 @@ from drivesizer.physics.elements.screw import (
 )
 from drivesizer.physics.load_cycle import LoadCycle
 
-__all__ = ["Screw", "screw"]
+__all__ = ["Screw", "ScrewChoice", "screw"]
 
 Rating = Annotated[float, Quantity("force", above=0.0)]
+
+
+class ScrewChoice(Section):
+    """Screws out of the catalogues: of each lead the smallest that holds, of all leads that of the best drive."""
+
+    maker: Names | None = Field(default=None, description="such as THK or HIWIN; * stands for any text")
+    family: Names | None = None
+    part: Names | None = None
+    diameter_min: Length | None = None
+    diameter_max: Length | None = None
+    lead_min: Length | None = None
+    lead_max: Length | None = None
+    play_max: Thickness | None = Field(default=None, description="axial; then a screw of unknown play is left out")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> ScrewChoice:
+        for name in ("diameter", "lead"):
+            least, most = getattr(self, f"{name}_min"), getattr(self, f"{name}_max")
+            if least is not None and most is not None and least > most:
+                raise ValueError(f"expected {name}_min <= {name}_max")
+        return self
+
+
+_OF_CATALOGUE = ("lead", "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "dynamic_load", "static_load",
+                 "permissible_thrust", "dn_max")  # fmt: skip
 
 
 class Screw(SharedLoad):
@@ -76,7 +105,10 @@ class Screw(SharedLoad):
     takes_payload: ClassVar[bool] = True
     kind: Literal["lead_screw", "ball_screw"]
     mass: Mass = Field(description="of the slide and what is on it")
-    lead: Length = Field(description="travel per turn")
+    screw: ScrewChoice | None = Field(
+        default=None, description="out of the catalogues, with its lead and all that is printed of it; or give lead"
+    )
+    lead: Length | None = Field(default=None, description="travel per turn; or give screw")
     efficiency: Share | None = Field(
         default=None, description="of screw and nut when it drives the slide; or give thread_friction"
     )
@@ -94,15 +126,24 @@ class Screw(SharedLoad):
     preload_torque: Torque = default("0 N*m", description="drag of a preloaded nut and its bearings")
     preload: Force = default("0 N", description="of a ball nut: its drag, beside preload_torque, and its life")
     inertia: Inertia | None = Field(
-        default=None, description="of screw and coupling; of a steel shaft of diameter and length where not given"
+        default=None,
+        description="of screw and coupling; of a steel shaft of diameter and length where not given; of the coupling "
+        "alone with screw",
     )
     diameter: Length | None = Field(default=None, description="nominal, of one screw as all that follows")
     root_diameter: Length | None = Field(default=None, description="of the thread's core")
+    pitch_diameter: Length | None = Field(
+        default=None, description="of a sliding thread; between diameter and root_diameter where not given"
+    )
     ball_diameter: Length | None = Field(default=None, description="of the ball centres; diameter where not given")
     length: Length | None = Field(default=None, description="free, between the bearings; no shorter than the stroke")
     screw_length: Length | None = Field(default=None, description="with its ends; length where not given")
     ends: Fixity | None = Field(default=None, description="bearings of both ends, for buckling and critical speed")
-    design: Design = Field(default="beam", description="whose factors for these: exact ones of a beam, or a maker's")
+    design: Design | None = Field(
+        default=None,
+        description="whose factors for these; those of a beam where not given, of a screw out of the catalogues its "
+        "maker's",
+    )
     dynamic_load: Rating | None = Field(default=None, description="rating C_a, for the life")
     static_load: Rating | None = Field(default=None, description="rating C_0a")
     permissible_thrust: Rating | None = Field(default=None, description="of a sliding nut")
@@ -114,6 +155,9 @@ class Screw(SharedLoad):
 
     @model_validator(mode="after")
     def _complete(self) -> Screw:
+        exactly_one(self, "lead", "screw")
+        if self.screw is not None:
+            return self._left_open()
         exactly_one(self, "efficiency", "thread_friction")
         if self.thread_friction is not None and (self.diameter is None or self.root_diameter is None):
             raise ValueError("give diameter and root_diameter beside thread_friction")
@@ -121,6 +165,17 @@ class Screw(SharedLoad):
             raise ValueError("back_efficiency follows from thread_friction; leave one of them out")
         if self.inertia is None and (self.diameter is None or self.overall is None):
             raise ValueError("give inertia, or diameter and length of a steel screw")
+        return self
+
+    def _left_open(self) -> Screw:
+        """Refuse figures of the screw beside a choice of it, and a choice without a length."""
+        given = [name for name in _OF_CATALOGUE if getattr(self, name) is not None]
+        if given:
+            raise ValueError(f"expected screw without {given[0]}, which is that of the screw that is chosen")
+        if self.length is None or self.ends is None:
+            raise ValueError("give length and ends beside screw")
+        if self.efficiency is not None and self.thread_friction is not None:
+            raise ValueError("give efficiency or thread_friction, not both")
         return self
 
     @model_validator(mode="after")
@@ -131,9 +186,24 @@ class Screw(SharedLoad):
             raise ValueError("give length beside ends")
         if self.length and self.screw_length and self.screw_length < self.length:
             raise ValueError("screw_length must not be below length")
-        if self.nut_diameter is None and (self.dn_max or self.preload):
+        if self.nut_diameter is None and self.screw is None and (self.dn_max or self.preload):
             raise ValueError("give diameter beside dn_max and preload")
         return self
+
+    @property
+    def travel_per_turn(self) -> float:
+        """The lead [m].
+
+        Raises
+        ------
+        FieldError
+            Where the screw has yet to be chosen.
+        """
+        if self.lead is None:
+            raise FieldError(
+                ("load", "screw"), "a screw out of the catalogues is chosen by `drivesizer size`; give lead"
+            )
+        return self.lead
 
     @property
     def overall(self) -> float | None:
@@ -149,8 +219,8 @@ class Screw(SharedLoad):
     def efficiencies(self) -> tuple[float, float]:
         """Of a screw that drives the slide, and of a slide that drives the screw: below 0 where it locks itself."""
         if self.thread_friction is not None:
-            pitch = ((self.diameter or 0.0) + (self.root_diameter or 0.0)) / 2.0
-            thread = self.lead, pitch, self.thread_friction
+            pitch = self.pitch_diameter or ((self.diameter or 0.0) + (self.root_diameter or 0.0)) / 2.0
+            thread = self.travel_per_turn, pitch, self.thread_friction
             return float(thread_efficiency(*thread)), float(back_driving_efficiency(*thread))
         forward = float(self.efficiency or 0.0)
         return forward, 2.0 - 1.0 / forward if self.back_efficiency is None else self.back_efficiency
@@ -165,7 +235,7 @@ class Screw(SharedLoad):
     @property
     def drag(self) -> float:
         """Torque of all preloaded nuts and bearings [N*m]."""
-        of_nuts = preload_torque(self.preload, self.lead, self.nut_diameter) if self.preload else 0.0
+        of_nuts = preload_torque(self.preload, self.travel_per_turn, self.nut_diameter) if self.preload else 0.0
         return self.preload_torque + self.motors * float(of_nuts)
 
 
@@ -190,10 +260,11 @@ def screw(load: Screw, gravity: float, course: Course) -> LoadCycle:
     Raises
     ------
     InputError
-        When the screw is shorter than its stroke, or a figure leaves the range of numbers that can be computed with.
+        When the screw is shorter than its stroke or has yet to be chosen, or a figure leaves the range of numbers that
+        can be computed with.
     """
     force = force_along(course, load, gravity, load.mass)
-    radius = load.lead / (2 * math.pi)
+    radius = load.travel_per_turn / (2 * math.pi)
     cycle = through_stage(course, force, radius, load.efficiencies, mass=load.mass, turning=load.turning,
                           motors=load.motors, drag=load.drag)  # fmt: skip
     return replace(cycle, own=own_limits(load, course, force / load.motors))

@@ -27,8 +27,8 @@ class HasScrew(Protocol):
     """Dimensions and ratings of one screw; None where they are not known."""
 
     @property
-    def lead(self) -> float:
-        """Travel per turn [m]."""
+    def travel_per_turn(self) -> float:
+        """The lead [m]."""
 
     @property
     def root_diameter(self) -> float | None:
@@ -47,8 +47,8 @@ class HasScrew(Protocol):
         """Bearings of both ends."""
 
     @property
-    def design(self) -> str:
-        """Whose factors of buckling and critical speed."""
+    def design(self) -> str | None:
+        """Whose factors of buckling and critical speed; a beam's where not given."""
 
     @property
     def dynamic_load(self) -> float | None:
@@ -129,7 +129,7 @@ def _of_loads(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit
     most, time = _worst(course, force)
     if screw.ends is not None:
         core = math.nan if screw.root_diameter is None else screw.root_diameter
-        held = float(np.minimum(buckling_load(core, screw.length, screw.ends, screw.design), core_load(core)))
+        held = float(np.minimum(buckling_load(core, screw.length, screw.ends, screw.design or "beam"), core_load(core)))
         yield OwnLimit("screw_buckling", most, held, time)
     if screw.static_load is not None:
         yield OwnLimit("screw_static_load", most * screw.static_safety, screw.static_load, time)
@@ -139,11 +139,11 @@ def _of_loads(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit
 
 def _of_speeds(screw: HasScrew, course: Course) -> Iterator[OwnLimit]:
     travel, time = _worst(course, course.speed)
-    speed = travel / screw.lead * 2.0 * math.pi
+    speed = travel / screw.travel_per_turn * 2.0 * math.pi
     if screw.ends is not None:
         core = math.nan if screw.root_diameter is None else screw.root_diameter
         yield OwnLimit(
-            "screw_critical_speed", speed, critical_speed(core, screw.length, screw.ends, screw.design), time
+            "screw_critical_speed", speed, critical_speed(core, screw.length, screw.ends, screw.design or "beam"), time
         )
     if screw.dn_max is not None and screw.nut_diameter is not None:
         yield OwnLimit("screw_dn", screw.nut_diameter * 1e3 * speed * 30.0 / math.pi, screw.dn_max, time)
@@ -170,7 +170,7 @@ def screw_life(screw: HasScrew, course: Course, force: Ends) -> ScrewLife:
     mean = mean_load(course.duration, course.speed, force, screw.preload)
     rating = math.nan if screw.dynamic_load is None else screw.dynamic_load
     turns = life_turns(rating, mean, screw.load_factor)
-    distance = turns * screw.lead
+    distance = turns * screw.travel_per_turn
     moved = float(course.duration @ np.abs(course.speed.mean(axis=1)))
     time = distance / moved * float(course.duration.sum()) if moved > 0.0 else math.inf
     return ScrewLife(mean, turns, distance, time)

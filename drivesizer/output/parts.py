@@ -99,6 +99,8 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | Non
     masses = {row.name: _massed(row) for row in drive_rows(found, drives, catalog, belt)}
     lines = [_line(role, part, catalog, drives, masses[role]) for role, part in found.parts.items()]
     lines = [replace(x, said=", ".join((x.said, *found.belt_running))) if x.role == "belt" else x for x in lines]
+    if found.chosen_screw:
+        lines = [replace(x, said=found.chosen_screw.running) if x.role == "screw" else x for x in lines]
     if _bare_belt(found):
         mass = masses.get("belt and pulleys", {})
         lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=drives, **mass))
@@ -327,6 +329,7 @@ _SAID: dict[str, Callable[[Any], str]] = {
     "driving pulley": _pulley,
     "belt": lambda part: f"{_toothed(part)}, {show(part.width, 'mm', 'length')} wide",
     "driven pulley": _pulley,
+    "screw": lambda part: f"{part.kind} screw",
     "encoder": lambda part: part.resolution,
     "controller": lambda part: part.buses.replace(";", ","),
     "actuator": _figures_of("nominal_voltage", "nominal_torque"),

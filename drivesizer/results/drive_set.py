@@ -15,6 +15,7 @@ from drivesizer.results.mass import MassRow
 from drivesizer.results.notebook import checks_table, html_table
 from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
+from drivesizer.results.screws import ChosenScrew
 from drivesizer.units import show
 
 __all__ = ["Comparison", "DriveParts", "DriveSet", "Relaxation", "made_by", "section_of"]
@@ -57,6 +58,7 @@ class DriveParts:
     total_ratio: float
     actuator: Actuator | None = None  # that motor and gearhead are inside of
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
+    chosen_screw: ChosenScrew | None = None  # nut and shaft, where they are out of the catalogues
     quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
 
     @property
@@ -112,7 +114,8 @@ class DriveParts:
         """The parts as they are bought, by role; None where none is known. An actuator is one part."""
         turning: dict[str, Any] = {"motor": self.motor, "gearhead": self.gearhead}
         controlling = {"encoder": self.encoder, "controller": self.controller}
-        belt = self.belt_drive.parts if self.belt_drive else {}
+        belt: dict[str, Any] = dict(self.belt_drive.parts) if self.belt_drive else {}
+        belt |= {"screw": self.chosen_screw.screw} if self.chosen_screw else {}
         if not self.actuator:
             return {role: part for role, part in turning.items() if part.part != DIRECT} | belt | controlling
         outside = {role: part for role, part in controlling.items() if part is None or not part.inside}

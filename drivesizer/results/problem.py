@@ -12,6 +12,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.results.screws import ChosenScrew
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["BeltDrives", "LoadCase", "Problem"]
@@ -48,6 +49,7 @@ class Problem:
     catalog: Catalog
     cases: tuple[LoadCase, ...]  # at least one
     belts: BeltDrives | None  # None where the spec names its belt ratios, or has no belt
+    screw: ChosenScrew | None = None  # where the spec leaves it to the catalogues
 
     @property
     def spec(self) -> RobotSpec:

@@ -1,4 +1,4 @@
-"""The sizing problem of a machine whose mass includes that of its own drive."""
+"""The sizing problem of a machine whose mass includes that of its own drive, or whose screw is left open."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from drivesizer.machine.budgets import drive_mass, mass_without_drive
 from drivesizer.machine.mass_budget import settle
 from drivesizer.machine.problem import problem
 from drivesizer.results.problem import Problem
+from drivesizer.results.screws import wants_screw
 from drivesizer.search.machine_filter import best_in_machine
 from drivesizer.search.ranking import Ranking
+from drivesizer.search.screw_choice import problem_with_screw
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["problem_with_drive_mass"]
@@ -19,7 +21,7 @@ _ITERATED = frozenset({"mass_sized_for"})  # holds once the rounds have settled,
 
 
 def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[Problem, tuple[str, ...]]:
-    """The sizing problem of a machine, its mass including that of its drive where the spec wants it.
+    """The sizing problem of a machine, with the mass of its drive or the screw that the spec leaves to the search.
 
     Parameters
     ----------
@@ -41,6 +43,8 @@ def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Rankin
         As ``machine.problem`` does.
     """
     load = spec.load
+    if wants_screw(spec):
+        return problem_with_screw(spec, catalog, objective)
     if spec.budget is None or not spec.budget.drive_counts or not isinstance(load, WheeledVehicle):
         return problem(spec, catalog), ()
 

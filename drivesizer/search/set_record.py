@@ -59,6 +59,7 @@ def drive_parts(evaluation: Evaluation, index: int) -> DriveParts:
         belt_ratio=float(candidates.belt[index]),
         belt_efficiency=evaluation.spec.belt_efficiency,
         belt_drive=problem.belt_drive(float(candidates.belt[index])),
+        chosen_screw=problem.screw,
         total_ratio=float(gearhead.ratio * candidates.belt[index]),
         actuator=catalog.actuators.record(catalog.actuators.rows[motor.inside]) if motor.inside else None,
         quickest=quickest_winding(catalog),

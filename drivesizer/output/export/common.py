@@ -33,6 +33,7 @@ from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.screws import for_drive
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
@@ -171,7 +172,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
     InputError
         When a figure is unknown that every format needs, or ``control`` requires what no controller can do.
     """
-    (_, case, spec), *_ = load_cases(spec)
+    (_, case, spec), *_ = load_cases(for_drive(spec, found.chosen_screw))
     known = found.motor.rotor_inertia > 0.0
     train, controller, said = designed(spec, found) if known else _without_rotor(spec, found)
     usable, motor = float(spec.feed_of(found.controller).usable), asdict(found.motor)

@@ -9,6 +9,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, Final
 
 from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
+from drivesizer.catalog.more_parts import Screw
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.control.validation import Validation
 from drivesizer.output.json.loops import loop_document, number
@@ -56,7 +57,7 @@ def requirement(r: Requirement) -> schema.Requirement:
     }
 
 
-def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Encoder | Controller) -> dict[str, Any]:
+def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Screw | Encoder | Controller) -> dict[str, Any]:
     """A part with all its figures in SI."""
     values = {f.name: getattr(part, f.name) for f in fields(part)}
     return {k: number(v) if isinstance(v, float) else (v or None) for k, v in values.items()}
@@ -127,6 +128,14 @@ def _belt(found: DriveSet) -> schema.Belt:
     }
 
 
+def _screw(found: DriveSet) -> schema.Screw | None:
+    """Nut and shaft out of a catalogue, and the length of the shaft."""
+    chosen = found.chosen_screw
+    if chosen is None:
+        return None
+    return {"part": _part(chosen.screw), "length_m": chosen.length}
+
+
 def drive_set(found: DriveSet) -> schema.Set:
     """One drive."""
     return {
@@ -136,6 +145,7 @@ def drive_set(found: DriveSet) -> schema.Set:
         "motor": _part(found.motor),
         "gearhead": _part(found.gearhead),
         "belt": _belt(found),
+        "screw": _screw(found),
         "encoder": _part(found.encoder) if found.encoder else None,
         "controller": _part(found.controller) if found.controller else None,
         "total_ratio": found.total_ratio,

@@ -80,6 +80,7 @@ Belt = TypedDict("Belt", {
     "ratio": float, "efficiency": float, "pulleys": Pulleys | None,
     "part": Annotated[dict[str, Any], _PartOf("belts")] | None, "centre_distance_m": Number, "teeth_in_mesh": Number,
 })  # fmt: skip
+Screw = TypedDict("Screw", {"part": Annotated[dict[str, Any], _PartOf("screws")], "length_m": float})
 Mass = TypedDict("Mass", {
     "name": str, "number": Count, "each_kg": Number, "total_kg": Number, "band_kg": list[float] | None,
 })  # fmt: skip
@@ -114,6 +115,7 @@ Set = TypedDict("Set", {
     "rank": Count, "status": Status, "actuator": Annotated[dict[str, Any], _PartOf("actuators")] | None,
     "motor": Annotated[dict[str, Any], _PartOf("motors")],
     "gearhead": Annotated[dict[str, Any], _PartOf("gearheads")], "belt": Belt,
+    "screw": Annotated[Screw | None, Field(description="null where it is not from a catalogue")],
     "encoder": Annotated[dict[str, Any], _PartOf("encoders")] | None,
     "controller": Annotated[dict[str, Any], _PartOf("controllers")] | None, "total_ratio": float, "mass_kg": Number,
     "mass_of": list[str], "objective": Number, "objective_of": list[str], "requirements": dict[str, Requirement],

@@ -217,6 +217,7 @@ _PARTS: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words
     "driving pulley": _PULLEY,
     "belt": {"teeth": "teeth", "width": "wide", "mass": "", "price": ""},
     "driven pulley": _PULLEY,
+    "screw": {"dynamic_load": "dynamic", "static_load": "static", "efficiency": "efficient", "mass": "", "price": ""},
     "actuator": {"nominal_voltage": "", "nominal_torque": "continuous", "peak_torque": "peak", "mass": "", "price": ""},
 }
 
@@ -259,6 +260,8 @@ def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text
         shown = [part.resolution]
     if role == "belt":
         shown += found.belt_running
+    if role == "screw" and found.chosen_screw:
+        shown = [found.chosen_screw.running, *shown]
     if section_of(part) == "pulleys" and part.bore:
         shown.append(f"bore {part.bore}")
     doubt = _doubt(part, role, found, catalog)

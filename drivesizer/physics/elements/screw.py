@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 __all__ = [
     "DESIGNS", "ENDS", "Design", "Fixity", "MeanLoad", "Rules", "back_driving_efficiency", "buckling_load",
-    "core_load", "critical_speed", "life_turns", "mean_load", "preload_torque", "shaft_inertia", "thread_efficiency",
+    "core_load", "critical_speed", "life_turns", "mean_load", "preload_torque", "shaft_inertia", "shaft_mass",
+    "thread_efficiency",
 ]  # fmt: skip
 
 Fixity = Literal["fixed-fixed", "fixed-supported", "supported-supported", "fixed-free"]
@@ -249,7 +250,7 @@ def life_turns(dynamic_load: Any, mean: MeanLoad, load_factor: float = 1.0) -> A
     '2.34e+09'
     """
     fatigue = sum((load_factor * one / dynamic_load) ** (10.0 / 3.0) for one in mean)  # of 10^6 turns, to 10/9
-    return 1e6 * fatigue**-0.9 if np.ndim(fatigue) or fatigue > 0.0 else math.inf
+    return math.inf if np.ndim(fatigue) == 0 and fatigue == 0.0 else 1e6 * fatigue**-0.9
 
 
 def _lead_angle(lead: Any, diameter: Any) -> Any:
@@ -357,3 +358,19 @@ def shaft_inertia(diameter: Any, length: Any) -> Any:
     0.00039
     """
     return pi * _STEEL * diameter**4 * length / 32.0
+
+
+def shaft_mass(diameter: Any, length: Any) -> Any:
+    """Mass of a solid steel shaft of the nominal diameter: its thread takes some of it away.
+
+    Parameters
+    ----------
+    diameter, length
+        [m].
+
+    Returns
+    -------
+    float or array
+        Mass [kg].
+    """
+    return pi / 4.0 * _STEEL * diameter**2 * length

@@ -37,6 +37,7 @@ __all__ = [
     "load_limits",
     "motor_limits",
     "moving_limits",
+    "own_limit",
     "shaft_limits",
     "size_limits",
 ]
@@ -63,14 +64,27 @@ def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = No
     list
         Columns of one figure.
     """
-    found = [_own_limit(spec, own) for own in cycle.load_cycle.own if own.name != _LIFE or spec.needs.life is not None]
+    found = [check for own in cycle.load_cycle.own if (check := own_limit(spec, own)) is not None]
     return found + _belt_limits(spec, spec.belt, cycle, drive) if spec.belt else found
 
 
-def _own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn:
-    """A limit of the load itself with the margin that the spec requires of its kind."""
+def own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn | None:
+    """A limit of the load itself with the margin that the spec requires of its kind.
+
+    Parameters
+    ----------
+    spec
+        The load case.
+    own
+        The limit; the demand of a life is what the spec needs.
+
+    Returns
+    -------
+    CheckColumn or None
+        A column of one figure; None of a life where none is required.
+    """
     if own.name == _LIFE:
-        return at_most(own.name, spec.needs.life, own.limit)
+        return None if spec.needs.life is None else at_most(own.name, spec.needs.life, own.limit)
     needed = spec.margins.speed if own.name in _OF_SPEED else spec.margins.torque
     return at_most(own.name, own.demand, own.limit, needed=needed, time=np.array(own.time))
 

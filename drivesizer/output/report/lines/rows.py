@@ -212,6 +212,9 @@ def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
         yield from _names("set", {role.replace(" ", "_"): part for role, part in s.belt_drive.parts.items()})
         yield _figure("set", "centre_distance", "Centre distance", s.belt_drive.centre_distance, "length", "mm")
         yield _figure("set", "teeth_in_mesh", "Teeth in mesh", s.belt_drive.teeth_in_mesh, "dimensionless", "1")
+    if s.chosen_screw:
+        yield from _names("set", {"screw": s.chosen_screw.screw})
+        yield _figure("set", "screw_length", "Length of the screw", s.chosen_screw.length, "length", "mm")
     yield _figure("set", "gearhead_ratio", "Ratio of the gearhead", s.gearhead.ratio, "dimensionless", "1")
     yield _figure("set", "belt_ratio", "Ratio of the belt", s.belt_ratio, "dimensionless", "1")
     yield _figure("set", "total_ratio", "Total ratio", s.total_ratio, "dimensionless", "1")

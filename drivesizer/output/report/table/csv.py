@@ -137,7 +137,8 @@ def _slug(title: str) -> str:
 _SET_HEADS = (
     "list", "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
     "belt_ratio", "driving_pulley_part", "belt_part", "driven_pulley_part", "centre_distance_m", "teeth_in_mesh",
-    "encoder_family", "encoder_part", "controller_family", "controller_part", "total_ratio", "mass_kg", "mass_of",
+    "screw_part", "encoder_family", "encoder_part", "controller_family", "controller_part", "total_ratio", "mass_kg",
+    "mass_of",
     "price_EUR",
 )  # fmt: skip
 
@@ -148,7 +149,8 @@ def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
     chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
     return [
         s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,
-        s.belt_ratio, *_belt(s), *chosen, s.total_ratio, s.mass, " + ".join(s.mass_of), s.price,
+        s.belt_ratio, *_belt(s), s.chosen_screw.screw.part if s.chosen_screw else "", *chosen,
+        s.total_ratio, s.mass, " + ".join(s.mass_of), s.price,
         " + ".join(s.price_of),
         s.objective, tightest.margin if tightest else "", tightest.name if tightest else "",
         *(margins.get(name, "") for name in checks), *(does.get(name, "") for name in figures),

@@ -1,0 +1,158 @@
+"""A screw out of a catalogue in the machine that it moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isnan
+from typing import Any
+
+from drivesizer.catalog.more_parts import Screw
+from drivesizer.loads.screw import Screw as ScrewLoad
+from drivesizer.loads.screw import ScrewChoice
+from drivesizer.physics.elements.screw import shaft_inertia, shaft_mass
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+__all__ = ["ChosenScrew", "chosen_of", "for_drive", "screw_figures", "wants_screw", "with_screw"]
+
+_DESIGNS = {"THK": "THK", "HIWIN": "HIWIN", "Bosch Rexroth": "Rexroth"}  # makers that print factors of their own
+_RATINGS = (
+    "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "dynamic_load", "static_load",
+    "permissible_thrust", "dn_max",
+)  # fmt: skip
+
+# ratings without which a check is unknown, by kind of screw; the others it need not have
+_CHECKED = {"ball": ("dynamic_load", "static_load", "dn_max"), "": ("permissible_thrust", "dynamic_load")}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChosenScrew:
+    """A nut with its shaft, as long as the machine needs."""
+
+    screw: Screw  # its mass that of nut and shaft
+    length: float  # m, of the shaft with its ends
+    shaft_mass: float  # kg
+
+    @property
+    def least_mass(self) -> float:
+        """Mass of shaft and nut, as far as it is known [kg]."""
+        return self.shaft_mass if isnan(self.screw.mass) else self.screw.mass
+
+    @property
+    def running(self) -> str:
+        """Size of the screw, in words."""
+        size = " x ".join(show(x, "mm", "length") for x in (self.screw.diameter, self.screw.lead))
+        return f"{self.screw.kind} screw {size}, {show(self.length, 'mm', 'length')} long{self._shaft}"
+
+    @property
+    def _shaft(self) -> str:
+        """The mass of the shaft, where that of the nut is unknown."""
+        return f", shaft {show(self.shaft_mass, 'kg', 'mass')}" if isnan(self.screw.mass) else ""
+
+
+def _choice(spec: RobotSpec) -> ScrewChoice | None:
+    load = spec.load
+    return load.screw if isinstance(load, ScrewLoad) else None
+
+
+def wants_screw(spec: RobotSpec) -> bool:
+    """Whether a load case leaves the screw to the catalogues."""
+    return any(_choice(case) is not None for _, case in spec.load_cases)
+
+
+def chosen_of(spec: RobotSpec, screw: Screw) -> ChosenScrew:
+    """A screw of a catalogue at the length that a spec needs.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    screw
+        Of a catalogue; where the mass of its nut is not known, that of both is not.
+
+    Returns
+    -------
+    ChosenScrew
+        With the mass of nut and shaft.
+    """
+    load: Any = spec.load
+    shaft = float(shaft_mass(_thick(screw), load.overall))
+    return ChosenScrew(screw=replace(screw, mass=shaft + screw.nut_mass), length=load.overall, shaft_mass=shaft)
+
+
+def _thick(screw: Screw) -> float:
+    """Diameter of a smooth shaft of the same inertia, as makers have it [m]."""
+    return screw.diameter if isnan(screw.shaft_diameter) else screw.shaft_diameter
+
+
+def screw_figures(load: ScrewLoad, screw: Screw) -> dict[str, Any]:
+    """Fields of a load that a screw of a catalogue gives.
+
+    Parameters
+    ----------
+    load
+        As it was written, with what it leaves open.
+    screw
+        Of a catalogue; of a sliding one the load may give the friction of its thread, of any the efficiency.
+
+    Returns
+    -------
+    dict
+        Values by field; None where they are not known.
+    """
+    checked = _CHECKED.get(screw.kind, _CHECKED[""])
+    figures = {name: getattr(screw, name) for name in _RATINGS}
+    given = {name: None if isnan(value) and name not in checked else value for name, value in figures.items()}
+    forward = load.efficiency if load.efficiency is not None else screw.efficiency
+    backward = load.back_efficiency if load.back_efficiency is not None else screw.back_efficiency
+    if load.thread_friction is None:
+        given |= {"efficiency": None if isnan(forward) else forward}
+        given |= {"back_efficiency": None if isnan(backward) or load.efficiency is not None else backward}
+        if load.back_efficiency is not None:
+            given["back_efficiency"] = load.back_efficiency
+    turning = (load.inertia or 0.0) + load.motors * float(shaft_inertia(_thick(screw), load.overall))
+    design = load.design or _DESIGNS.get(screw.manufacturer)
+    return given | {"lead": screw.lead, "inertia": turning, "design": design, "screw": None}
+
+
+def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
+    """A spec with the screw of a catalogue in place of its choice, in all load cases.
+
+    Parameters
+    ----------
+    spec
+        The machine; unchanged where it leaves no screw open.
+    screw
+        Of a catalogue.
+
+    Returns
+    -------
+    RobotSpec
+        A copy.
+    """
+
+    def chosen(one: RobotSpec) -> RobotSpec:
+        load = one.load
+        if not isinstance(load, ScrewLoad) or load.screw is None:
+            return one
+        return one.model_copy(update={"load": load.model_copy(update=screw_figures(load, screw))})
+
+    return spec.changed(chosen)
+
+
+def for_drive(spec: RobotSpec, chosen: ChosenScrew | None) -> RobotSpec:
+    """A spec with the screw of a drive, where it leaves one open.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    chosen
+        Of the drive.
+
+    Returns
+    -------
+    RobotSpec
+        As ``with_screw`` makes it.
+    """
+    return with_screw(spec, chosen.screw) if chosen is not None and wants_screw(spec) else spec
