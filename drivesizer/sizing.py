@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view.stepper_view import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.load_cases.screw_requirements import screw_requirements
@@ -37,6 +37,7 @@ from drivesizer.search.search import Found
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.shortlist import Shortlist, shortlist
 from drivesizer.search.sifting import Progress
+from drivesizer.search.stepper_figures import STEPPER_ASSUMPTIONS
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice, MotorChoice
@@ -68,7 +69,20 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
             catalog = load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
         except UnknownCatalogError as error:
             raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
-    return search_view(catalog, estimates=spec.select.estimates == "on")
+    _offers_motors(spec, catalog)
+    return view_for(catalog, spec.select.motor.kind, estimates=spec.select.estimates == "on")
+
+
+def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:
+    """Refuse catalogues without a motor of the kind that the spec selects: steppers, or anything else."""
+    steppers = spec.select.motor.kind == STEPPER
+    if steppers and not len(catalog.steppers):
+        where = spec.where(("select", "catalogs"))
+        named = ", ".join(spec.select.catalogs)
+        raise InputError(f"{where}: {named} without steppers; expected e.g. stepperonline")
+    if not steppers and len(catalog.steppers) and not len(catalog.motors) and not len(catalog.actuators):
+        where = spec.where(("select", "catalogs"))
+        raise InputError(f"{where}: only steppers are in them; expected select: {{motor: {{kind: {STEPPER}}}}}")
 
 
 def size(
@@ -111,6 +125,8 @@ def size(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
+    if spec.steps and sampling:
+        raise InputError("--confidence: tolerances are not sampled for steppers; leave it out")
     catalog = load_parts(spec, catalog)
     objective = objective or spec.select.objective
     picked = shortlist(
@@ -180,6 +196,8 @@ def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
 
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:
     """Assumptions of the method, as sentences."""
+    if spec.steps:
+        return STEPPER_ASSUMPTIONS
     if spec.method == "physics":
         sentences = [
             "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well; "
@@ -224,7 +242,9 @@ def _held(problem: Problem) -> tuple[str, ...]:
 def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: what the method leaves out, and what limits the best drive."""
     spec = problem.spec
-    sentences = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
+    not_sampled = "tolerances are not sampled for steppers: drives are those of the nominal figures"
+    sentences = [not_sampled] if spec.steps and sampling_of(spec) else []
+    sentences += list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
     if spec.method == "paper":
         sentences.append(
             "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"
@@ -359,7 +379,7 @@ def explained(
     weigh = weighing(problem, of_the_platform(problem.machine))
     parts = {row: drive_parts(evaluation, row) for row in found.tolist()}
     beside = {row: other_checks(problem, one) for row, one in parts.items()}
-    sampling = sampling or sampling_of(spec)
+    sampling = None if spec.steps else sampling or sampling_of(spec)
     reliability: dict[int, Reliability] = {}
     if sampling:
         from drivesizer.search.uncertainty.run import reliabilities, sample_drives, subject, uncertainty

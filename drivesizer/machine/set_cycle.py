@@ -7,6 +7,7 @@ Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +26,7 @@ from drivesizer.physics.winding_course import WindingCourse, current_and_winding
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "warming", "waveform"]
+__all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "stepper_demand", "supplied", "warming", "waveform"]
 
 Array = NDArray[np.float64]
 
@@ -117,6 +118,27 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
         flows,
         course,
     )
+
+
+def stepper_demand(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands]:
+    """Torque and speed of a stepper over the load cycle of a spec; its own friction is in its pull-out torque.
+
+    Parameters
+    ----------
+    spec, drive_set, base
+        As ``set_cycle`` takes them.
+
+    Returns
+    -------
+    tuple
+        The load cycle at the gearhead's output, and the demand, of one row.
+    """
+    frictionless = replace(drive_set.motor, friction_torque=0.0, viscous_friction=0.0)
+    motor, gearhead, encoder = (OneRow(part) for part in (frictionless, drive_set.gearhead, drive_set.encoder))
+    if base is None:
+        base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
+    cycle = base.behind(drive_set.belt_ratio)
+    return cycle, demands(cycle, motor, gearhead, encoder)
 
 
 def waveform(found: SetCycle, *, mean: bool = False) -> Wave:

@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.set_cycle import set_cycle, supplied
+from drivesizer.machine.set_cycle import set_cycle, stepper_demand, supplied
+from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.power_stage import at_input, lost_in_source, of_the_source
+from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.waveform import Wave, energy, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
@@ -76,6 +78,8 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
+    if drive_set.steps:
+        return _of_a_stepper(spec, drive_set, base)
     found = set_cycle(spec, drive_set, base)
     feed, standby = found.feed, found.feed.stage.standby
     duration, *ends = _pieces(supplied(found))
@@ -97,6 +101,33 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
         motor_returned=own.returned * sets,
         resisted=heat * sets,
         distance=distance_of(spec, found.cycle.load_cycle),
+    )
+
+
+def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePower:
+    """The same of steppers: torque times speed and the loss of their rated current, which flows at any time."""
+    cycle, demand = stepper_demand(spec, drive_set, base)
+    motor, functions, duration = drive_set.motor, cycle.functions, cycle.load_cycle.duration
+    copper = copper_loss(motor.nominal_current, motor.resistance)
+    standby = float(spec.feed_of(drive_set.controller).stage.standby)
+    torque = functions @ demand.coefficients[0]
+    speed = functions[:, :, SPEED] * demand.total_ratio[0]
+    loss = np.full(len(duration), copper)
+    piece, torque, speed = np.ones(1), torque[:, None], speed[:, None]  # every piece a motor of its own
+    drawn, returned, peak = electrical_energy(piece, torque, speed, loss + standby)
+    own_drawn, own_returned, _ = electrical_energy(piece, torque, speed, loss)
+    back = electrical_energy(piece, -torque, speed, -loss - standby)[2]
+    sets = spec.load.alike if demand.complete.all() else np.nan
+    return DrivePower(
+        duration=duration,
+        drawn=sets * drawn,
+        returned=sets * returned,
+        peak=sets * peak,
+        returned_peak=sets * back,
+        motor_drawn=sets * own_drawn,
+        motor_returned=sets * own_returned,
+        resisted=np.zeros_like(drawn),
+        distance=distance_of(spec, cycle.load_cycle),
     )
 
 

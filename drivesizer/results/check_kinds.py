@@ -76,6 +76,22 @@ _PHYSICS = {
     ),
     "backlash_at_load": CheckKind("Backlash at the load", *_DEG, ("gearhead.backlash",)),
     "motor_radial_load": CheckKind("Motor radial load", *_NEWTON, ("motor.max_radial_load",)),
+    "pull_out_torque": CheckKind(
+        "Pull-out torque at the speed", *_NM,
+        (*_RATIO, "gearhead.efficiency", "gearhead.inertia", *_ROTOR, "PULL_OUT"), on_inertia=True,
+    ),
+    "start_speed": CheckKind(
+        "Start without a ramp", *_SPEED,
+        (*_INERTIA, "gearhead.efficiency", "motor.start_speed", "motor.holding_torque", "motor.pull_out_share"),
+        on_inertia=True,
+    ),
+    "step_resolution": CheckKind(
+        "Angle of a microstep at the load", *_DEG, (*_RATIO, "motor.pole_pairs", "controller.microsteps")
+    ),
+    "step_resonance": CheckKind(
+        "Steady step rate and natural frequency apart",
+        rests_on=(*_INERTIA, "motor.pole_pairs", "motor.holding_torque"), on_inertia=True,
+    ),
     "motor_speed": CheckKind("Motor permissible speed", *_SPEED, (*_RATIO, "motor.max_speed")),
     "motor_nominal_current": CheckKind(
         "Motor nominal current (RMS)", *_AMPS, ("CURRENT", "motor.nominal_current", "DERATING"), on_inertia=True

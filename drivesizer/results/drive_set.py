@@ -62,6 +62,11 @@ class DriveParts:
     quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
 
     @property
+    def steps(self) -> bool:
+        """Whether the motor is a stepper, which runs without an encoder."""
+        return self.motor.kind == "stepper"
+
+    @property
     def label(self) -> str:
         """The drive in a line: motor, gearhead, belt."""
         belt = f" + belt {self.belt_name}" if self.belt_name else ""
@@ -113,7 +118,9 @@ class DriveParts:
     def parts(self) -> dict[str, Any]:
         """The parts as they are bought, by role; None where none is known. An actuator is one part."""
         turning: dict[str, Any] = {"motor": self.motor, "gearhead": self.gearhead}
-        controlling = {"encoder": self.encoder, "controller": self.controller}
+        controlling: dict[str, Any] = {"encoder": self.encoder, "controller": self.controller}
+        if self.steps and self.encoder is None:
+            del controlling["encoder"]
         belt: dict[str, Any] = dict(self.belt_drive.parts) if self.belt_drive else {}
         belt |= {"screw": self.chosen_screw.screw} if self.chosen_screw else {}
         if not self.actuator:

@@ -19,6 +19,7 @@ from drivesizer.units import show
 
 __all__ = ["marked_figures", "rests_on", "unknown_figures"]
 
+_MODEL = ("holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", "pull_out_share")
 _GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rotor_inertia", "motor.torque_constant")
 
 
@@ -49,6 +50,10 @@ def _of(word: str, drive_set: DriveSet) -> list[str]:
         return ["encoder.steps_per_turn" if absolute else "encoder.counts_per_turn"]
     if word == "DERATING":
         return ["motor.max_winding_temperature"]
+    if word == "PULL_OUT":
+        return [f"motor.{name}" for name in _MODEL]
+    if motor.kind == "stepper":  # whose current is the rated one, whatever the load
+        return ["motor.nominal_current"]
     if word == "HOUSING":
         iron = ["motor.max_winding_temperature", "motor.nominal_current", "motor.nominal_speed"]
         return [] if motor.kind == "brushed" else iron

@@ -9,6 +9,7 @@ import numpy as np
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.estimates.estimate import in_words, kept
+from drivesizer.catalog.view.stepper_view import has_steppers
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.results.check import Check
 from drivesizer.results.estimated import EstimatedFigure
@@ -64,7 +65,8 @@ def _of_the_stage(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, 
     """The loss of a controller of which none is printed, with its band."""
     row = int(evaluation.controller[index])
     controller = evaluation.catalog.controllers.record(row) if row >= 0 else None
-    if not evaluation.spec.feed_of(controller).stage.assumed:
+    steps = has_steppers(evaluation.catalog)  # of a stepper's driver no loss is counted
+    if steps or not evaluation.spec.feed_of(controller).stage.assumed:
         return ()
     low, high = (ASSUMED_LOSS * share for share in ASSUMED_BAND)
     law = "assumed: of drops and efficiencies that makers print, and one measured bridge"

@@ -27,6 +27,7 @@ from drivesizer.search.columns.gearheads_worn import life_of_gearheads
 from drivesizer.search.estimated import decided, estimated
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import smallest_margin
+from drivesizer.search.stepper_figures import stepper_figures
 from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["drive_parts", "drive_set"]
@@ -175,6 +176,8 @@ _TABLE = (
 def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Figure, ...]:
     """Figures of a drive without a limit, and the settings of its controller."""
     values = {name: float(column[index]) for name, column in evaluation.figures.items()}
+    if parts.steps:
+        return stepper_figures(evaluation.problem, parts, values)
     found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
     found += [*_held(evaluation, parts), *_gearhead_life(evaluation, index, parts.gearhead)]
     motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller

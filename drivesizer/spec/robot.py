@@ -146,6 +146,8 @@ class RobotSpec(Section):
         if self.carries and (self.platform is not None or not self.load.takes_payload):
             what = "platform" if self.platform else self.load.kind
             raise ValueError(f"motion: a {what} takes no payload that changes; expected load cases")
+        if self.method == "paper" and self.steps:
+            raise ValueError("method: the paper treats DC motors, no steppers; expected method: physics")
         if self.method == "paper" and not self.paper_applies:
             raise ValueError(
                 "method: the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it "
@@ -196,7 +198,13 @@ class RobotSpec(Section):
             and not self.cases
             and self.gear is None
             and not self.carries
+            and not self.steps
         )
+
+    @property
+    def steps(self) -> bool:
+        """Whether the motor is to be a stepper."""
+        return self.select.motor.kind == "stepper"
 
     @property
     def wants_encoder(self) -> bool:

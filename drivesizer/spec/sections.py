@@ -29,6 +29,7 @@ from drivesizer.files.fields import (
     Share,
     Temperature,
     TorqueAbove,
+    Turning,
     Voltage,
     default,
 )
@@ -107,6 +108,7 @@ class Margins(Section):
     torque: Allowance = Field(default=0, description="of gearhead torques, currents, traction, loads of a screw")
     speed: Allowance = Field(default=0, description="of motor, gearhead, encoder and screw speeds, and of voltage")
     temperature: Allowance = Field(default=0, description="of the winding's permitted rise over the ambient")
+    pull_out: Factor = Field(default=2, description="a stepper's pull-out torque over the load's, at each speed")
 
 
 class Mission(Section):
@@ -123,6 +125,9 @@ class Needs(Section):
     bandwidth: Frequency | None = Field(default=None, description="of the closed velocity loop")
     resolution_at_load: Angle | None = Field(default=None, description="angle of the load per edge of the encoder")
     inertia_ratio: Ratio | None = Field(default=None, description="load's inertia over the motor's, at most")
+    start_speed: Turning | None = Field(
+        default=None, description="of the motor: a stepper's to which it jumps without a ramp"
+    )
     resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
     hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
     life: Duration | None = Field(

@@ -66,7 +66,9 @@ class Choice(Section):
 class MotorChoice(Choice):
     """Restricts the motor."""
 
-    kind: Literal["brushed", "brushless"] | None = None
+    kind: Literal["brushed", "brushless", "stepper"] | None = Field(
+        default=None, description="stepper: of the catalogues' steppers; else they are left out"
+    )
 
 
 class EncoderChoice(Choice):

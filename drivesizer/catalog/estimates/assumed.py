@@ -26,6 +26,8 @@ from numpy.typing import NDArray
 from drivesizer.catalog.estimates.fit import Fit
 from drivesizer.catalog.estimates.laws import Law
 from drivesizer.catalog.tables import Estimates, Table
+from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
+from drivesizer.physics.stepper.starting import START_BAND
 from drivesizer.physics.thermal import continuous_current, rated_ambient, resistance_25, steady_winding_temperature
 
 __all__ = ["ASSUMED", "CONVECTION", "DENSITY", "by_rating"]
@@ -38,6 +40,8 @@ _R_TH = ("thermal_resistance_winding", "thermal_resistance_housing")
 _TAU = ("winding_time_constant", "motor_time_constant")
 _CONVECTION = "natural convection, 10 W/m^2 K over the case"
 _WINDING, _HOUSING = "a winding like that of motors, 0.4 of the mass", "heat capacity per mass of motors"
+_PULL_OUT = "7 printed curves of 5 steppers against their ideal two-phase model"
+_STARTING = "an undamped rotor that just follows the field"
 _ALL = (-inf, inf)
 
 
@@ -60,6 +64,18 @@ ASSUMED: tuple[Fit, ...] = (
     _law("brushless", "motor_time_constant", 500.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
     _law("", "mass", 0.02, {}, "a motor encoder, 8 to 50 g", 2.5, "encoders"),
     _law("", "mass", 0.045, {}, "a controller from bare module to housed, 7 to 290 g", 6.5, "controllers"),
+    _law("", "pull_out_share", PULL_OUT_SHARE[0], {}, _PULL_OUT, PULL_OUT_SHARE[1], "steppers"),
+    _law("", "rotor_inertia", 1.56e-5, {"holding_torque": 1.09}, "110 steppers of 0.1 to 3 N*m", 1.5, "steppers"),
+    _law("", "mass", 0.605, {"holding_torque": 0.73}, "67 steppers of 0.1 to 9 N*m", 1.4, "steppers"),
+    _law(
+        "",
+        "start_speed",
+        4.0,
+        {"holding_torque": 0.5, "rotor_inertia": -0.5, "full_steps": -0.5},
+        _STARTING,
+        START_BAND,
+        "steppers",
+    ),
     Fit(
         Law("", "", "max_winding_temperature", ("nominal_current", "resistance", *_R_TH)),
         (),

@@ -29,7 +29,7 @@ from drivesizer.catalog.view.completing import ENDS, MIDDLE, completed
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.physics.back_emf import ELECTRONICS
 
-__all__ = ["CLAMPING_HUB", "search_view", "split_actuators"]
+__all__ = ["CLAMPING_HUB", "search_view", "split_actuators", "with_clamping_hubs", "with_direct_drive"]
 
 CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
 _THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
@@ -78,7 +78,7 @@ def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
 
 
 def _viewed(catalog: Catalog) -> Catalog:
-    return _with_direct_drive(_with_clamping_hubs(split_actuators(catalog)))
+    return with_direct_drive(with_clamping_hubs(split_actuators(catalog)))
 
 
 def split_actuators(catalog: Catalog) -> Catalog:
@@ -207,7 +207,7 @@ def _controller(actuators: Table[Any]) -> _Inside:
     return _Inside(np.flatnonzero(actuators["controller"] != ""), figures | free)
 
 
-def _with_clamping_hubs(catalog: Catalog) -> Catalog:
+def with_clamping_hubs(catalog: Catalog) -> Catalog:
     """The catalogue with a pair for each motor whose shaft fits a gearhead's clamping hub.
 
     A bushing makes up for a thinner shaft, an adapter plate joins the flanges; the pair's source is the gearhead's.
@@ -226,7 +226,8 @@ def _with_clamping_hubs(catalog: Catalog) -> Catalog:
     return catalog.with_tables({}, {"motor_gearhead": unique_pairs(*both)})
 
 
-def _with_direct_drive(catalog: Catalog) -> Catalog:
+def with_direct_drive(catalog: Catalog) -> Catalog:
+    """The catalogue with direct drive among its gearheads."""
     if DIRECT in catalog.gearheads.rows:
         return catalog
     table = with_no_gearhead(catalog.gearheads, len(catalog.sources))

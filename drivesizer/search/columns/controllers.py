@@ -143,8 +143,8 @@ def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, f
     order = order[_usable(spec, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
     texts, kind = table["drives"][order], catalog.motors["kind"]
     drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
-    can = np.vstack([drives, drives.any(0)])  # rows: brushed, brushless, motor kind unknown
-    allowed = can[np.where(kind == "brushed", 0, np.where(kind == "brushless", 1, 2))]
+    can = np.vstack([drives, drives.any(0), texts == "stepper"])  # rows: brushed, brushless, kind unknown, stepper
+    allowed = can[np.select([kind == "brushed", kind == "brushless", kind == "stepper"], [0, 1, 3], 2)]
     return Usable(order, allowed & _belongs(catalog, order).T, lowest)
 
 

@@ -40,6 +40,7 @@ __all__ = [
     "own_limit",
     "shaft_limits",
     "size_limits",
+    "unpowered_limits",
 ]
 
 Array = NDArray[np.float64]
@@ -278,7 +279,25 @@ def moving_limits(
     ]  # fmt: skip
     if not cycle.acts[SPEED]:
         found.append(_hottest_phase(spec, demand, motor))
-    return [*found, *_inertias(spec, cycle, demand, parts), *_holding(spec, cycle, parts)]
+    return [*found, *unpowered_limits(spec, cycle, demand, heating, parts)]
+
+
+def unpowered_limits(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts
+) -> list[CheckColumn]:
+    """Those of ``moving_limits`` that hang on no current: inertias, and holding without power; also of steppers.
+
+    Parameters
+    ----------
+    spec, cycle, demand, heating, parts
+        As ``moving_limits`` takes them.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Columns over candidates.
+    """
+    return [*_inertias(spec, cycle, demand, parts), *_holding(spec, cycle, parts)]
 
 
 def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:

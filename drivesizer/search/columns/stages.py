@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.view.stepper_view import has_steppers
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.several_belts import AtGearheads, put_together
@@ -28,9 +29,11 @@ from drivesizer.search.columns.limits import (
     moving_limits,
     shaft_limits,
     size_limits,
+    unpowered_limits,
 )
 from drivesizer.search.columns.offers import Offers, offers, unknown_where_doubtful, worst_of_all
 from drivesizer.search.columns.powered import Moving, Powered, powered
+from drivesizer.search.columns.steppers import Frictionless, stepped
 from drivesizer.search.columns.survivors import Alone, Sieve
 
 __all__ = ["Examined", "encoders_of", "examine"]
@@ -91,8 +94,12 @@ def examine(
         One for each belt, in order.
     """
     offered, waiting = offers(problem), list[_Moved]()
+    steppers = has_steppers(problem.catalog)
     for belt, sets in several:
         moved = _moved(problem, offered, belt, sets, staged, margins)
+        if steppers:
+            yield _examined(moved, _stepped(problem, offered, moved))
+            continue
         if waiting and not _together([*waiting, moved]):
             yield from _powered(problem, offered, waiting, exact, each)
             waiting = []
@@ -134,10 +141,13 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
         sieve.through(counts_check(spec, catalog, encoder))
     given = None if sets.controller is None else Rows(catalog.controllers, sets.controller[sieve.rows])
     parts = Parts(motor, gearhead, Rows(catalog.encoders, encoder), given)
-    cases = [_moving(case, cycle, parts) for case, cycle in zip(problem.cases, cycles, strict=True)]
+    steppers = has_steppers(catalog)
+    turning = parts._replace(motor=Frictionless(motor)) if steppers else parts
+    cases = [_moving(case, cycle, turning) for case, cycle in zip(problem.cases, cycles, strict=True)]
+    limits = unpowered_limits if steppers else moving_limits
 
     def moving(k: int) -> list[CheckColumn]:
-        checks = moving_limits(problem.cases[k].spec, cycles[k], *cases[k], parts)
+        checks = limits(problem.cases[k].spec, cycles[k], *cases[k], parts)
         return unknown_where_doubtful(checks, cases[k].demand.complete)
 
     keep = sieve.through(worst_of_all(problem, moving))
@@ -201,6 +211,12 @@ def _powered(
     ends = np.cumsum(counts).tolist()
     places = [slice(end - count, end) for end, count in zip(ends, counts, strict=True)]
     return [_examined(one, found.on(rows)) for one, rows in zip(moved, places, strict=True)]
+
+
+def _stepped(problem: Problem, offered: Offers, moved: _Moved) -> Powered:
+    """Steppers with their drivers."""
+    demand = [case.demand for case in moved.cases]
+    return Powered(*stepped(problem, offered, moved.cycles, demand, moved.parts, staged=moved.sieve.staged))
 
 
 def _joined(moved: Sequence[_Moved], which: NDArray[np.int64]) -> tuple[list[AtGearhead], list[Moving], Parts]:

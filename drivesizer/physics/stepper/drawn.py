@@ -1,0 +1,74 @@
+"""Power and energy that steppers draw: torque times speed, and the loss of a current that always flows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["copper_loss", "electrical_energy"]
+
+Array = NDArray[np.float64]
+
+
+def copper_loss(phase_current: Any, resistance: Any) -> Any:
+    """Loss of both windings at rated current [W], at any speed at most, at rest too.
+
+    Parameters
+    ----------
+    phase_current
+        Rated [A].
+    resistance
+        Of a phase [ohm].
+
+    Returns
+    -------
+    float or array
+        [W].
+
+    >>> copper_loss(2.0, 1.6)
+    12.8
+    """
+    return 2.0 * resistance * phase_current**2
+
+
+def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array) -> tuple[Array, Array, Array]:
+    """Energy that motors with a constant loss draw and return over a cycle, and their largest power.
+
+    Parameters
+    ----------
+    duration
+        Of each segment [s].
+    torque, speed
+        Of the motors at both ends of each segment, straight lines within, shape (motors, segments, 2) [N*m], [rad/s].
+    loss
+        Of each motor [W].
+
+    Returns
+    -------
+    tuple of arrays
+        Drawn and returned [J], largest power drawn [W], each of shape (motors,).
+
+    Examples
+    --------
+    A brake that takes 20 W at first and nothing at last, of a motor that loses 5 W: (20 - 5)²/(2·20) J are returned.
+
+    >>> one = np.array([[[-2.0, -2.0]]]), np.array([[[10.0, 0.0]]])
+    >>> [float(x[0]) for x in electrical_energy(np.array([1.0]), *one, np.array([5.0]))]
+    [0.625, 5.625, 5.0]
+    """
+    (t0, t1), (w0, w1) = np.moveaxis(torque, 2, 0), np.moveaxis(speed, 2, 0)
+    a, b = (t1 - t0) * (w1 - w0), t0 * (w1 - w0) + w0 * (t1 - t0)
+    c = t0 * w0 + loss[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        q = -0.5 * (b + np.copysign(np.sqrt(b**2 - 4.0 * a * c), b))
+        cuts = [np.nan_to_num(np.clip(x, 0.0, 1.0), nan=1.0) for x in (q / a, c / q)]
+        top = np.nan_to_num(np.clip(-b / (2.0 * a), 0.0, 1.0), nan=0.0)
+    edges = np.sort(np.stack([np.zeros_like(c), *cuts, np.ones_like(c)], axis=2), axis=2)
+    work = ((a[..., None] * edges / 3.0 + b[..., None] / 2.0) * edges + c[..., None]) * edges
+    parts = duration[:, None] * np.diff(work, axis=2)
+    peak = np.maximum(np.maximum(c, a + b + c), (a * top + b) * top + c).max(axis=1)
+    unknown = np.where(np.isnan(c).any(axis=1), np.nan, 0.0)
+    drawn, returned = (np.maximum(side, 0.0).sum((1, 2)) + unknown for side in (parts, -parts))
+    return drawn, returned, np.maximum(peak, 0.0) + unknown

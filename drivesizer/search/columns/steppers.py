@@ -1,0 +1,347 @@
+"""Steppers with their drivers against the load cycle: torque at each speed, starting, steps, and what they draw.
+
+The torque of a motor is linear in the functions of the load cycle, and its pull-out torque falls with the speed. So
+only points of the cycle count that no other exceeds in torque and in speed: the ends of segments, and between them
+where the speed passes one of ``_LEVELS`` levels. The current is the rated one at any speed: the driver sets it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.pull_outs import PullOuts
+from drivesizer.catalog.view.stepper_view import STEPPER
+from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
+from drivesizer.physics.extremes import undominated
+from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
+from drivesizer.physics.stepper.pull_out import amplitude, pull_out_torque, rescaled_torque
+from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
+from drivesizer.physics.stress import Parts
+from drivesizer.results.check_columns import CheckColumn, at_least, at_most, fits
+from drivesizer.results.problem import Problem
+from drivesizer.search.columns.candidates import FREE, Rows
+from drivesizer.search.columns.controllers import controllers
+from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Frictionless", "available_torque", "stepped"]
+
+Array = NDArray[np.float64]
+_LEVELS = 64
+_FRONT = 300  # points that may be left of a cycle before the rest is kept unexamined
+_CELLS = 400_000  # candidates times points or segments at a time
+_APART = np.sqrt(2.0)  # of step rate and natural frequency, either way
+_RATIO = 10.0  # load's inertia over the motor's, that makers advise not to exceed
+_RESONANT = "steady step rate and natural frequency, at least this ratio apart: near it rotors swing: informational"
+_HEAVY = "makers advise 10 at most with a ramp: informational"
+_KEPT = "unknown: where it goes: give supply.accepts: all of a battery or a brake resistor"
+
+
+class Frictionless:
+    """Figures of steppers for the demand of torque: pull-out torque is what their own friction leaves of it."""
+
+    def __init__(self, motor: Any) -> None:
+        self.motor = motor
+
+    def __getitem__(self, name: str) -> Any:
+        if name in ("friction_torque", "viscous_friction"):
+            return np.zeros(len(self.motor["rotor_inertia"]))
+        return self.motor[name]
+
+
+class _Draw(NamedTuple):
+    """Energy and power of one load case: columns."""
+
+    drawn: Array  # J per cycle
+    returned: Array
+    power: Array  # W, largest
+
+
+class Stepped(NamedTuple):
+    """Candidates with their drivers."""
+
+    controller: NDArray[np.int64]  # row of each
+    checks: list[CheckColumn]
+    figures: dict[str, Array]
+
+
+def stepped(
+    problem: Problem,
+    offered: Offers,
+    cycles: Sequence[AtGearhead],
+    demand: Sequence[Demands],
+    parts: Parts,
+    *,
+    staged: bool,
+) -> Stepped:
+    """Drivers, and every check of steppers that hangs on the load cycle.
+
+    Parameters
+    ----------
+    problem, offered
+        The problem with its load cycles, and its controllers.
+    cycles
+        The load cycle of each case behind the belt of the candidates.
+    demand
+        Torque and speed of each case, columns over candidates.
+    parts
+        Columns over candidates; the controllers are chosen but where a row is given.
+    staged
+        Compute what is drawn of those alone that fail on nothing else.
+
+    Returns
+    -------
+    Stepped
+        Row of each candidate's controller, its checks, and its figures.
+    """
+    catalog, motor = problem.catalog, parts.motor
+    current = motor["nominal_current"]
+    chosen = controllers(problem.spec, catalog, motor.rows, current, amplitude(current), usable=offered.controllers)
+    given = None if parts.controller is None else parts.controller.rows
+    row = chosen.row if given is None else np.where(given == FREE, chosen.row, given)
+    parts = parts._replace(controller=Rows(catalog.controllers, row))
+    listed = bool((catalog.controllers["drives"] == STEPPER).any())
+    of_driver = [fits("controller_available", row >= 0, listed), *_driver_limits(current, parts.controller)]
+
+    def moving(k: int) -> list[CheckColumn]:
+        spec = problem.cases[k].spec
+        found = [
+            _torque_limit(spec, cycles[k], demand[k], parts, catalog.pull_outs),
+            *_starting(spec, cycles[k], demand[k], parts, catalog.pull_outs),
+            *_steps(spec, cycles[k], demand[k], parts),
+        ]
+        return unknown_where_doubtful(found, demand[k].complete)
+
+    first = worst_of_all(problem, moving)
+    dead: NDArray[np.bool_] = np.logical_or.reduce([c.failed for c in (*first, *of_driver) if not c.advice])
+    draws = [_draw(problem.cases[k].spec, cycles[k], demand[k], parts, ~(dead & staged)) for k in range(len(cycles))]
+    last = worst_of_all(problem, lambda k: _supply_limits(problem.cases[k].spec, draws[k], parts, problem))
+    return Stepped(row, [*first, *of_driver, *last], _figures(problem, draws, motor))
+
+
+def _driver_limits(current: Array, controller: Any) -> list[CheckColumn]:
+    """The rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's."""
+    return [
+        at_most("controller_continuous_current", current, controller["continuous_current"]),
+        at_most("controller_peak_current", amplitude(current), controller["peak_current"]),
+    ]
+
+
+# --- torque ----------------------------------------------------------------------------------------------------------
+
+
+def _torque_limit(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> CheckColumn:
+    """The torque against the pull-out torque at its speed, at the worst moment, some candidates at a time."""
+    points, when = _points(cycle)
+    size = max(_CELLS // len(points), 1)
+    found = [
+        _worst(spec, points, demand.coefficients[k], demand.total_ratio[k], parts.motor.on(k), curves)
+        for k in _slices(len(demand.total_ratio), size)
+    ]
+    torque, limit, place = (np.concatenate(column) for column in zip(*found, strict=True))
+    return at_most("pull_out_torque", torque, limit, needed=spec.margins.pull_out - 1.0, time=when[place])
+
+
+def _worst(
+    spec: RobotSpec, points: Array, c: Array, ratio: Array, motor: Any, curves: PullOuts
+) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Torque, pull-out torque and number of the point of the largest share; of an unknown one where none fails."""
+    torque, speed = np.abs(c @ points.T), np.abs(points[:, SPEED]) * ratio[:, None]
+    limit = available_torque(motor, curves, speed, spec.supply.lowest)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(torque == 0.0, 0.0, torque / limit)
+    unknown = np.isnan(share)
+    known = np.where(unknown, -1.0, share).argmax(axis=1)
+    every = np.arange(len(torque))
+    fails = share[every, known] * spec.margins.pull_out > 1.0
+    place = np.where(unknown.any(axis=1) & ~fails, unknown.argmax(axis=1), known)
+    return torque[every, place], limit[every, place], place
+
+
+def available_torque(motor: Any, curves: PullOuts, speed: Array, voltage: float) -> Array:
+    """Pull-out torque of steppers: by the printed curve where there is one, else the model's times its share.
+
+    Of several curves that of the highest voltage that the supply reaches counts, else that of the lowest.
+
+    Parameters
+    ----------
+    motor
+        Columns over candidates by field name, the row of the stepper among them.
+    curves
+        Printed points of the catalogue.
+    speed
+        Of the motors [rad/s], shape (candidates, points).
+    voltage
+        Of the supply [V].
+
+    Returns
+    -------
+    array
+        [N*m], shape (candidates, points).
+    """
+    figures = {
+        name: motor[column][:, None]
+        for name, column in (("holding_torque", "holding_torque"), ("phase_current", "nominal_current"),
+                             ("resistance", "resistance"), ("inductance", "inductance"), ("teeth", "pole_pairs"))
+    }  # fmt: skip
+    found: Array = motor["pull_out_share"][:, None] * pull_out_torque(speed, voltage, **figures)
+    if not len(curves.speed):
+        return found
+    which = _curve_of(curves, voltage, int(motor[STEPPER].max(initial=0)) + 1)[motor[STEPPER]]
+    rows = np.flatnonzero(which >= 0)
+    if len(rows):
+        at_speed, at_torque, at_voltage = (column[which[rows]] for column in _as_rows(curves))
+        found[rows] = rescaled_torque(speed[rows], voltage, at_speed, at_torque, at_voltage)
+    return found
+
+
+def _curve_of(curves: PullOuts, voltage: float, count: int) -> NDArray[np.int64]:
+    """For each stepper the number of its curve for a supply voltage, -1 where it has none."""
+    _, first = np.unique(curves.curve, return_index=True)
+    volts = curves.voltage[first]
+    nearness = np.where(volts <= voltage, volts, -volts)  # the highest below, else the lowest above
+    found = np.full(count, -1)
+    for number in np.argsort(nearness, kind="stable").tolist():
+        if curves.stepper[first[number]] < count:
+            found[curves.stepper[first[number]]] = number
+    return found
+
+
+def _as_rows(curves: PullOuts) -> tuple[Array, Array, Array]:
+    """Speeds and torques of the curves, a row each, filled up with the last point; and their voltages."""
+    _, first, number = np.unique(curves.curve, return_index=True, return_counts=True)
+    place = first[:, None] + np.minimum(np.arange(number.max()), number[:, None] - 1)
+    return curves.speed[place], curves.torque[place], curves.voltage[first]
+
+
+def _points(cycle: AtGearhead) -> tuple[Array, Array]:
+    """Points of the cycle that none exceeds in torque and speed, and when they are met [s]; shape (points, 6)."""
+    store = cycle.base.coarse
+    name = ("pull-out", _LEVELS)
+    if name not in store:
+        store[name] = _front(cycle.base.functions, cycle.base.time)
+    points, when = store[name]
+    return points * cycle.scale, when
+
+
+def _front(functions: Array, time: Array) -> tuple[Array, Array]:
+    every = np.concatenate([functions.reshape(-1, 6), *_between(functions, functions)])
+    when = np.concatenate([time.reshape(-1), *(x[:, 0] for x in _between(functions, time[:, :, None]))])
+    speed = np.abs(every[:, SPEED : SPEED + 1])
+    sides = (undominated(np.hstack([sign * every[:, :SPEED], speed]), _FRONT) for sign in (1.0, -1.0))
+    rows = np.unique(np.concatenate(list(sides)))
+    return every[rows], when[rows]
+
+
+def _between(functions: Array, lines: Array) -> Iterator[Array]:
+    """Of straight lines what they are where the speed passes a level, level by level."""
+    left, right = np.abs(functions[:, 0, SPEED]), np.abs(functions[:, 1, SPEED])
+    for level in np.linspace(0.0, max(left.max(), right.max()), _LEVELS + 1)[1:-1]:
+        rows = np.flatnonzero((left - level) * (right - level) < 0.0)
+        share = ((level - left[rows]) / (right[rows] - left[rows]))[:, None]
+        yield lines[rows, 0] + share * (lines[rows, 1] - lines[rows, 0])
+
+
+# --- starting and steps ----------------------------------------------------------------------------------------------
+
+
+def _inertia(cycle: AtGearhead, demand: Demands, parts: Parts) -> tuple[Array, Array]:
+    """Inertia of the load and of all that turns with it, at the motor's shaft [kg*m^2]."""
+    load = cycle.load_cycle.inertia / (demand.total_ratio * cycle.belt) ** 2
+    return load, load + parts.motor["rotor_inertia"] + parts.gearhead["inertia"]
+
+
+def _starting(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> list[CheckColumn]:
+    """The speed to which the motor jumps without a ramp, where the spec has one."""
+    if spec.needs.start_speed is None:
+        return []
+    motor, functions = parts.motor, cycle.functions.reshape(-1, 6)
+    steady = functions[functions[:, ACCELERATION] == 0.0]
+    load = np.abs(demand.coefficients @ (steady if len(steady) else functions).T).max(axis=1)
+    torque = available_torque(motor, curves, np.zeros((len(load), 1)), spec.supply.lowest)[:, 0]
+    _, inertia = _inertia(cycle, demand, parts)
+    limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, load, torque)
+    return [at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed)]
+
+
+def _steps(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
+    """Angle of a microstep at the load, and advice on resonance and inertia."""
+    motor, found = parts.motor, list[CheckColumn]()
+    steps = 4.0 * motor["pole_pairs"]
+    need = spec.needs.resolution_at_load
+    if need is not None:
+        full = 2.0 * np.pi / (steps * demand.total_ratio * cycle.belt)
+        micro = full / parts.controller["microsteps"]
+        found.append(at_most("step_resolution", np.where(np.isnan(micro) & (full <= need), full, micro), need))
+    load, inertia = _inertia(cycle, demand, parts)
+    if spec.needs.inertia_ratio is None:
+        found.append(at_most("inertia_ratio", load / (inertia - load), _RATIO, advice=True, note=_HEAVY))
+    ends = np.abs(cycle.functions[:, :, SPEED])
+    steady = np.unique(ends[(ends[:, 0] == ends[:, 1]) & (ends[:, 0] > 0.0), 0])
+    if len(steady):
+        swings = natural_frequency(motor["pole_pairs"], motor["holding_torque"], inertia)
+        rate = steady * (demand.total_ratio * steps / (2.0 * np.pi))[:, None]
+        apart = np.exp(np.abs(np.log(rate / swings[:, None]))).min(axis=1)
+        found.append(at_least("step_resonance", _APART, apart, advice=True, note=_RESONANT))
+    return found
+
+
+# --- supply ----------------------------------------------------------------------------------------------------------
+
+
+def _draw(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wanted: NDArray[np.bool_]) -> _Draw:
+    """Energy and power out of the supply of the drives that are wanted, with the standby power of their drivers."""
+    columns = np.full((3, len(wanted)), np.nan)
+    rows, functions = np.flatnonzero(wanted), cycle.functions
+    loss = copper_loss(parts.motor["nominal_current"], parts.motor["resistance"])
+    stage = spec.feed(parts.controller).stage
+    total = loss + stage.standby
+    for some in (rows[k] for k in _slices(len(rows), max(_CELLS // len(functions), 1))):
+        torque = np.einsum("nk,sek->nse", demand.coefficients[some], functions)
+        speed = functions[None, :, :, SPEED] * demand.total_ratio[some, None, None]
+        columns[:, some] = electrical_energy(cycle.load_cycle.duration, torque, speed, total[some])
+    return _Draw(*np.where(demand.complete, columns, np.nan))
+
+
+def _supply_limits(spec: RobotSpec, draw: _Draw, parts: Parts, problem: Problem) -> list[CheckColumn]:
+    """The supply's voltage against the motor's, its current and power, and the bus where energy is regenerated."""
+    supply, torque, power = spec.supply, spec.margins.torque, draw.power * spec.load.motors
+    printed = problem.catalog.steppers["supply_max"][parts.motor[STEPPER]]
+    none = draw.returned == 0.0
+    bus = np.where(none | spec.accepts_all, supply.highest, np.nan)
+    found = [
+        at_most("supply_voltage", supply.highest, np.where(np.isnan(printed), np.inf, printed)),
+        at_most("bus_voltage", bus, np.where(none, np.inf, parts.controller["supply_max"]), undecided=_KEPT),
+    ]
+    if supply.current is not None:
+        found.append(at_most("supply_current", power / supply.lowest, supply.current, needed=torque))
+    if supply.power is not None:
+        found.append(at_most("supply_power", power, supply.power, needed=torque))
+    return found
+
+
+def _figures(problem: Problem, draws: Sequence[_Draw], motor: Any) -> dict[str, Array]:
+    """Figures for objectives and records, as ``powered`` has them of other motors."""
+    loads, share = [case.spec.load for case in problem.cases], problem.spec.supply.regeneration
+    machines = problem.machine_cases
+    power = [np.sum([loads[i].alike * draws[i].power for i in wheels], 0) for wheels in machines]
+    drawn, returned = (
+        np.sum([loads[i].alike * getattr(draws[i], name) for i in machines[0]], 0) for name in ("drawn", "returned")
+    )
+    return {
+        "energy": drawn - share * returned,
+        "returned": returned,
+        "power": np.maximum.reduce(power),
+        "joule_heat": copper_loss(motor["nominal_current"], motor["resistance"]),
+        "peak_current": amplitude(motor["nominal_current"]),
+        "winding_temperature": np.full(len(motor["nominal_current"]), np.nan),
+    }
+
+
+def _slices(count: int, size: int) -> Iterator[slice]:
+    return (slice(start, start + size) for start in range(0, max(count, 1), size))

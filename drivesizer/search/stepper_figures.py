@@ -1,0 +1,66 @@
+"""Figures of a stepper with its load that have no limit of their own."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
+from drivesizer.results.check import Figure
+from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.problem import Problem
+
+__all__ = ["STEPPER_ASSUMPTIONS", "stepper_figures"]
+
+STEPPER_ASSUMPTIONS = (
+    "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well",
+    "a stepper's driver gives its rated current at any time, at rest too; it loses 2 R I^2, at high speed less",
+    "pull-out torque is that of the printed curve of the highest voltage that the lowest supply reaches, compressed "
+    "along the speed to a lower one; without a curve that of the ideal two-phase model times an estimated share",
+    "a stepper's own friction is in its pull-out torque; losses of its driver are not counted",
+    "rotor and load turn as one body: neither lost steps at a resonance nor a soft coupling are in the checks",
+)
+
+_TABLE = (
+    ("energy", "Energy per cycle, all drives", "energy", "J"),
+    ("returned", "Regenerated energy per cycle", "energy", "J"),
+    ("power", "Largest supply power, all drives", "power", "W"),
+    ("joule_heat", "Heat of both windings at rated current", "power", "W"),
+    ("peak_current", "Amplitude of the phase current to set", "current", "A"),
+    ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
+    ("step_rate", "Full steps per second at the highest speed", "frequency", "Hz"),
+    ("natural_frequency", "Natural frequency with the load, held", "frequency", "Hz"),
+    ("start_rate", "Full steps per second without a ramp, no load torque", "frequency", "Hz"),
+)
+
+
+def stepper_figures(problem: Problem, parts: DriveParts, values: dict[str, float]) -> tuple[Figure, ...]:
+    """Figures of a drive with a stepper: what it draws, its step rates and how it swings with its load.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles; rates and inertia are those of the first case.
+    parts
+        The drive.
+    values
+        Figures that objectives count, SI.
+
+    Returns
+    -------
+    tuple of Figure
+        Unknown ones among them.
+    """
+    motor, cycle = parts.motor, problem.cases[0].cycle
+    steps, total = 4.0 * motor.pole_pairs, parts.total_ratio
+    rotor = motor.rotor_inertia
+    inertia = rotor + parts.gearhead.inertia + float(cycle.inertia) / total**2
+    starts = start_speed_with(motor.start_speed, rotor, inertia, 0.0, motor.holding_torque)
+    own = {
+        "step_rate": float(np.abs(cycle.speed).max()) * total * steps / (2.0 * pi),
+        "natural_frequency": float(natural_frequency(motor.pole_pairs, motor.holding_torque, inertia)),
+        "start_rate": float(starts) * steps / (2.0 * pi),
+    }
+    found = values | own
+    return tuple(Figure(name=n, title=t, value=found[n], kind=k, unit=u) for n, t, k, u in _TABLE)

@@ -1,0 +1,278 @@
+"""Steppers in the search: checks against plain Python over random loads, drivers, outputs, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from dataclasses import replace
+from pathlib import Path
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+import pytest
+from stepper_catalog import TEXT, ideal_torque, printed_torque, worst_share, written
+
+from drivesizer import load_spec, size
+from drivesizer.catalog import Catalog, load
+from drivesizer.catalog.view.stepper_view import stepper_view
+from drivesizer.errors import InputError
+from drivesizer.output.json.documents import as_text, sizing
+from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Check, SizingResult
+from drivesizer.sizing import explained, load_parts
+
+RPM = math.pi / 30.0
+DRAW = random.Random(2100)
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return written(tmp_path_factory.mktemp("steps"))
+
+
+@pytest.fixture(scope="module")
+def catalog(path: Path) -> Catalog:
+    return load([str(path)])
+
+
+def spec_of(path: Path, **changes: Any) -> dict[str, Any]:
+    given: dict[str, Any] = {
+        "name": "table",
+        "load": {"kind": "flywheel", "inertia": "4e-4 kg*m^2"},
+        "motion": {"speed": "300 rpm", "acceleration_time": "0.15 s", "cruise_time": "0.5 s", "rest_time": "0.3 s"},
+        "transmission": [{"kind": "direct"}],
+        "supply": {"nominal": "24 V", "current": "6 A"},
+        "select": {"catalogs": [str(path)], "motor": {"kind": "stepper"}},
+    }
+    for name, value in changes.items():
+        given[name] = value if not isinstance(value, dict) or name not in given else {**given[name], **value}
+    return given
+
+
+def sized(path: Path, **changes: Any) -> SizingResult:
+    return size(load_spec(spec_of(path, **changes)), top=20)
+
+
+def check(drive: DriveSet, name: str) -> Check:
+    return next(one for one in drive.checks if one.name == name)
+
+
+def figures(catalog: Catalog, part: str) -> dict[str, float]:
+    row, table = catalog.steppers.rows[part], catalog.steppers
+    names = ("full_steps", "phase_current", "holding_torque", "resistance", "inductance", "rotor_inertia")
+    return {name: float(table[name][row]) for name in names}
+
+
+# --- brute force -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("part", ["A1", "A2", "A3", "A4"])
+def test_the_share_of_the_pull_out_torque_by_brute_force(path: Path, catalog: Catalog, part: str) -> None:
+    """Random loads, supplies and gears: torque and pull-out torque at 33 moments of every segment."""
+    motor, curves = figures(catalog, part), catalog.pull_outs
+    own = curves.on(curves.stepper == catalog.steppers.rows[part])
+    printed = {
+        float(volts): list(zip(own.speed[own.voltage == volts], own.torque[own.voltage == volts], strict=True))
+        for volts in np.unique(own.voltage)
+    }
+    for _ in range(2):
+        volts, ratio = DRAW.choice((18.0, 24.0, 30.0, 48.0)), DRAW.choice((1.0, 4.0, 7.0))
+        J, weight = DRAW.uniform(1e-4, 2e-3), DRAW.uniform(0.01, 0.2)
+        spec = load_spec(spec_of(
+            path,
+            load={"kind": "rotary_table", "inertia": f"{J} kg*m^2", "friction_torque": f"{weight} N*m"},
+            motion={"speed": f"{DRAW.uniform(20, 500) / ratio} rpm", "acceleration_time": f"{DRAW.uniform(0.1, 1)} s",
+                    "cruise_time": "0.4 s"},
+            transmission=[{"kind": "direct" if ratio == 1.0 else "gearhead"}], supply={"nominal": f"{volts} V"},
+        ))  # fmt: skip
+        row = catalog.gearheads.rows.get({4.0: "G4", 7.0: "G7"}.get(ratio, ""), -1)
+        J_g = float(catalog.gearheads["inertia"][row]) if row >= 0 else 0.0
+        eta = 0.95 if row >= 0 else 1.0
+        view = load_parts(spec, catalog)
+        if row >= 0:
+            view = replace(view, motor_gearhead=_with_all(view))
+        found = explained(spec, part, "direct" if row < 0 else {4.0: "G4", 7.0: "G7"}[ratio], catalog=view).sets[0]
+
+        def at_motor(T: float, w: float, a: float, i: float = ratio, e: float = eta, J_g: float = J_g) -> Any:
+            along = T / (i * e) if T * w > 0.0 else T * e / i if T * w < 0.0 else T / i
+            return along + (motor["rotor_inertia"] + J_g) * i * a, w * i
+
+        def available(w: float, volts: float = volts) -> float:
+            return printed_torque(w, volts, printed) if printed else PULL_OUT_SHARE[0] * ideal_torque(w, volts, motor)
+
+        one, expected = check(found, "pull_out_torque"), worst_share(_cycle(spec), at_motor, available)
+        assert one.demand / one.limit == pytest.approx(expected, rel=0.012)
+        assert (one.status == "pass") == (one.demand * 2.0 <= one.limit) or one.status == "open"
+
+
+def _with_all(view: Catalog) -> Any:
+    """Every stepper with every gearhead, whatever its shaft."""
+    left, right = np.meshgrid(np.arange(len(view.motors)), np.arange(len(view.gearheads)), indexing="ij")
+    pairs = view.motor_gearhead
+    return pairs._replace(left=left.ravel(), right=right.ravel(), source=np.zeros(left.size, np.int32))
+
+
+def _cycle(spec: Any) -> Any:
+    from drivesizer.load_cases import load_cycle
+
+    return load_cycle(spec)
+
+
+# --- one drive -------------------------------------------------------------------------------------------------------
+
+
+def test_a_drive_with_its_driver_passes(path: Path) -> None:
+    """J = 4e-4 and 82e-7 kg*m^2 to 300 rpm in 0.15 s: 0.0855 N*m at 300 rpm, where A2's chart has 0.42."""
+    drive = next(one for one in sized(path).sets if one.motor.part == "A2")
+    assert drive.status == "pass"
+    assert check(drive, "pull_out_torque").demand == pytest.approx((4e-4 + 82e-7) * 300 * RPM / 0.15, rel=1e-6)
+    assert check(drive, "pull_out_torque").limit == pytest.approx(0.42)
+    assert check(drive, "pull_out_torque").needed == 1.0
+    assert drive.controller is not None
+    assert drive.controller.part == "D2"  # 2.2 A RMS, 3.1 A amplitude for 2 A and 2.83 A
+    assert list(drive.parts) == ["motor", "controller"]  # no encoder: it runs open-loop
+    values = {figure.name: figure.value for figure in drive.figures}
+    assert values["joule_heat"] == pytest.approx(2 * 2.0**2 * 1.6)
+    assert values["peak_current"] == pytest.approx(2.0 * math.sqrt(2.0))
+    assert values["step_rate"] == pytest.approx(300 / 60 * 200)
+    T, steps = 1.1, 0.15 * 2 + 0.5 + 0.3
+    assert pytest.approx(steps) == T
+    assert values["energy"] == pytest.approx(12.8 * T, rel=1e-6)  # what accelerates comes back into the windings
+
+
+def test_drivers_by_current_and_supply(path: Path) -> None:
+    at = {one.motor.part: one for one in sized(path).sets}
+    assert at["A3"].controller is not None
+    assert at["A3"].controller.part == "D4"
+    high = {one.motor.part: one for one in sized(path, supply={"nominal": "48 V"}).sets}
+    assert {one.controller.part for one in high.values() if one.controller} == {"D4"}  # D2 ends at 30 V
+    assert not {"B1", "B2"} & set(high)  # which take 30 V
+
+
+def test_a_servo_controller_drives_no_stepper(tmp_path: Path) -> None:
+    other = tmp_path / "servo.yaml"
+    other.write_text(TEXT.split("controllers:")[0] + "controllers:\n" + TEXT[TEXT.index("- family: S\n") :])
+    drive = sized(other).sets[0]
+    assert drive.controller is None
+    assert check(drive, "controller_available").status == "unknown"  # no catalogue lists drivers
+
+
+@pytest.mark.parametrize(("factor", "passes"), [("2", True), ("4.5", True), ("5.2", False)])
+def test_the_factor_is_of_the_margins(path: Path, factor: str, passes: bool) -> None:
+    """0.42 over 0.0855 N*m is 4.91."""
+    found = sized(path, margins={"pull_out": float(factor)}, select={"motor": {"kind": "stepper", "part": "A2"}})
+    assert bool(found.sets) == passes
+
+
+def test_start_without_a_ramp(path: Path) -> None:
+    """A2: 400 rpm alone, 400/sqrt(1 + 4e-4/82e-7) = 56.7 rpm with the flywheel."""
+    limit = 400.0 / math.sqrt(1.0 + 4e-4 / 82e-7)
+    drive = next(one for one in sized(path, needs={"start_speed": "40 rpm"}).sets if one.motor.part == "A2")
+    assert check(drive, "start_speed").limit == pytest.approx(limit * RPM, rel=1e-6)
+    few = sized(path, needs={"start_speed": "60 rpm"}, select={"motor": {"kind": "stepper", "part": "A2"}})
+    assert "start_speed" in few.counts.failed_by
+
+
+def test_resolution_is_that_of_the_microsteps(path: Path) -> None:
+    """360 degrees / (200 x 16) = 0.1125 degrees with D2, 360 / (200 x 128) with D4; no encoder is asked for it."""
+    found = {one.motor.part: one for one in sized(path, needs={"resolution_at_load": "0.12 deg"}).sets}
+    assert check(found["A2"], "step_resolution").demand == pytest.approx(math.radians(360 / 3200))
+    assert check(found["A3"], "step_resolution").demand == pytest.approx(math.radians(360 / 25600))
+    few = sized(path, needs={"resolution_at_load": "0.1 deg"})
+    assert {one.motor.part for one in few.sets} == {"A3", "A4", "B1", "B2"}
+
+
+def test_resonance_is_advice(path: Path) -> None:
+    """A2 with the flywheel swings at 43.2 Hz: 12.4 rpm is 41.3 full steps a second."""
+    swings = math.sqrt(50 * 0.59 / (4e-4 + 82e-7)) / (2 * math.pi)
+    slow = sized(path, motion={"speed": "12.4 rpm"})
+    near = check(next(one for one in slow.sets if one.motor.part == "A2"), "step_resonance")
+    assert near.limit == pytest.approx(swings / (12.4 / 60 * 200), rel=1e-6)
+    assert (near.status, near.advice) == ("fail", True)
+    assert check(next(one for one in sized(path).sets if one.motor.part == "A2"), "step_resonance").status == "pass"
+
+
+def test_an_estimated_share_leaves_a_check_open_with_its_probability(path: Path) -> None:
+    """A3 at a load between both ends of the band: 0.45 and 1.0 of the model's 1.26 N*m."""
+    found = sized(path, load={"inertia": "2.4e-3 kg*m^2"}, select={"motor": {"kind": "stepper", "part": "A3"}})
+    drive = found.sets[0]
+    one = check(drive, "pull_out_torque")
+    assert one.status == "open"
+    sigma = math.log(PULL_OUT_SHARE[1]) / NormalDist().inv_cdf(0.95)
+    assert one.probability == pytest.approx(NormalDist().cdf(math.log(one.limit / (2 * one.demand)) / sigma), abs=0.02)
+    assert "pull out share" in one.note
+    assert [figure.figure for figure in drive.estimated] == ["pull_out_share"]
+    off = sized(path, load={"inertia": "2.4e-3 kg*m^2"}, select={"motor": {"kind": "stepper", "part": "A3"},
+                                                               "estimates": "off"})  # fmt: skip
+    assert check(off.sets[0], "pull_out_torque").status == "unknown"
+
+
+def test_beyond_the_printed_curve_torque_is_unknown(path: Path) -> None:
+    found = sized(path, motion={"speed": "1300 rpm", "acceleration_time": "1.5 s"},
+                  select={"motor": {"kind": "stepper", "part": "A2"}})  # fmt: skip
+    assert check(found.sets[0], "pull_out_torque").status == "unknown"
+
+
+def test_gearheads_on_the_shaft(path: Path) -> None:
+    """Hubs of 4 to 8 mm take the shafts of 5 and 8 mm, and every stepper drives directly too."""
+    found = sized(path, transmission=[{"kind": "gearhead"}])
+    geared = {one.motor.part for one in found.sets if one.gearhead.part != "direct"}
+    assert geared == {"B1", "B2"}
+    assert {one.motor.part for one in found.sets if one.gearhead.part == "direct"} >= {"A1", "A2"}
+
+
+def test_steppers_are_in_the_search_only_when_selected(catalog: Catalog) -> None:
+    """The view of another search has none of them: its results are what they were."""
+    spec = load_spec(spec_of(Path("beckhoff"), select={"motor": {}}))
+    assert "stepper" not in load_parts(spec).motors["kind"]
+    view = stepper_view(catalog)
+    assert set(view.motors["kind"].tolist()) == {"stepper"}
+    assert stepper_view(view) is view
+    assert view.motors["pole_pairs"].tolist() == [50.0] * 4 + [100.0] * 2
+
+
+# --- outputs ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_battery_feeds_steppers(path: Path) -> None:
+    """A cycle of 12.8 W of loss: its mean at the battery is that, the flywheel's energy goes into the windings."""
+    battery = {"nominal_voltage": "24 V", "capacity": "5 A*h"}
+    found = sized(path, battery=battery, select={"motor": {"kind": "stepper", "part": "A2"}})
+    assert found.sets[0].energy is not None
+    assert found.sets[0].energy.mean_power == pytest.approx(12.8, rel=1e-6)
+
+
+def test_json_names_the_stepper_and_its_checks(path: Path) -> None:
+    document = json.loads(as_text(sizing(sized(path))))
+    first = document["sets"][0]
+    assert first["motor"]["kind"] == "stepper"
+    assert first["motor"]["holding_torque"] == pytest.approx(first["motor"]["holding_torque"])
+    assert {"pull_out_torque", "supply_current"} <= {one["name"] for one in first["checks"]}
+
+
+# --- what is refused -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"method": "paper"}, "the paper treats DC motors, no steppers; expected method: physics"),
+        ({"select": {"catalogs": ["vex"]}}, "vex without steppers; expected e.g. stepperonline"),
+        ({"margins": {"pull_out": 0.5}}, "pull_out"),
+        ({"needs": {"start_speed": "-5 rpm"}}, "start_speed"),
+    ],
+)
+def test_refused_in_a_line(path: Path, changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        sized(path, **changes)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_catalogues_of_steppers_alone_ask_for_the_kind() -> None:
+    given = spec_of(Path("stepperonline"), select={"motor": {}})
+    with pytest.raises(InputError, match=r"only steppers are in them; expected select: \{motor: \{kind: stepper\}\}"):
+        size(load_spec(given))
