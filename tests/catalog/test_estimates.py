@@ -177,7 +177,7 @@ def test_a_law_serves_constructions_among_its_peers(everything):
     table = frameless(everything)
     found = estimates(table)["no_load_current"]
     weighed = np.isfinite(table["mass"][found.rows])
-    assert len(set(table["manufacturer"][found.rows][weighed])) == 4
+    assert len(set(table["manufacturer"][found.rows][weighed])) == 5
     for number in set(found.fit[weighed].tolist()):
         assert "frameless" in kept()[number].constructions, kept()[number].law
 

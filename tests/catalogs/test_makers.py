@@ -86,21 +86,27 @@ MAKERS: dict[str, dict[str, int]] = {
     "last_anvil": counted(belts=24, pulleys=8), "sds": counted(belts=3), "swyft": counted(belts=54),
     "thrifty": counted(belts=103, pulleys=20), "vbelt": counted(belts=872), "wcp": counted(belts=141, pulleys=36),
     # screws: the tables of the makers' catalogues, by program; HIWIN without 3 rows that are cut in print
-    "thk": counted(screws=616 + 13), "hiwin": counted(screws=31 + 4 + 2 + 21 + 41 + 37), "rexroth": counted(screws=65),
+    "thk": counted(screws=616 + 13), "hiwin": counted(screws=31 + 4 + 2 + 21 + 41 + 37), "rexroth": counted(screws=65, motors=27),
     "wangong": counted(screws=10 + 12 + 2), "sfu": counted(screws=27), "pbc": counted(screws=38),
     # power supplies and brake resistors: lists out of data sheets, manuals and public files
     "danotherm": counted(brake_resistors=5), "factonation": counted(brake_resistors=5),
-    "omron": counted(brake_resistors=5), "te_connectivity": counted(brake_resistors=5),
+    "omron": counted(brake_resistors=5, motors=24), "te_connectivity": counted(brake_resistors=5),
     "teco": counted(brake_resistors=7 + 9), "mean_well": counted(power_supplies=65),
     "phoenix_contact": counted(power_supplies=3), "puls": counted(power_supplies=3),
     "solahd": counted(power_supplies=2),
+    # servo motors for mains: manuals of Yaskawa and B&R, public tables of the others
+    "allen_bradley": counted(motors=26 + 38), "br_automation": counted(motors=8), "fanuc": counted(motors=8 + 10 + 10),
+    "ls_mecapion": counted(motors=3 + 3 + 4 + 12 + 11 + 3 + 3 + 3 + 8 + 8 + 16 + 15 + 17),
+    "mitsubishi": counted(motors=15 + 5 + 5 + 5 + 7 + 5), "nidec": counted(motors=5),
+    "panasonic": counted(motors=6 + 12 + 3 + 12), "siemens": counted(motors=32),
+    "yaskawa": counted(motors=15 + 17 + 11 + 7 + 5 + 4 + 6 + 6 + 3),  # both sources where they have a motor
     # motors without a gearhead
     "amk": counted(motors=3 - 1),  # without DD7-28-10
     "anaheim": pin(motors=2),
     "andymark": counted(motors=5 - 1 + 1, belts=89, pulleys=8),  # no snow blower; RS775-125 of WPILib
     "banebots": counted(motors=2),
-    "beckhoff": counted(motors=7 + 1, steppers=5, brake_resistors=5 + 4, power_supplies=1)
-    | pin(controllers=8),  # AM8122 has two windings
+    "beckhoff": counted(motors=7 + 1 + 20, steppers=5, brake_resistors=5 + 4, power_supplies=1)
+    | pin(controllers=8),  # AM8122 has two windings; AM8000
     "ctre": counted(motors=3),  # two kinds of commutation are one motor; the Falcon is VEX's
     "kollmorgen": counted(motors=3),
     "nanotec": counted(motors=4, steppers=6 + 2 * 2 + 3 + 1),
@@ -111,7 +117,7 @@ MAKERS: dict[str, dict[str, int]] = {
     # gearheads
     "apex": counted(gearheads=3),
     "nabtesco": counted(gearheads=2),  # the two ends of one line
-    "wittenstein": counted(gearheads=31 + 30 + 25 + 32 + 60),  # NPT, NPS, NP, TP, SP
+    "wittenstein": counted(gearheads=31 + 30 + 25 + 32 + 60, motors=6),  # NPT, NPS, NP, TP, SP; premo
     # actuators
     "cubemars": pin(actuators=8 + 6 + 2 + 3 + 2, motors=7 + 7 + 2),
     "damiao": pin(actuators=14 - 6 + 2 + 3),  # 14 counted, less 6 without R or k_t; P of two; 48 V of three
@@ -149,7 +155,7 @@ MAKERS: dict[str, dict[str, int]] = {
 
 def test_every_file_is_counted(shelf: dict[str, Catalog]) -> None:
     assert set(shelf) == set(MAKERS)
-    assert len(MAKERS) == 107
+    assert len(MAKERS) == 116
 
 
 @pytest.mark.parametrize("name", MAKERS)
@@ -305,6 +311,27 @@ ROWS: list[tuple[str, str, str, Figures]] = [
     ("beckhoff", "motors", "AM8112-wFyz", {"nominal_voltage": "48 V", "inductance": "0.8 mH",
      "rotor_inertia": "48 g*cm^2", "winding_time_constant": "41.9 s"}),
     ("beckhoff", "motors", "AM8131-wFyz", {"inductance": "5.3 mH", "rotor_inertia": "462 g*cm^2", "pole_pairs": "4"}),
+    ("yaskawa", "motors", "SGM7J-04A", {"nominal_torque": "1.27 N*m", "peak_torque": "4.46 N*m", "max_speed": "6000 rpm",
+     "rotor_inertia": "0.486 kg*cm^2", "assigned_power": "400 W", "shaft_diameter": "14 mm", "mass": "1.1 kg"}),
+    ("mitsubishi", "motors", "HG-JR203", {"nominal_torque": "6.4 N*m", "peak_torque": "19.1 N*m",
+     "rotor_inertia": "4.92 kg*cm^2", "max_speed": "6000 rpm", "mass": "7.5 kg"}),
+    ("allen_bradley", "motors", "VPL-B0751M", {"standstill_torque": "1.01 N*m", "peak_torque": "2.27 N*m",
+     "rotor_inertia": "0.136 kg*cm^2", "max_speed": "8000 rpm", "mass": "1.48 kg"}),
+    ("omron", "motors", "R88M-K1K520T/T", {"nominal_torque": "7.16 N*m", "peak_torque": "21.5 N*m",
+     "rotor_inertia": "6.7 kg*cm^2", "max_speed": "3000 rpm", "mass": "6.7 kg"}),
+    ("ls_mecapion", "motors", "APM-FG20G", {"nominal_torque": "11.5 N*m", "peak_torque": "34.4 N*m",
+     "rotor_inertia": "14.13 kg*cm^2", "max_speed": "3000 rpm", "mass": "15.42 kg"}),
+    ("fanuc", "motors", "aiS 8/6000", {"standstill_torque": "8 N*m", "peak_torque": "22 N*m",
+     "rotor_inertia": "11.7 kg*cm^2", "max_speed": "6000 rpm", "mass": "8 kg"}),
+    ("nidec", "motors", "D64", {"nominal_torque": "0.76 N*m", "peak_torque": "2.59 N*m",
+     "rotor_inertia": "0.158 kg*cm^2", "max_speed": "3500 rpm", "mass": "0.516 kg"}),
+    ("siemens", "motors", "1FT7042-5AF7", {"nominal_torque": "2.7 N*m", "peak_torque": "13 N*m", "max_speed": "6600 rpm",
+     "rotor_inertia": "3.68 kg*cm^2", "mass": "4.6 kg"}),
+    ("panasonic", "motors", "MSMF012L1", {"nominal_torque": "0.32 N*m", "shaft_diameter": "8 mm", "mass": "0.47 kg"}),
+    ("br_automation", "motors", "8JSA32.ee030", {"nominal_torque": "1.81 N*m", "standstill_torque": "2 N*m",
+     "resistance": "23.76 ohm", "inductance": "46.5 mH", "motor_time_constant": "1020 s"}),
+    ("wittenstein", "motors", "premo 320 V 3F", {"resistance": "0.53 ohm", "inductance": "2.25 mH",
+     "standstill_torque": "6.38 N*m", "thermal_resistance_housing": "0.54 K/W", "motor_time_constant": "1992 s"}),
     ("tamagawa", "motors", "TSM3104E040", {"peak_torque": "1.11 N*m", "standstill_torque": "0.318 N*m",
      "mass": "0.7 kg", "max_speed": "6000 rpm", "rotor_inertia": "6.7e-6 kg*m^2", "top_speed_torque": "0.18 N*m"}),
     ("tamagawa", "motors", "TS4872", {"peak_torque": "0.155 N*m", "nominal_torque": "0.051 N*m", "mass": "0.15 kg",
@@ -554,6 +581,10 @@ WORKED: list[tuple[str, str, str, Figures]] = [
     # 4.5 A rms x 1.2247; 0.081 / 1.2247; 4.5 x 0.081
     ("beckhoff", "motors", "AM8112-wFyz", {"nominal_current": "5.511 A", "torque_constant": "66.14 mN*m/A",
      "standstill_torque": "0.3645 N*m"}),
+    # 2.5 A rms x 1.2247; 0.544 / 1.2247
+    ("yaskawa", "motors", "SGM7J-04A", {"nominal_current": "3.062 A", "torque_constant": "444.2 mN*m/A"}),
+    # 12.2 A rms x 1.2247; 0.54 / 1.2247
+    ("wittenstein", "motors", "premo 320 V 3F", {"nominal_current": "14.94 A", "torque_constant": "440.9 mN*m/A"}),
     # 706 / 5.7; 0.318 ohm x (123.9 / 85)^2
     ("kollmorgen", "motors", "TBM(S)-6025-A", {"torque_constant": "123.9 mN*m/A", "resistance": "0.6757 ohm"}),
     # 12 / 374.383; 7.157 / 374.383
