@@ -63,8 +63,9 @@ class Heat(NamedTuple):
 
 
 class Stress(NamedTuple):
-    """Largest current, and largest voltage while the winding is cold."""
+    """Largest torque and current, and largest voltage while the winding is cold."""
 
+    torque: Array  # N*m
     current: Peak  # A
     cold_voltage: Peak  # V, winding at the ambient's temperature
 
@@ -174,7 +175,7 @@ def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any, lea
         more = cycle.peak(volts_of(demands, k_t, np.asarray(cold + leads)), demands.left_out)
         larger = more.value > volts.value
         volts = Peak(np.where(larger, more.value, volts.value), np.where(larger, more.time, volts.time))
-    return Stress(Peak(torque.value / k_t, torque.time), volts)
+    return Stress(torque.value, Peak(torque.value / k_t, torque.time), volts)
 
 
 def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: Stress, motor: Any) -> Array:

@@ -96,6 +96,9 @@ _PHYSICS = {
     "motor_nominal_current": CheckKind(
         "Motor nominal current (RMS)", *_AMPS, ("CURRENT", "motor.nominal_current", "DERATING"), on_inertia=True
     ),
+    "motor_nominal_torque": CheckKind(
+        "Motor nominal torque (RMS)", *_MNM, (*_INERTIA, "gearhead.efficiency", "motor.nominal_torque"), on_inertia=True
+    ),
     "motor_peak_torque": CheckKind("Motor peak torque", *_MNM, ("CURRENT", "motor.peak_torque"), on_inertia=True),
     "winding_temperature": CheckKind(
         "Winding temperature, peak", *_CELSIUS, (*_WARM, "motor.max_winding_temperature"), on_inertia=True

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 
-__all__ = ["continuous_speed_limit", "nominal_current_limit", "unstated_temperature"]
+__all__ = ["continuous_speed_limit", "nominal_current_limit", "nominal_torque_limit", "unstated_temperature"]
 
 Array = NDArray[np.float64]
 _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
@@ -64,13 +64,44 @@ def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float
     CheckColumn
         Of the candidates; unknown where an unknown permitted temperature decides.
     """
+    return _rated("motor_nominal_current", rms, motor["nominal_current"], motor, ambient, needed)
+
+
+def nominal_torque_limit(rms: Array, motor: Any, ambient: float, needed: float = 0.0) -> list[CheckColumn]:
+    """The RMS torque against the nominal one, of motors whose current is not known.
+
+    Parameters
+    ----------
+    rms
+        RMS torque [N*m].
+    motor
+        Figures by field name.
+    ambient
+        Temperature around the motor [K].
+    needed
+        Margin that must be there.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Of the candidates, without a limit where the current is judged; empty where it is for all.
+    """
+    unjudged = np.isnan(motor["torque_constant"] * motor["nominal_current"]) & ~np.isnan(motor["nominal_torque"])
+    if not unjudged.any():
+        return []
+    rating = np.where(unjudged, motor["nominal_torque"], np.inf)
+    return [_rated("motor_nominal_torque", rms, rating, motor, ambient, needed)]
+
+
+def _rated(
+    name: str, rms: Array | float, rating: Any, motor: Any, ambient: Array | float, needed: float
+) -> CheckColumn:
+    """An RMS demand against a thermal rating, in another ambient than that of the rating."""
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
-    limit = np.asarray(motor["nominal_current"] * current_derating(ambient, T_max, rated))
-    found = at_most("motor_nominal_current", rms, limit, needed=needed)
+    limit = np.asarray(rating * current_derating(ambient, T_max, rated))
+    found = at_most(name, rms, limit, needed=needed)
     least = np.isnan(T_max) & (ambient < np.asarray(rated)) & ~found.passed
-    if not least.any():
-        return found
-    return at_most("motor_nominal_current", rms, np.where(least, np.nan, limit), needed=needed)
+    return at_most(name, rms, np.where(least, np.nan, limit), needed=needed) if least.any() else found
 
 
 def unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
-from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit
+from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit, nominal_torque_limit
 from drivesizer.search.columns.encoders import angle_per_edge
 from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_limits
 from drivesizer.spec.robot import RobotSpec
@@ -275,6 +275,7 @@ def moving_limits(
     found = [
         at_most("motor_speed", demand.peak_speed, motor["max_speed"], needed=speed),
         nominal_current_limit(demand.rms_current, motor, ambient, torque),
+        *nominal_torque_limit(demand.rms_torque, motor, ambient, torque),
         winding_limit(spec, heating.winding, motor),
     ]  # fmt: skip
     if not cycle.acts[SPEED]:
@@ -345,7 +346,7 @@ def _holding(spec: RobotSpec, cycle: AtGearhead, parts: Parts) -> list[CheckColu
 
 def _peak_torque(demand: Demands, stresses: Stress, motor: Any, needed: float) -> CheckColumn:
     """The motor's torque against its permitted peak, where the maker limits it beside heat and speed."""
-    torque = stresses.current.value * motor["torque_constant"]
+    torque = stresses.torque
     limit = np.where(np.isnan(motor["peak_torque"]), np.inf, motor["peak_torque"])
     time = stresses.current.time
     return at_most("motor_peak_torque", torque, limit, needed=needed, time=time)
