@@ -160,6 +160,9 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
     InputError
         When the load's figures leave the range of numbers that can be computed with.
     """
+    if drive_set.steps:
+        part = drive_set.motor.part
+        raise NoLoopError(f"motor {part} is a stepper, which runs open-loop: its lost steps are not simulated")
     for name, needed in _NEEDED.items():
         part = getattr(drive_set, name)
         missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]

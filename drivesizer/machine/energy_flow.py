@@ -21,6 +21,7 @@ from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTIO
 from drivesizer.physics.load_cycle import integral
 from drivesizer.physics.motor_demand import friction, gear_loss
 from drivesizer.physics.power_stage import at_input, lost_in_source
+from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.waveform import energy
 
 __all__ = ["EnergyFlow", "energy_flow"]
@@ -65,9 +66,11 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
     found
         The drive over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
     """
-    power = _at_the_supply(found) | _at_the_shaft(found)
+    stepper = str(found.motor["kind"][0]) == "stepper"
+    power = (_of_a_stepper if stepper else _at_the_supply)(found) | _at_the_shaft(found)
     sets = found.spec.load.motors * found.cycle.load_cycle.total
-    unknown = set() if found.known else set(power) - _OF_THE_LOAD
+    known = bool(found.demands.complete.all()) if stepper else found.known
+    unknown = set() if known else set(power) - _OF_THE_LOAD
     return EnergyFlow(**{name: np.nan if name in unknown else sets * value for name, value in power.items()})
 
 
@@ -92,18 +95,37 @@ def _at_the_supply(found: SetCycle) -> dict[str, float]:
     }
 
 
+def _of_a_stepper(found: SetCycle) -> dict[str, float]:
+    """The same of a stepper, whose rated current flows at any time; losses of its driver are not counted."""
+    motor, functions, cycle = found.motor, found.cycle.functions, found.cycle.load_cycle
+    copper, standby = copper_loss(motor["nominal_current"], motor["resistance"]), float(found.feed.stage.standby)
+    torque = functions @ found.demands.coefficients[0]
+    speed = functions[:, :, SPEED] * found.demands.total_ratio[0]
+    sums = electrical_energy(cycle.duration, torque[None], speed[None], copper + standby)
+    drawn, returned = (float(side[0]) / cycle.total for side in sums[:2])
+    return {
+        "drawn": drawn,
+        "supply": 0.0,
+        "controller": standby,
+        "returned": returned,
+        "stored": returned * found.spec.supply.regeneration,
+        "copper": float(copper[0]),
+    }
+
+
 def _at_the_shaft(found: SetCycle) -> dict[str, float]:
     """Mechanical power, means over the cycle [W]."""
     cycle, moments = found.cycle.load_cycle, found.cycle.moments
     c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])
     (e,), (idle,) = gear_loss(found.gearhead)
-    (coulomb,), _ = friction(found.motor)
+    stepper = str(found.motor["kind"][0]) == "stepper"  # its friction is in its pull-out torque
+    (coulomb,), _ = ((0.0,), 0.0) if stepper else friction(found.motor)
     driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # at the gearhead's output
     turned = moments[DIRECTION, SPEED] * i  # rad/s, of the motor, absolute
     work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total
     return {
         "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED])
-        + lost_in_winding(found) / cycle.total,
+        + (0.0 if stepper else lost_in_winding(found) / cycle.total),
         "gearhead": float(driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * turned),
         "belt": float(driving + braking - work),
         "load": work,

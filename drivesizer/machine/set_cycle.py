@@ -26,7 +26,7 @@ from drivesizer.physics.winding_course import WindingCourse, current_and_winding
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "stepper_demand", "supplied", "warming", "waveform"]
+__all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "turned", "warming", "waveform"]
 
 Array = NDArray[np.float64]
 
@@ -98,11 +98,8 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    motor, gearhead, encoder = (OneRow(part) for part in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
-    if base is None:  # cut as the search cut it
-        base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
-    cycle = base.behind(drive_set.belt_ratio)
-    demand = demands(cycle, motor, gearhead, encoder)
+    motor, gearhead = OneRow(drive_set.motor), OneRow(drive_set.gearhead)
+    cycle, demand = turned(spec, drive_set, base)
     heating = heat(spec.environment.ambient, cycle, demand, motor)
     flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
     feed = spec.feed_of(drive_set.controller)
@@ -120,8 +117,8 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
     )
 
 
-def stepper_demand(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands]:
-    """Torque and speed of a stepper over the load cycle of a spec; its own friction is in its pull-out torque.
+def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands]:
+    """Torque and speed of a drive over the load cycle of a spec; a stepper's own friction is in its pull-out torque.
 
     Parameters
     ----------
@@ -133,9 +130,11 @@ def stepper_demand(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> 
     tuple
         The load cycle at the gearhead's output, and the demand, of one row.
     """
-    frictionless = replace(drive_set.motor, friction_torque=0.0, viscous_friction=0.0)
-    motor, gearhead, encoder = (OneRow(part) for part in (frictionless, drive_set.gearhead, drive_set.encoder))
-    if base is None:
+    turning = drive_set.motor
+    if drive_set.steps:
+        turning = replace(turning, friction_torque=0.0, viscous_friction=0.0)
+    motor, gearhead, encoder = (OneRow(part) for part in (turning, drive_set.gearhead, drive_set.encoder))
+    if base is None:  # cut as the search cut it
         base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
     cycle = base.behind(drive_set.belt_ratio)
     return cycle, demands(cycle, motor, gearhead, encoder)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.set_cycle import set_cycle, stepper_demand, supplied
+from drivesizer.machine.set_cycle import set_cycle, supplied, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.power_stage import at_input, lost_in_source, of_the_source
@@ -106,7 +106,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
 
 def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePower:
     """The same of steppers: torque times speed and the loss of their rated current, which flows at any time."""
-    cycle, demand = stepper_demand(spec, drive_set, base)
+    cycle, demand = turned(spec, drive_set, base)
     motor, functions, duration = drive_set.motor, cycle.functions, cycle.load_cycle.duration
     copper = copper_loss(motor.nominal_current, motor.resistance)
     standby = float(spec.feed_of(drive_set.controller).stage.standby)

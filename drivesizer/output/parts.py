@@ -323,8 +323,10 @@ def _pulley(part: Pulley) -> str:
     return _toothed(part) + (f", bore {part.bore}" if part.bore else "")
 
 
+_MOTOR = _figures_of("assigned_power", "nominal_voltage")
+_STEPPER = _figures_of("holding_torque", "nominal_current")
 _SAID: dict[str, Callable[[Any], str]] = {
-    "motor": _figures_of("assigned_power", "nominal_voltage"),
+    "motor": lambda part: (_STEPPER if part.kind == "stepper" else _MOTOR)(part),
     "gearhead": lambda part: f"{part.reduction}, exactly {part.ratio:.5g}".removeprefix(", "),
     "driving pulley": _pulley,
     "belt": lambda part: f"{_toothed(part)}, {show(part.width, 'mm', 'length')} wide",

@@ -17,7 +17,10 @@ from stepper_catalog import TEXT, ideal_torque, printed_torque, worst_share, wri
 from drivesizer import load_spec, size
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.view.stepper_view import stepper_view
+from drivesizer.control.drive_train import NoLoopError, drive_train
 from drivesizer.errors import InputError
+from drivesizer.machine.energy_flow import energy_flow
+from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.output.json.documents import as_text, sizing
 from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
 from drivesizer.results.drive_set import DriveSet
@@ -243,6 +246,24 @@ def test_the_battery_feeds_steppers(path: Path) -> None:
     found = sized(path, battery=battery, select={"motor": {"kind": "stepper", "part": "A2"}})
     assert found.sets[0].energy is not None
     assert found.sets[0].energy.mean_power == pytest.approx(12.8, rel=1e-6)
+
+
+def test_energy_of_a_cycle_is_all_accounted_for(path: Path) -> None:
+    """What is drawn less what is returned is lost in windings and gears, done on the load, or in the rotor."""
+    load = {"kind": "rotary_table", "inertia": "1e-3 kg*m^2", "friction_torque": "0.15 N*m"}
+    found = sized(path, load=load, transmission=[{"kind": "gearhead"}], motion={"speed": "40 rpm"})
+    drive = next(one for one in found.sets if one.gearhead.part == "G7")
+    flow = energy_flow(set_cycle(found.problem.spec, drive))
+    spent = flow.load + flow.belt + flow.gearhead + flow.friction + flow.copper + flow.rotor + flow.controller
+    assert flow.drawn - flow.returned == pytest.approx(spent, rel=1e-9)
+    assert flow.drawn == pytest.approx(next(f.value for f in drive.figures if f.name == "energy"), rel=1e-9)
+    assert flow.copper == pytest.approx(2 * drive.motor.nominal_current**2 * drive.motor.resistance * 1.1)
+
+
+def test_no_closed_loop_of_a_stepper(path: Path) -> None:
+    found = sized(path)
+    with pytest.raises(NoLoopError, match="motor A1 is a stepper, which runs open-loop: its lost steps are not sim"):
+        drive_train(found.problem.spec, next(one for one in found.sets if one.motor.part == "A1"), 1e-3)
 
 
 def test_json_names_the_stepper_and_its_checks(path: Path) -> None:

@@ -70,7 +70,7 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
         console.print(_rejected(result.misses))
     _tally(console, result, whole="rejected" in details or best is None)
     if best and not quiet:
-        next_commands(console, spec)
+        next_commands(console, spec, loop=not best.steps)
 
 
 def _by_the_other(console: Console, result: SizingResult, best: DriveSet) -> None:

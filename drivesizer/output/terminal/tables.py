@@ -210,7 +210,7 @@ def plain(check: Check, figure: float) -> str:
 
 _PULLEY = {"teeth": "teeth", "mass": "", "price": ""}
 _PARTS: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words behind each
-    "motor": {"assigned_power": "", "nominal_voltage": "", "mass": "", "price": ""},
+    "motor": {"assigned_power": "", "nominal_voltage": "", "holding_torque": "holding", "mass": "", "price": ""},
     "gearhead": {"efficiency": "efficient", "mass": "", "price": ""},
     "encoder": {},
     "controller": {"continuous_current": "continuous", "peak_current": "peak"},

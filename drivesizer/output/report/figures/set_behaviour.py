@@ -19,6 +19,7 @@ from drivesizer.output.report.figures.heat import temperatures
 from drivesizer.output.report.figures.style import Form
 from drivesizer.output.report.figures.wheels import MOST_WHEELS
 from drivesizer.output.report.lines.machine import first_wheel
+from drivesizer.physics.stepper.drawn import copper_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
@@ -123,6 +124,8 @@ class Behaviour:
         """Losses and temperatures of the case as specified, as a table."""
         found, motor = self.specified, self.drive_set.motor
         copper = found.copper if found.known else float("nan")
+        if self.drive_set.steps:
+            copper = copper_loss(motor.nominal_current, motor.resistance)
         winding = float(found.course.mean[0]) if found.known else float("nan")
         housing = winding - motor.thermal_resistance_winding * copper
         rows = [

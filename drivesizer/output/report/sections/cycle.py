@@ -52,7 +52,9 @@ def _cycle(content: Content) -> Iterator[Block]:
     best = content.drive
     if best is None:
         return
-    if "demand" not in content.drawings:
+    if best.steps:
+        yield Words("The rated current flows in the stepper's windings at any time, whatever the load.")
+    elif "demand" not in content.drawings:
         yield Words(_unknown("The motor's current over time is unknown"))
     if best.figures:
         wheel = f"; energy and power of the supply as if every drive did what that of {content.wheel} does"
