@@ -13,6 +13,7 @@ from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.results.mass import MassRow
 from drivesizer.results.notebook import checks_table, html_table
+from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.screws import ChosenScrew
@@ -151,6 +152,7 @@ class DriveSet(DriveParts):
     changes: tuple[Relaxation, ...]  # where it fails: what would let it pass, each alone
     reliability: Reliability | None  # its probability, where tolerances were sampled
     estimated: tuple[EstimatedFigure, ...] = ()  # figures of its parts that no data sheet gives
+    pieces: tuple[MotorPiece, ...] = ()  # its motor's torque piece by piece of the motion, of the first load cases
     probability: float = nan  # that none of its checks fails, where estimated figures leave one open
 
     @property

@@ -10,15 +10,19 @@ import numpy as np
 
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.machine.budgets import MachineBudget
+from drivesizer.machine.motor_pieces import motor_pieces
 from drivesizer.machine.problem import quickest_winding
+from drivesizer.machine.set_columns import OneRow
 from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.machine.warm_up import warm_up
 from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
+from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.waveform import Wave, longest_above, share_above
 from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
+from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.reliability import Reliability
 from drivesizer.search import ranking
 from drivesizer.search.both_methods import compared
@@ -128,8 +132,22 @@ def drive_set(
         changes=changes,
         reliability=reliability,
         estimated=estimated(evaluation, index),
+        pieces=_pieces(evaluation, parts),
         probability=probability,
     )
+
+
+_CASES = 4  # whose pieces are listed
+
+
+def _pieces(evaluation: Evaluation, parts: DriveParts) -> tuple[MotorPiece, ...]:
+    """The motor's torque piece by piece in the first load cases."""
+    found: list[MotorPiece] = []
+    for case in evaluation.problem.cases[:_CASES]:
+        cycle = case.at_belt.behind(parts.belt_ratio)
+        demand = demands(cycle, *(OneRow(part) for part in (parts.motor, parts.gearhead, parts.encoder)))
+        found += motor_pieces(cycle, demand, parts.motor.torque_constant, case.name)
+    return tuple(found)
 
 
 def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:

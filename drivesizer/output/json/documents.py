@@ -18,6 +18,7 @@ from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.results.mass import MassRow
+from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Explanation, Figure, SizingResult, verdict, worst
 from drivesizer.units import KINDS, from_si
@@ -164,9 +165,18 @@ def drive_set(found: DriveSet) -> schema.Set:
         "energy": _energy(found.energy) if found.energy else None,
         "changes": [_relaxation(r) for r in found.changes],
         "reliability": reliability(found.reliability),
+        "pieces": [_piece(one) for one in found.pieces],
         "estimated": [_estimate(one) for one in found.estimated],
         "probability": number(found.probability),
     }
+
+
+def _piece(one: MotorPiece) -> schema.Piece:
+    """The motor in one piece of the motion."""
+    return {"case": one.case, "name": one.name, "start_s": one.start, "duration_s": one.duration,
+            "speed_rad_s": one.speed, "load_torque_Nm": one.load_torque, "motor_torque_Nm": number(one.motor_torque),
+            "rms_torque_Nm": number(one.rms_torque), "current_A": number(one.current),
+            "rms_current_A": number(one.rms_current)}  # fmt: skip
 
 
 def _estimate(one: EstimatedFigure) -> schema.Estimate:

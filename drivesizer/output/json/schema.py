@@ -111,6 +111,10 @@ Estimate = TypedDict("Estimate", {
     "part": str, "figure": str, "value": float, "low": float, "high": float, "si_unit": str, "confidence": Confidence,
     "law": str,
 })  # fmt: skip
+Piece = TypedDict("Piece", {
+    "case": str, "name": str, "start_s": float, "duration_s": float, "speed_rad_s": float, "load_torque_Nm": float,
+    "motor_torque_Nm": Number, "rms_torque_Nm": Number, "current_A": Number, "rms_current_A": Number,
+})  # fmt: skip
 Set = TypedDict("Set", {
     "rank": Count, "status": Status, "actuator": Annotated[dict[str, Any], _PartOf("actuators")] | None,
     "motor": Annotated[dict[str, Any], _PartOf("motors")],
@@ -121,7 +125,7 @@ Set = TypedDict("Set", {
     "mass_of": list[str], "objective": Number, "objective_of": list[str], "requirements": dict[str, Requirement],
     "figures": dict[str, Figure], "results": dict[str, Result], "checks": list[Check],
     "machine": list[MachineFigure], "masses": list[Mass], "energy": Energy | None, "changes": list[Relaxation],
-    "reliability": Reliability | None,
+    "reliability": Reliability | None, "pieces": list[Piece],
     "estimated": Annotated[list[Estimate], Field(description="that no data sheet gives; 5th to 95th percentile")],
     "probability": Annotated[Number, Field(description="that no check fails; null where estimates leave none open")],
 })  # fmt: skip

@@ -10,10 +10,12 @@ from rich.text import Text
 
 from drivesizer.catalog import Catalog
 from drivesizer.control.validation import Validation
+from drivesizer.output.pieces_table import by_case
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.answer import next_commands, recommended, side_by_side
 from drivesizer.output.terminal.loops import loops
 from drivesizer.output.terminal.machine import machine
+from drivesizer.output.terminal.pieces import pieces
 from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.check import in_a_sentence
@@ -106,6 +108,8 @@ def _checks(console: Console, found: DriveSet) -> None:
     console.print(tables.checks(found.checks, f"Checks {_METHODS[found.checks[0].method]}"))
     if found.figures:
         console.print(tables.loose(found.figures, "Operating figures"))
+    for case, of in by_case(found.pieces):
+        console.print(pieces(of, "The motor piece by piece" + (f", {case}" if case else "")))
 
 
 def _beside(console: Console, found: DriveSet) -> None:

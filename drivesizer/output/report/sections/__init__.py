@@ -17,6 +17,7 @@ from drivesizer.output.report.sections.estimates import ESTIMATES
 from drivesizer.output.report.sections.loop import LINEAR_LOOPS, LOOP
 from drivesizer.output.report.sections.machine import BATTERY, MACHINE
 from drivesizer.output.report.sections.parts import DATA_SHEETS, PARTS
+from drivesizer.output.report.sections.pieces import PIECES
 from drivesizer.output.report.sections.reliability import RELIABILITY
 from drivesizer.output.report.sections.specification import SPECIFICATION
 from drivesizer.output.report.sections.summary import SUMMARY
@@ -41,6 +42,7 @@ SECTIONS = (  # what to buy, whether it holds, how close others come, why; then 
     CANDIDATES,
     SPECIFICATION,
     DERIVATION,
+    PIECES,
     ASSUMPTIONS,
     PHYSICS,
     REPEAT,
