@@ -93,7 +93,7 @@ class ScrewChoice(Section):
         return self
 
 
-_OF_CATALOGUE = ("lead", "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "dynamic_load", "static_load",
+_OF_CATALOGUE = ("lead", "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "shaft_diameter", "dynamic_load", "static_load",
                  "permissible_thrust", "dn_max")  # fmt: skip
 
 
@@ -134,6 +134,9 @@ class Screw(SharedLoad):
     root_diameter: Length | None = Field(default=None, description="of the thread's core")
     pitch_diameter: Length | None = Field(
         default=None, description="of a sliding thread; between diameter and root_diameter where not given"
+    )
+    shaft_diameter: Length | None = Field(
+        default=None, description="outside, for the inertia; diameter where not given"
     )
     ball_diameter: Length | None = Field(default=None, description="of the ball centres; diameter where not given")
     length: Length | None = Field(default=None, description="free, between the bearings; no shorter than the stroke")
@@ -228,9 +231,10 @@ class Screw(SharedLoad):
     @property
     def turning(self) -> float:
         """Inertia of all screws [kg*m^2]."""
-        if self.inertia is not None:
+        if self.inertia is not None and self.screw is None:
             return self.inertia
-        return float(self.motors * shaft_inertia(self.diameter, self.overall))
+        shaft = self.motors * shaft_inertia(self.shaft_diameter or self.diameter, self.overall)
+        return float((self.inertia or 0.0) + shaft)
 
     @property
     def drag(self) -> float:

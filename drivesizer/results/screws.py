@@ -8,8 +8,7 @@ from typing import Any
 
 from drivesizer.catalog.more_parts import Screw
 from drivesizer.loads.screw import Screw as ScrewLoad
-from drivesizer.loads.screw import ScrewChoice
-from drivesizer.physics.elements.screw import shaft_inertia, shaft_mass
+from drivesizer.physics.elements.screw import shaft_mass
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -17,7 +16,7 @@ __all__ = ["ChosenScrew", "chosen_of", "for_drive", "screw_figures", "wants_scre
 
 _DESIGNS = {"THK": "THK", "HIWIN": "HIWIN", "Bosch Rexroth": "Rexroth"}  # makers that print factors of their own
 _RATINGS = (
-    "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "dynamic_load", "static_load",
+    "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "shaft_diameter", "dynamic_load", "static_load",
     "permissible_thrust", "dn_max",
 )  # fmt: skip
 
@@ -50,14 +49,13 @@ class ChosenScrew:
         return f", shaft {show(self.shaft_mass, 'kg', 'mass')}" if isnan(self.screw.mass) else ""
 
 
-def _choice(spec: RobotSpec) -> ScrewChoice | None:
-    load = spec.load
-    return load.screw if isinstance(load, ScrewLoad) else None
+def _open(spec: RobotSpec) -> bool:
+    return isinstance(spec.load, ScrewLoad) and spec.load.lead is None
 
 
 def wants_screw(spec: RobotSpec) -> bool:
     """Whether a load case leaves the screw to the catalogues."""
-    return any(_choice(case) is not None for _, case in spec.load_cases)
+    return any(_open(case) for _, case in spec.load_cases)
 
 
 def chosen_of(spec: RobotSpec, screw: Screw) -> ChosenScrew:
@@ -110,9 +108,8 @@ def screw_figures(load: ScrewLoad, screw: Screw) -> dict[str, Any]:
         given |= {"back_efficiency": None if isnan(backward) or load.efficiency is not None else backward}
         if load.back_efficiency is not None:
             given["back_efficiency"] = load.back_efficiency
-    turning = (load.inertia or 0.0) + load.motors * float(shaft_inertia(_thick(screw), load.overall))
     design = load.design or _DESIGNS.get(screw.manufacturer)
-    return given | {"lead": screw.lead, "inertia": turning, "design": design, "screw": None}
+    return given | {"lead": screw.lead, "design": design}
 
 
 def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
@@ -133,7 +130,7 @@ def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
 
     def chosen(one: RobotSpec) -> RobotSpec:
         load = one.load
-        if not isinstance(load, ScrewLoad) or load.screw is None:
+        if not isinstance(load, ScrewLoad) or load.lead is not None:
             return one
         return one.model_copy(update={"load": load.model_copy(update=screw_figures(load, screw))})
 
