@@ -93,8 +93,8 @@ class ScrewChoice(Section):
         return self
 
 
-_OF_CATALOGUE = ("lead", "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "shaft_diameter", "dynamic_load", "static_load",
-                 "permissible_thrust", "dn_max")  # fmt: skip
+_OF_CATALOGUE = ("lead", "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "shaft_diameter",
+                 "dynamic_load", "static_load", "permissible_thrust", "dn_max")  # fmt: skip
 
 
 class Screw(SharedLoad):

@@ -12,7 +12,7 @@ from drivesizer.physics.elements.screw import shaft_mass
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["ChosenScrew", "chosen_of", "for_drive", "screw_figures", "wants_screw", "with_screw"]
+__all__ = ["ChosenScrew", "chosen_of", "for_drive", "leaves_open", "screw_figures", "wants_screw", "with_screw"]
 
 _DESIGNS = {"THK": "THK", "HIWIN": "HIWIN", "Bosch Rexroth": "Rexroth"}  # makers that print factors of their own
 _RATINGS = (
@@ -49,13 +49,14 @@ class ChosenScrew:
         return f", shaft {show(self.shaft_mass, 'kg', 'mass')}" if isnan(self.screw.mass) else ""
 
 
-def _open(spec: RobotSpec) -> bool:
+def leaves_open(spec: RobotSpec) -> bool:
+    """Whether the load of a spec is moved by a screw that has yet to be chosen."""
     return isinstance(spec.load, ScrewLoad) and spec.load.lead is None
 
 
 def wants_screw(spec: RobotSpec) -> bool:
     """Whether a load case leaves the screw to the catalogues."""
-    return any(_open(case) for _, case in spec.load_cases)
+    return any(leaves_open(case) for _, case in spec.load_cases)
 
 
 def chosen_of(spec: RobotSpec, screw: Screw) -> ChosenScrew:
@@ -100,16 +101,16 @@ def screw_figures(load: ScrewLoad, screw: Screw) -> dict[str, Any]:
     """
     checked = _CHECKED.get(screw.kind, _CHECKED[""])
     figures = {name: getattr(screw, name) for name in _RATINGS}
-    given = {name: None if isnan(value) and name not in checked else value for name, value in figures.items()}
-    forward = load.efficiency if load.efficiency is not None else screw.efficiency
-    backward = load.back_efficiency if load.back_efficiency is not None else screw.back_efficiency
-    if load.thread_friction is None:
-        given |= {"efficiency": None if isnan(forward) else forward}
-        given |= {"back_efficiency": None if isnan(backward) or load.efficiency is not None else backward}
-        if load.back_efficiency is not None:
-            given["back_efficiency"] = load.back_efficiency
+    given = {name: value if name in checked else _known(value) for name, value in figures.items()}
+    if load.thread_friction is None and load.efficiency is None:
+        given["efficiency"] = _known(screw.efficiency)
+        given["back_efficiency"] = load.back_efficiency or _known(screw.back_efficiency)
     design = load.design or _DESIGNS.get(screw.manufacturer)
     return given | {"lead": screw.lead, "design": design}
+
+
+def _known(value: float) -> float | None:
+    return None if isnan(value) else value
 
 
 def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
@@ -130,7 +131,7 @@ def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
 
     def chosen(one: RobotSpec) -> RobotSpec:
         load = one.load
-        if not isinstance(load, ScrewLoad) or load.lead is not None:
+        if not isinstance(load, ScrewLoad) or not leaves_open(one):
             return one
         return one.model_copy(update={"load": load.model_copy(update=screw_figures(load, screw))})
 

@@ -32,7 +32,7 @@ from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.problem import Problem
-from drivesizer.results.screws import ChosenScrew, chosen_of, screw_figures, with_screw
+from drivesizer.results.screws import ChosenScrew, chosen_of, leaves_open, screw_figures, with_screw
 from drivesizer.search.columns.limits import own_limit
 from drivesizer.search.machine_filter import best_in_machine
 from drivesizer.search.ranking import Ranking, names_of, title_of
@@ -125,7 +125,7 @@ def _with(spec: RobotSpec, catalog: Catalog, screw: Part) -> Problem:
 def _by_lead(spec: RobotSpec, catalog: Catalog) -> list[_Held]:
     """For each lead of the catalogues the smallest screw that holds in all load cases; known limits before unknown."""
     rows, table = _offered(spec, catalog), catalog.screws
-    cases = [_case(one) for _, one in spec.load_cases]
+    cases = [_case(one) for _, one in spec.load_cases if leaves_open(one)]
     found = []
     for lead in np.unique(table["lead"][rows]).tolist():
         same = rows[table["lead"][rows] == lead]

@@ -11,10 +11,11 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.output.json import documents
 from drivesizer.output.parts import machine_parts
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
-from drivesizer.results.screws import for_drive
+from drivesizer.results.screws import for_drive, with_screw
 from drivesizer.search import screw_choice
 from drivesizer.search.columns.limits import load_limits
 from drivesizer.search.screw_choice import problem_with_screw
+from drivesizer.search.uncertainty.uncertain_figures import applied
 from drivesizer.simulate import hardest_case
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import load_spec
@@ -135,6 +136,19 @@ def test_every_output_has_the_screw(wide, catalog, found):
     assert for_drive(wide, best.chosen_screw).load.lead == part.lead
     again = explain(wide, best.motor.part, best.gearhead.part, catalog=catalog)
     assert again[0].chosen_screw.screw.part == part.part
+
+
+def test_the_inertia_of_a_coupling_is_added_and_may_be_off(catalog):
+    """A coupling by its dimensions beside a screw of a catalogue; one of them 2 mm larger, as a sample has it."""
+    coupling = {"shape": "cylinder", "diameter": "40 mm +- 2 mm", "length": "50 mm", "material": "aluminium"}
+    spec = spec_of(LOAD | {"screw": {"part": "WTF 2040-2"}, "inertia": coupling})
+    screw = catalog.screws.record(catalog.screws.rows["WTF 2040-2"])
+    chosen = with_screw(spec, screw)
+    shaft = math.pi / 32 * 7850 * 0.02**4 * 0.52
+    assert chosen.load.turning == pytest.approx(spec.load.inertia + shaft)
+    (path,) = (one.path for one in spec.toleranced)
+    larger = applied(chosen, {path: 2e-3})
+    assert larger.load.turning == pytest.approx(spec.load.inertia * (42 / 40) ** 4 + shaft)
 
 
 def test_a_sliding_screw_takes_the_friction_of_the_spec(catalog):
