@@ -48,7 +48,7 @@ class _Found(NamedTuple):
     examined: int
     sets: Candidates
     opened: NDArray[np.bool_]
-    unknown: NDArray[np.uint64]  # checks, as bits
+    unknown: NDArray[np.uint64]  # checks, as bits, shape (rows, words)
     figures: dict[str, Array]
     failed_by: Counter[str]
     rejected: Candidates
@@ -106,7 +106,7 @@ def any_passes(problem: Problem) -> bool:
     """
     every, belts = pairs(problem), problem.belt_ratios
     if problem.spec.select.unknown == "reject":
-        return any((one.unknown == 0).any() for one in _examined(problem, every, belts, False))
+        return any((~one.unknown.any(axis=1)).any() for one in _examined(problem, every, belts, False))
     uncertain = every.on(estimated(problem, every))
     favourable, unfavourable = at_ends(problem) if len(uncertain.motor) else (problem, problem)
     sides = ((favourable, every), (unfavourable, uncertain))
@@ -147,7 +147,7 @@ def _at_both(easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
     both, alone = np.isin(easy.rows, passing), ~np.isin(passing, easy.rows)
     opened = np.isin(easy.rows, few) & ~both
     unknown, margin = easy.unknown.copy(), easy.margin.copy()
-    opened[both] = unknown[both] != hard.unknown[~alone]  # rows of both rise
+    opened[both] = (unknown[both] != hard.unknown[~alone]).any(axis=1)  # rows of both rise
     unknown[both] &= hard.unknown[~alone]
     margin[both] = hard.margin[~alone]
     figures = {name: column.copy() for name, column in easy.figures.items()}
@@ -195,10 +195,10 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
         for name in COUNTED:
             figures[name][rows] = middle[name]
     if problem.spec.select.unknown == "reject":
-        known = np.flatnonzero(unknown == 0)
+        known = np.flatnonzero(~unknown.any(axis=1))
         return _on(Sifted(sets, opened * OPEN, figures, np.zeros(len(opened), np.int64)), known)
-    alike = np.bitwise_and.reduce(unknown) if len(unknown) else np.uint64(0)  # what all lack sets none back
-    lacking = np.unpackbits((unknown & ~alike).view(np.uint8).reshape(-1, 8), axis=1).sum(axis=1, dtype=np.int64)
+    own = unknown & ~np.bitwise_and.reduce(unknown, axis=0)  # what all lack sets none back
+    lacking = np.unpackbits(own.view(np.uint8), axis=1).sum(axis=1, dtype=np.int64)
     return Sifted(sets, np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES)), figures, lacking)
 
 

@@ -50,7 +50,7 @@ class Examined(NamedTuple):
     sets: Candidates  # all that were looked at
     rows: NDArray[np.int64]  # which of them these are
     checks: list[CheckColumn]  # theirs; in stages none are kept
-    unknown: NDArray[np.uint64]  # checks that are, as bits: 1 << place in ``check_kinds``
+    unknown: NDArray[np.uint64]  # checks that are, as bits in the order of ``check_kinds``, shape (rows, words)
     margin: Array  # the smallest; NaN where margins are not computed
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]

@@ -21,7 +21,9 @@ __all__ = ["Alone", "Sieve"]
 
 Array = NDArray[np.float64]
 _ALL = slice(None)
-_BITS = {name: np.uint64(1 << place) for place, name in enumerate(CHECKS["physics"])}
+_WORD = 64  # bits of a word of the checks that are unknown
+_BITS = {name: (place // _WORD, np.uint64(1 << place % _WORD)) for place, name in enumerate(CHECKS["physics"])}
+_WORDS = 1 + max(word for word, _ in _BITS.values())
 _ENOUGH = 100  # rejected candidates, to find the closest among
 
 
@@ -33,7 +35,7 @@ class Sieve:
         self.rows = np.arange(len(sets.motor))
         self.checks: list[CheckColumn] = []
         self.failed_by: Counter[str] = Counter()
-        self.unknown = np.zeros(len(sets.motor), np.uint64)  # checks, as bits
+        self.unknown = np.zeros((len(sets.motor), _WORDS), np.uint64)  # checks, as bits
         self.margin = np.full(len(sets.motor), np.inf)
         self.rejected: list[tuple[NDArray[np.int64], Array]] = []
 
@@ -98,7 +100,8 @@ class Sieve:
             return
         for check in found:
             passed = check.passed[rows] if check.passed.ndim else check.passed
-            self.unknown |= np.where(passed, np.uint64(0), _BITS[check.name])
+            word, bit = _BITS[check.name]
+            self.unknown[:, word] |= np.where(passed, np.uint64(0), bit)
             if self.margins:
                 self.margin = np.minimum(self.margin, _of(check, rows).tightness)
 
