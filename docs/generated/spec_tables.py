@@ -40,6 +40,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "environment": {"Environment": ""},
     "margins": {"Margins": ""},
     "needs": {"Needs": ""},
+    "shaft": {"Shaft": ""},
     "select": {
         "Select": "", "MotorChoice": "`motor`", "Choice": "`gearhead`", "EncoderChoice": "`encoder`",
         "ControllerChoice": "`controller`", "Weighted": "Each of several objectives",

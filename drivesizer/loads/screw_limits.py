@@ -127,6 +127,9 @@ def _worst(course: Course, ends: Ends) -> tuple[float, float]:
 
 def _of_loads(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit]:
     most, time = _worst(course, force)
+    yield OwnLimit(
+        "screw_axial_force", most, 0.0, time
+    )  # of the shaft and its bearings, not of the screw: no check by itself
     if screw.ends is not None:
         core = math.nan if screw.root_diameter is None else screw.root_diameter
         held = float(np.minimum(buckling_load(core, screw.length, screw.ends, screw.design or "beam"), core_load(core)))

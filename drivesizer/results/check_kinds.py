@@ -5,7 +5,7 @@ them here, and a column of any other name is refused. A name may stand under sev
 
 A figure that a check rests on is one whose lack would leave it unknown or change it, such as ``motor.resistance``. A
 word in capitals stands for figures that depend on the motor or the encoder, see ``figures_behind_checks``: ``CURRENT``,
-``COUNTS``, ``HOUSING``, ``DERATING``.
+``COUNTS``, ``HOUSING``, ``DERATING``, ``LEVER``.
 """
 
 from __future__ import annotations
@@ -70,12 +70,25 @@ _PHYSICS = {
     "gearhead_emergency_torque": CheckKind("Gearhead emergency stop torque", *_NM, ("gearhead.emergency_torque",)),
     "gearhead_ratcheting": CheckKind("Gearhead ratcheting torque", *_NM, ("gearhead.ratcheting_torque",)),
     "gearhead_life": CheckKind("Gearhead nominal life", "time", "h", _LIFE),
-    "gearhead_radial_load": CheckKind("Gearhead radial load", *_NEWTON, ("gearhead.max_radial_load",)),
+    "gearhead_radial_load": CheckKind("Gearhead radial load", *_NEWTON, ("gearhead.max_radial_load", "LEVER")),
+    "gearhead_axial_load": CheckKind("Gearhead axial load", *_NEWTON, ("gearhead.max_axial_load",)),
+    "gearhead_tilting_moment": CheckKind(
+        "Gearhead tilting moment", *_NM, ("gearhead.max_tilting_moment", "gearhead.bearing_distance")
+    ),
+    "gearhead_bearing_static": CheckKind(
+        "Gearhead output bearing, static load with its safety", *_NEWTON,
+        ("gearhead.bearing_static_load", "gearhead.bearing_diameter", "gearhead.bearing_distance"),
+    ),
+    "gearhead_bearing_life": CheckKind(
+        "Gearhead output bearing, nominal life", "time", "h",
+        ("gearhead.bearing_dynamic_load", "gearhead.bearing_diameter", "gearhead.bearing_distance"),
+    ),
     "gearhead_temperature_range": CheckKind(
         "Gearhead temperature range", *_CELSIUS, ("gearhead.temperature_min", "gearhead.temperature_max")
     ),
     "backlash_at_load": CheckKind("Backlash at the load", *_DEG, ("gearhead.backlash",)),
     "motor_radial_load": CheckKind("Motor radial load", *_NEWTON, ("motor.max_radial_load",)),
+    "motor_axial_load": CheckKind("Motor axial load", *_NEWTON, ("motor.max_axial_load",)),
     "pull_out_torque": CheckKind(
         "Pull-out torque at the speed", *_NM,
         (*_RATIO, "gearhead.efficiency", "gearhead.inertia", *_ROTOR, "PULL_OUT"), on_inertia=True,

@@ -48,6 +48,8 @@ def _of(word: str, drive_set: DriveSet) -> list[str]:
     if word == "COUNTS":
         absolute = encoder is not None and isnan(encoder.counts_per_turn)
         return ["encoder.steps_per_turn" if absolute else "encoder.counts_per_turn"]
+    if word == "LEVER":  # of a radial load, where the limit has a distance
+        return [] if isnan(gearhead.max_radial_load) else ["gearhead.radial_load_distance"]
     if word == "DERATING":
         return ["motor.max_winding_temperature"]
     if word == "PULL_OUT":

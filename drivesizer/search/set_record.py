@@ -28,6 +28,7 @@ from drivesizer.search import ranking
 from drivesizer.search.both_methods import compared
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.columns.gearheads_worn import life_of_gearheads
+from drivesizer.search.columns.shaft_loads import shaft_loads
 from drivesizer.search.estimated import decided, estimated
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import smallest_margin
@@ -198,6 +199,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         return stepper_figures(evaluation.problem, parts, values)
     found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
     found += [*_held(evaluation, parts), *_gearhead_life(evaluation, index, parts.gearhead)]
+    found += _on_the_shaft(evaluation, parts)
     motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
     if controller is None:
         return tuple(found)
@@ -232,6 +234,20 @@ def _held(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
         Figure(name=name, title=title, value=float(value), kind="temperature", unit="degC")
         for (name, title), value in zip(_HELD.items(), ends, strict=True)
     ]
+
+
+def _on_the_shaft(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
+    """Equivalent mean loads of the output shaft in the first load case; none where the spec has none."""
+    case = evaluation.problem.cases[0]
+    loads = shaft_loads(case.spec, case.at_belt.behind(parts.belt_ratio), parts.belt_drive)
+    if loads is None or case.spec.shaft is None or loads.least:
+        return []
+    radial, axial, _ = (float(mean) for mean in loads.means)
+    return [
+        Figure(name=f"shaft_mean_{name}_load", title=f"Output shaft, equivalent mean {name} load", value=value,
+               kind="force", unit="N")
+        for name, value in (("radial", radial), ("axial", axial)) if value > 0.0
+    ]  # fmt: skip
 
 
 _LIVES = {

@@ -41,6 +41,7 @@ from drivesizer.spec.sections import (
     TitleBlock,
 )
 from drivesizer.spec.select import Select
+from drivesizer.spec.shaft import Shaft
 from drivesizer.spec.tolerance_text import Toleranced, taken
 from drivesizer.spec.tolerances import Tolerances
 from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, GearStage, Stage
@@ -49,6 +50,7 @@ __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
 
 
 AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
+_OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw", "ball_screw")
 _VARIED = ("load", "motion", "supply", "environment", "platform")
 
 
@@ -68,6 +70,7 @@ class RobotSpec(Section):
     margins: Margins = Field(default_factory=Margins)
     supply: Supply
     power_stage: PowerStage = Field(default_factory=PowerStage)
+    shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
     environment: Environment = Field(default_factory=Environment)
     needs: Needs = Field(default_factory=Needs)
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
@@ -172,6 +175,24 @@ class RobotSpec(Section):
             raise ValueError("load.driven_share: each wheel's share follows from the platform; leave it out")
         if not sum(payload.mass for payload in self.platform.payloads) < self.load.mass:
             raise ValueError("platform: expected payloads that leave some of load.mass, which includes them")
+        return self
+
+    @model_validator(mode="after")
+    def _overhung(self) -> RobotSpec:
+        shaft, stages, needs = self.shaft, self.transmission, self.needs
+        if shaft is None:
+            return self
+        carries = shaft.carries_load
+        if carries and len(stages) > 1:
+            raise ValueError(f"shaft.carries_load: the {stages[1].kind} is on this shaft, not the load; leave it out")
+        if carries and self.load.kind not in _OVERHUNG:
+            raise ValueError(
+                f"shaft.carries_load: a {self.load.kind} has no known force on its shaft; expected needs.radial_load"
+            )
+        if carries and self.platform is not None and shaft.wheel_load is None:
+            raise ValueError("shaft: expected wheel_load, for loads on the wheels of a platform differ")
+        if not carries and len(stages) == 1 and needs.radial_load is needs.axial_load is needs.tilting_moment is None:
+            raise ValueError("shaft: nothing acts on it; expected carries_load, a belt or gear, or needs.radial_load")
         return self
 
     @model_validator(mode="after")

@@ -28,6 +28,7 @@ from drivesizer.files.fields import (
     Section,
     Share,
     Temperature,
+    Torque,
     TorqueAbove,
     Turning,
     Voltage,
@@ -137,7 +138,12 @@ class Needs(Section):
         default=None, description="at the load's shaft, in an emergency stop or a collision"
     )
     radial_load: Force | None = Field(
-        default=None, description="on the gearhead's shaft, or the motor's without one, such as a belt's pull"
+        default=None,
+        description="on the gearhead's shaft, or the motor's without one; added to the load of section shaft",
+    )
+    axial_load: Force | None = Field(default=None, description="on the same shaft, added to that of section shaft")
+    tilting_moment: Torque | None = Field(
+        default=None, description="on the gearhead's output, beside that of the radial load at its distance"
     )
     diameter: Length | None = Field(default=None, description="of motor and gearhead, at most")
     length: Length | None = Field(default=None, description="of motor and gearhead together, at most")

@@ -110,8 +110,17 @@ class GearStage(Section):
     wheel_inertia: Inertia = default("0 kg*m^2", description="of what turns with its output shaft: wheel or sprocket")
     pinion_friction: Torque = default("0 N*m", description="of bearings and seals of the input shaft, at any load")
     wheel_friction: Torque = default("0 N*m", description="of bearings and seals of the output shaft, at any load")
+    pinion_diameter: Length | None = Field(
+        default=None, description="pitch circle of pinion or sprocket, for its force on the shaft; bevels: the mean one"
+    )
     backlash: Angle | None = Field(default=None, description="at its output shaft; unknown where not given")
     mass: Mass | None = Field(default=None, description="of the whole stage; unknown where not given")
+
+    @model_validator(mode="after")
+    def _forces(self) -> GearStage:
+        if self.kind == "worm" and self.pinion_diameter is not None:
+            raise ValueError("forces of a worm are not computed; leave pinion_diameter out, see needs.radial_load")
+        return self
 
     def fixed_gear(self, behind: float = 1.0) -> FixedGear:
         """Its figures, with inertia and friction as seen where a belt of a ratio is behind it."""

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import DIRECT, lines
+from drivesizer.catalog import lines
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
@@ -26,6 +26,8 @@ from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at
 from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit, nominal_torque_limit
 from drivesizer.search.columns.encoders import angle_per_edge
 from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_limits
+from drivesizer.search.columns.shaft_limits import loads_on_gearheads
+from drivesizer.search.columns.shaft_loads import THRUST
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import BeltStage
 
@@ -38,7 +40,6 @@ __all__ = [
     "motor_limits",
     "moving_limits",
     "own_limit",
-    "shaft_limits",
     "size_limits",
     "unpowered_limits",
 ]
@@ -82,8 +83,10 @@ def own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn | None:
     Returns
     -------
     CheckColumn or None
-        A column of one figure; None of a life where none is required.
+        A column of one figure; None of a life where none is required, and of a screw's thrust on its bearing.
     """
+    if own.name == THRUST:
+        return None
     if own.name == _LIFE:
         return None if spec.needs.life is None else at_most(own.name, spec.needs.life, own.limit)
     needed = spec.margins.speed if own.name in _OF_SPEED else spec.margins.torque
@@ -131,7 +134,9 @@ def lost_at_load(spec: RobotSpec, backlash: Array, belt: Array) -> Array:
     return lost / spec.gear.ratio + own / (belt if spec.gear_before_belt else 1.0)
 
 
-def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[CheckColumn]:
+def gearhead_limits(
+    spec: RobotSpec, cycle: AtGearhead, gearhead: Any, drive: BeltDrive | None = None
+) -> list[CheckColumn]:
     """Limits of the gearhead, whatever motor drives it.
 
     Parameters
@@ -142,6 +147,8 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[C
         The load cycle at the gearhead's output.
     gearhead
         Columns over candidates by field name.
+    drive
+        Belt and pulleys of its ratio, where they are out of the catalogues.
 
     Returns
     -------
@@ -171,10 +178,7 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[C
         found += shock_limits(spec, needs.shock_torque, cycle, gearhead)
     if needs.life is not None:
         found.append(at_most("gearhead_life", needs.life, life_of_gearheads(cycle, gearhead)))
-    if needs.radial_load is not None:
-        load = at_most("gearhead_radial_load", needs.radial_load, gearhead["max_radial_load"], **torque)
-        found.append(load)
-    return found
+    return found + loads_on_gearheads(spec, cycle, drive, gearhead)
 
 
 def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
@@ -225,28 +229,6 @@ def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]
     if needs.diameter:
         sums["diameter"] = np.maximum(motor["diameter"], gearhead["diameter"])
     return [at_most(name, value, getattr(needs, name)) for name, value in sums.items()]
-
-
-def shaft_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
-    """Radial load on the motor's shaft, where no gearhead is between it and the load.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    motor, gearhead
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    list[CheckColumn]
-        One column or none.
-    """
-    if spec.needs.radial_load is None:
-        return []
-    limit = np.where(gearhead["kind"] == DIRECT, motor["max_radial_load"], np.inf)
-    needed = spec.margins.torque
-    return [at_most("motor_radial_load", spec.needs.radial_load, limit, needed=needed)]
 
 
 def moving_limits(

@@ -27,12 +27,12 @@ from drivesizer.search.columns.limits import (
     gearhead_limits,
     load_limits,
     moving_limits,
-    shaft_limits,
     size_limits,
     unpowered_limits,
 )
 from drivesizer.search.columns.offers import Offers, offers, unknown_where_doubtful, worst_of_all
 from drivesizer.search.columns.powered import Moving, Powered, powered
+from drivesizer.search.columns.shaft_limits import loads_on_motors
 from drivesizer.search.columns.steppers import Frictionless, stepped
 from drivesizer.search.columns.survivors import Alone, Sieve
 
@@ -133,7 +133,9 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
     motor = Rows(catalog.motors, sets.motor[sieve.rows])
     gearhead = Rows(catalog.gearheads, sets.gearhead[sieve.rows])
     listed = fits("compatibility", True, sets.listed[sieve.rows])
-    beside = [*size_limits(spec, motor, gearhead), *shaft_limits(spec, motor, gearhead)]
+    drive, specs = problem.belt_drive(belt), [case.spec for case in problem.cases]
+    on_shaft = worst_of_all(problem, lambda k: loads_on_motors(specs[k], cycles[k], drive, motor, gearhead))
+    beside = [*size_limits(spec, motor, gearhead), *on_shaft]
     keep = sieve.through([listed, *beside])
     motor, gearhead = motor.on(keep), gearhead.on(keep)
     encoder = encoders_of(problem, offered, cycles, motor.rows, gearhead["ratio"])
@@ -194,7 +196,7 @@ def _alone(problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], stag
     drive = problem.belt_drive(cycles[0].belt)
     return Alone(
         worst_of_all(problem, lambda k: load_limits(specs[k], cycles[k], drive)),
-        worst_of_all(problem, lambda k: gearhead_limits(specs[k], cycles[k], catalog.gearheads)),
+        worst_of_all(problem, lambda k: gearhead_limits(specs[k], cycles[k], catalog.gearheads, drive)),
         [*offered.motor_limits, *counted],
     )
 

@@ -32,6 +32,7 @@ from drivesizer.search.columns.limits import (
 )
 from drivesizer.search.columns.limits_over_time import Pair, least, waveform_limits
 from drivesizer.search.columns.offers import unknown_where_doubtful
+from drivesizer.search.columns.shaft_limits import loads_on_motors
 from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, battery_limits
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
@@ -254,7 +255,8 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
         checks, draw = _of_a_case(spec, ats[one.belt], parts, one, factors, energies=bool(block.feeds))
-        checks = [*load_limits(spec, ats[one.belt], block.belts[one.belt]), *checks]
+        at, drive = ats[one.belt], block.belts[one.belt]
+        checks = [*load_limits(spec, at, drive), *checks, *_on_shaft(spec, at, drive, parts)]
         draws.append(draw)
         for check in checks:
             by_name.setdefault(check.name, []).append((number, check))
@@ -264,6 +266,12 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together):
             by_name.setdefault(check.name, []).append((first, check))
     return {name: worst_case(same) for name, same in by_name.items()}
+
+
+def _on_shaft(spec: Any, at: AtSamples, drive: BeltDrive | None, parts: Parts) -> list[CheckColumn]:
+    """Limits of the gearhead, and of the motor's shaft where the spec has a section of it."""
+    found = gearhead_limits(spec, at, parts.gearhead, drive)
+    return [*found, *loads_on_motors(spec, at, drive, parts.motor, parts.gearhead)] if spec.shaft else found
 
 
 class Loaded(NamedTuple):
@@ -311,7 +319,6 @@ def _of_a_case(
     sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies
     drawn = found[0].agreed(found[1])
     return [
-        *gearhead_limits(spec, at, parts.gearhead),
         *motor_limits(spec, parts.motor),
         *unknown_where_doubtful(electrical, required.complete),
         _controller_fits(spec, parts.controller, one),

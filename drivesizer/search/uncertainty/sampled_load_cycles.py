@@ -111,7 +111,7 @@ def _shapes(make: Make, like: LoadCycle, nominal: Array, k: int, ends: tuple[flo
         moved = nominal.copy()
         moved[k] = end
         found = make(moved)
-        if len(found.duration) != len(like.duration) or not np.array_equal(_flat(found), _flat(like)):
+        if len(found.duration) != len(like.duration) or not np.array_equal(_flat(found), _flat(like), equal_nan=True):
             return True
     return False
 
