@@ -29,7 +29,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import registry, show
 
 NAMES = ["Summary", "Parts list", "Checks", "Machine", "Battery", "Closed loop", "Time series", "Candidates",
-         "Requirements", "The motor piece by piece", "Spec", "Selected drive", "About"]  # fmt: skip
+         "Requirements", "Pieces", "Spec", "Selected drive", "About"]  # fmt: skip
 FORMULAS = ("=1+1", "+1", "-1+1", "@SUM(A1)", '=HYPERLINK("http://x")', "http://example.org/a", "{=1}", "\t=1", "＝1")
 
 
