@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view.stepper_view import STEPPER, view_for
 from drivesizer.errors import DrivesizerError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.search.ranking import objective_of, title_of
@@ -37,9 +37,9 @@ def _source(name: str, text: str) -> YamlSource:
 
 
 @lru_cache(maxsize=8)
-def _catalog(names: tuple[str, ...], beside: str, estimates: bool) -> Catalog:
+def _catalog(names: tuple[str, ...], beside: str, kind: str | None, estimates: bool) -> Catalog:
     """Catalogues for the search, loaded once in a process."""
-    return search_view(load(names, beside=Path(beside)), estimates)
+    return view_for(load(names, beside=Path(beside)), kind, estimates)
 
 
 def spec_of(job: Job, variant: Variant) -> RobotSpec:
@@ -73,7 +73,8 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
 
 def parts_for(spec: RobotSpec) -> Catalog:
     """The catalogues that a spec names."""
-    return _catalog(tuple(spec.select.catalogs), str(Path(spec.file).parent), spec.select.estimates == "on")
+    kind = STEPPER if spec.steps else None
+    return _catalog(tuple(spec.select.catalogs), str(Path(spec.file).parent), kind, spec.select.estimates == "on")
 
 
 def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part:

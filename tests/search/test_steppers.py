@@ -260,6 +260,19 @@ def test_energy_of_a_cycle_is_all_accounted_for(path: Path) -> None:
     assert flow.copper == pytest.approx(2 * drive.motor.nominal_current**2 * drive.motor.resistance * 1.1)
 
 
+def test_what_is_returned_stays_on_the_bus(path: Path) -> None:
+    """A flywheel that stops faster than the windings take it: all of it in 10 mF, 24 V to sqrt(24^2 + 2 E / C)."""
+    given = {"load": {"inertia": "7e-4 kg*m^2"}, "motion": {"speed": "600 rpm"}, "margins": {"pull_out": 1},
+             "select": {"motor": {"kind": "stepper", "part": "A2"}}}  # fmt: skip
+    open_ = check(sized(path, **given).sets[0], "bus_voltage")
+    assert (open_.status, "supply.capacitance" in open_.note) == ("unknown", True)
+    found = sized(path, **given, supply={"capacitance": "10 mF"}).sets[0]
+    energy = next(figure.value for figure in found.figures if figure.name == "returned")
+    assert energy > 0.1
+    assert check(found, "bus_voltage").demand == pytest.approx(math.sqrt(24.0**2 + 2 * energy / 0.01))
+    assert check(sized(path, **given, supply={"accepts": "all"}).sets[0], "bus_voltage").status == "pass"
+
+
 def test_no_closed_loop_of_a_stepper(path: Path) -> None:
     found = sized(path)
     with pytest.raises(NoLoopError, match="motor A1 is a stepper, which runs open-loop: its lost steps are not sim"):

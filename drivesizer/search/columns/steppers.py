@@ -18,6 +18,7 @@ from drivesizer.catalog.view.stepper_view import STEPPER
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
 from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.stepper.pull_out import amplitude, pull_out_torque, rescaled_torque
 from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
@@ -39,7 +40,7 @@ _APART = np.sqrt(2.0)  # of step rate and natural frequency, either way
 _RATIO = 10.0  # load's inertia over the motor's, that makers advise not to exceed
 _RESONANT = "steady step rate and natural frequency, at least this ratio apart: near it rotors swing: informational"
 _HEAVY = "makers advise 10 at most with a ramp: informational"
-_KEPT = "unknown: where it goes: give supply.accepts: all of a battery or a brake resistor"
+_KEPT = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
 
 
 class Frictionless:
@@ -312,8 +313,9 @@ def _supply_limits(spec: RobotSpec, draw: _Draw, parts: Parts, problem: Problem)
     """The supply's voltage against the motor's, its current and power, and the bus where energy is regenerated."""
     supply, torque, power = spec.supply, spec.margins.torque, draw.power * spec.load.motors
     printed = problem.catalog.steppers["supply_max"][parts.motor[STEPPER]]
-    none = draw.returned == 0.0
-    bus = np.where(none | spec.accepts_all, supply.highest, np.nan)
+    none, stays = draw.returned == 0.0, (1.0 - supply.regeneration) * draw.returned * spec.load.motors
+    raised = np.nan if supply.capacitance is None else bus_voltage(supply.highest, stays, supply.capacitance)
+    bus = np.where(none | spec.accepts_all, supply.highest, raised)  # as if all of a cycle came at once
     found = [
         at_most("supply_voltage", supply.highest, np.where(np.isnan(printed), np.inf, printed)),
         at_most("bus_voltage", bus, np.where(none, np.inf, parts.controller["supply_max"]), undecided=_KEPT),
