@@ -307,6 +307,7 @@ def _unrestricted(problem: Problem, objective: Ranking) -> DriveSet | None:
         "gearhead": Choice(),
         "encoder": EncoderChoice(min_counts=select.encoder.min_counts),
         "controller": ControllerChoice(bus=select.controller.bus),
+        "brake": Choice(),
     }
     return best_in_machine(problem.with_sections(select=select.model_copy(update=free)), objective)
 

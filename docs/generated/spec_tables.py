@@ -32,6 +32,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "inertia": {"Solid": ""},
     "supply": {"Supply": ""},
     "power_stage": {"PowerStage": ""},
+    "brake": {"OwnBrake": ""},
     "battery": {
         "Battery": "", "Run": "Each line of `discharge`", "OpenCircuit": "`open_circuit`",
         "Polarisation": "`polarisation`",
@@ -42,7 +43,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "needs": {"Needs": ""},
     "shaft": {"Shaft": ""},
     "select": {
-        "Select": "", "MotorChoice": "`motor`", "Choice": "`gearhead`", "EncoderChoice": "`encoder`",
+        "Select": "", "MotorChoice": "`motor`", "Choice": "`gearhead` and `brake`", "EncoderChoice": "`encoder`",
         "ControllerChoice": "`controller`", "Weighted": "Each of several objectives",
     },
     "tolerances": {

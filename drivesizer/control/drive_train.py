@@ -171,6 +171,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
     said = list(unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
     motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
+    brake = _known(drive_set.brake_inertia, "inertia of the brake", said)
     gear_efficiency, idle = gear_loss(asdict(gearhead))
     coulomb, viscous = (float(x) for x in friction(asdict(motor)))
     train = DriveTrain(
@@ -182,7 +183,8 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
         viscous=_known(viscous, "viscous friction of the motor", said),
         motor_inertia=motor.rotor_inertia
         + _known(gearhead.inertia, "inertia of the gearhead", said)
-        + _known(encoder, "inertia of the encoder", said),
+        + _known(encoder, "inertia of the encoder", said)
+        + brake,
         gear_ratio=gearhead.ratio,
         gear_efficiency=float(gear_efficiency),
         belt_ratio=drive_set.belt_ratio,

@@ -18,9 +18,9 @@ from drivesizer.units import KINDS, label, noun, to_si
 
 __all__ = [
     "Acceleration", "Allowance", "Angle", "Area", "Axis", "BackEfficiency", "Bearing", "Capacitance", "Coefficient",
-    "Consumed", "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Exponent", "Factor", "Force",
-    "Frequency", "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place", "Power",
-    "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque",
+    "Consumed", "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Energy", "Exponent", "Factor",
+    "Force", "Frequency", "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place",
+    "Power", "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque",
     "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature", "Thickness", "Torque", "TorqueAbove", "Turning",
     "Velocity", "Voltage", "default", "exactly_one",
 ]  # fmt: skip
@@ -108,6 +108,7 @@ Drop = Annotated[float, Quantity("voltage", least=0.0)]
 Current = Annotated[float, Quantity("current", above=0.0)]
 Power = Annotated[float, Quantity("power", above=0.0)]
 Consumed = Annotated[float, Quantity("power", least=0.0)]
+Energy = Annotated[float, Quantity("energy", above=0.0)]
 Resistance = Annotated[float, Quantity("resistance", above=0.0)]
 Capacitance = Annotated[float, Quantity("capacitance", above=0.0)]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]

@@ -9,11 +9,13 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from math import nan
 
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import beside
+from drivesizer.load_cases.held import held_positions
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Course, Profile, course
@@ -47,7 +49,10 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with, or a recording is wrong.
     """
-    return at_driven_shaft(spec, _of_the_load(spec, profile))
+    cycle = _of_the_load(spec, profile)
+    if spec.wants_brake:
+        cycle = replace(cycle, held=_held(spec, profile))
+    return at_driven_shaft(spec, cycle)
 
 
 def at_driven_shaft(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
@@ -97,6 +102,14 @@ def _belt_limits(belt: BeltStage, cycle: LoadCycle) -> Iterator[OwnLimit]:
         yield OwnLimit("belt_tension", pull, belt.max_tension)
     if belt.max_speed is not None:
         yield OwnLimit("belt_speed", float(np.abs(cycle.speed).max()) * belt.pulley_diameter / 2, belt.max_speed)
+
+
+def _held(spec: RobotSpec, profile: Profile | None) -> float:
+    """Largest torque that holds the load at rest anywhere on its path [N*m]; NaN of a recording."""
+    if isinstance(spec.load, Recorded):
+        return nan
+    resting = held_positions(spec.load.lever, course(profile or profile_of(spec)))
+    return float(np.abs(of_course(spec, resting).torque).max())
 
 
 def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:

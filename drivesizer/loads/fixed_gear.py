@@ -65,6 +65,7 @@ def through_gear(cycle: LoadCycle, gear: FixedGear) -> LoadCycle:
     return replace(
         at_wheel, speed=at_wheel.speed * i, acceleration=acceleration, torque=torque, radius=cycle.radius / i,
         inertia=gear.pinion_inertia + (cycle.inertia + gear.wheel_inertia) / i**2,
+        held=cycle.held * at_rest / i,
         own=tuple(one._replace(turning=np.nan) for one in cycle.own),  # its demand is no longer of this torque
     ).split()  # fmt: skip
 

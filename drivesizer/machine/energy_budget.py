@@ -121,13 +121,16 @@ def _of_the_drive(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> 
     share, sets = spec.supply.regeneration, spec.load.motors
     mean = {name: drive.mean(getattr(drive, name)) for name in _MEANS}
     drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
-    lost = mean["drawn"] - mean["resisted"] - drawn + returned - share * mean["returned"]
+    released = sets * drive_set.released_power
+    lost = mean["drawn"] - mean["resisted"] - drawn + returned - share * mean["returned"] - released
     assumed = bool(spec.feed_of(drive_set.controller).stage.assumed)
-    found = (
+    found: tuple[Consumption, ...] = (
         Consumption("drive", sets, drawn, peak, nan, False),
         Consumption("regenerated energy", sets, -returned, 0.0, nan, False),
         Consumption("losses of the controllers", sets, lost, 0.0, nan, assumed),
     )
+    if released:
+        found += (Consumption("brakes, released", sets, released, 0.0, nan, False),)
     cables = Consumption("resistance of the supply", 1, mean["resisted"], 0.0, nan, False)
     return found if spec.supply.resistance is None else (*found, cables)
 

@@ -1,7 +1,7 @@
 r"""Flow of the energy of a cycle: from the supply through winding, motor, gearhead and belt to the load, and back.
 
 .. math:: E_{drawn} = E_{load} + E_{belt} + E_{gearhead} + E_{friction} + E_{copper} + E_{rotor}
-        + E_{controller} + E_{supply} + E_{returned}
+        + E_{controller} + E_{brake} + E_{supply} + E_{returned}
 
 Each is the integral of a product of straight lines, exact; those at the motor's shaft are a coefficient of the drive
 model times a moment of its functions (see ``physics``). Where the makers' k_e and k_t differ, so do the electrical and
@@ -41,6 +41,7 @@ class EnergyFlow(NamedTuple):
     rotor: float  # what turns with the motor holds more of at the end than at the start
     returned: float  # to the supply, at the input of the controllers
     stored: float  # what the supply keeps of that
+    brake: float = 0.0  # that keeps it released
 
     @property
     def known(self) -> bool:
@@ -88,7 +89,8 @@ def _at_the_supply(found: SetCycle) -> dict[str, float]:
     return {
         "drawn": float(sums.drawn[0]) / total + standby + heat,
         "supply": heat,
-        "controller": lost + standby,
+        "controller": lost + standby - found.released,
+        "brake": found.released,
         "returned": returned,
         "stored": returned * found.spec.supply.regeneration,
         "copper": found.copper,

@@ -25,7 +25,7 @@ __all__ = ["BELT", "MassBudget", "Settled", "Sized", "Step", "drive_rows", "mass
 Sized = Callable[[float], tuple[float, Hashable] | None]  # mass of the whole [kg] to mass of the drive and its name
 _GRAM = 1e-3  # kg
 _SECTIONS = {"motor": "motors", "gearhead": "gearheads", "encoder": "encoders", "controller": "controllers",
-             "actuator": "actuators"}  # fmt: skip
+             "actuator": "actuators", "brake": "brakes"}  # fmt: skip
 BELT = (0.15, (0.05, 0.45))  # kg, of belt and two pulleys of a ratio alone: assumed, a factor of 3 either way
 _HEAVIEST = 1e6  # kg, beyond which masses run away
 

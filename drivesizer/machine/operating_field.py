@@ -84,7 +84,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     """
     motor, gearhead, encoder = (OneRow(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
-    demand = _as_far_as_known(demands(cycle, motor, gearhead, encoder), motor)
+    demand = _as_far_as_known(demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia), motor)
     cycle_speed, cycle_torque = _cycle(cycle, demand)
     rms_speed, rms_torque = _rms(cycle, demand, drive_set)
     return OperatingField(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.view.own_brake import with_own_brake
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.machine.pulleys import belt_drives
@@ -40,6 +41,8 @@ def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
         When no pulleys, no belt or no ratio fits, a trajectory or a recording is wrong, or a load cycle's figures leave
         the range of numbers that can be computed with.
     """
+    if machine.brake:
+        catalog = with_own_brake(catalog, machine.brake.figures)
     belts, quickest = belt_drives(machine, catalog), quickest_winding(catalog)
     cases = tuple(
         LoadCase(name=name, number=number, spec=spec, at_belt=_at_belt(spec, quickest))

@@ -44,6 +44,7 @@ class SetCycle(NamedTuple):
     stress: Stress
     flows: Wave  # current, and the voltage that the motion induces, over the pieces that a winding feels
     course: WindingCourse  # how warm the winding is over these
+    released: float = 0.0  # W, that keeps its brake released
 
     @property
     def known(self) -> bool:
@@ -102,7 +103,7 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
     cycle, demand = turned(spec, drive_set, base)
     heating = heat(spec.environment.ambient, cycle, demand, motor)
     flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
-    feed = spec.feed_of(drive_set.controller)
+    feed = spec.feed_of(drive_set.controller, drive_set.brake)
     return SetCycle(
         spec,
         feed,
@@ -114,6 +115,7 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
         stress(spec.environment.ambient, cycle, demand, motor, feed.leads),
         flows,
         course,
+        drive_set.released_power,
     )
 
 
@@ -137,7 +139,7 @@ def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[At
     if base is None:  # cut as the search cut it
         base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
     cycle = base.behind(drive_set.belt_ratio)
-    return cycle, demands(cycle, motor, gearhead, encoder)
+    return cycle, demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia)
 
 
 def waveform(found: SetCycle, *, mean: bool = False) -> Wave:

@@ -332,6 +332,7 @@ _SAID: dict[str, Callable[[Any], str]] = {
     "belt": lambda part: f"{_toothed(part)}, {show(part.width, 'mm', 'length')} wide",
     "driven pulley": _pulley,
     "screw": lambda part: f"{part.kind} screw",
+    "brake": _figures_of("static_torque", "supply"),
     "encoder": lambda part: part.resolution,
     "controller": lambda part: part.buses.replace(";", ","),
     "actuator": _figures_of("nominal_voltage", "nominal_torque"),

@@ -41,7 +41,7 @@ class Scalars(NamedTuple):
 
     rms_torque: Figure  # N*m, while running; of a cycle that never runs over all of it
     peak_torque: Figure  # N*m
-    torque_at_rest: Figure  # N*m, largest while at rest; NaN of a cycle that never rests
+    held: Figure  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
     load_torque: Figure  # N*m, largest at the load
     peak_speed: Figure  # rad/s
     mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
@@ -129,7 +129,7 @@ class AtGearhead:
         by_pairs = np.outer(self.scale, self.scale).reshape(6, 6, *[1] * (base.moments.ndim - 2))
         self.moments = base.moments * by_pairs  # means of products over the cycle
         self.rms_torque, self.peak_torque = one.rms_torque / ratio, one.peak_torque / ratio
-        self.torque_at_rest = one.torque_at_rest / ratio
+        self.held = one.held / ratio
         self.peak_speed, self.mean_speed = one.peak_speed * ratio, one.mean_speed * ratio
         self.sustained_speed = one.sustained_speed * ratio
         self.mean_power, self.peak_power = one.mean_power, one.peak_power
@@ -281,7 +281,7 @@ def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleA
     acts = np.array([function.any() for function in six])
     return CycleAtBelt(
         cycle, np.stack(six, axis=2 if one else 0), acts, _moments(duration, total, six, acts),
-        _scalars(cycle, torque, running[:, 0]), quickest,
+        _scalars(cycle, torque, running[:, 0], efficiency), quickest,
     )  # fmt: skip
 
 
@@ -320,7 +320,7 @@ def _moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[
     return found
 
 
-def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_]) -> Scalars:
+def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_], efficiency: Figure) -> Scalars:
     """Single figures of cycles; of one from the segments in which it runs, of several with the others as of no time."""
     duration, speed, alone = cycle.duration, cycle.speed, running.ndim == 1
     held = running | ~running.any(axis=0)  # a cycle that never runs loads gears at rest
@@ -332,7 +332,7 @@ def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_]) -> Scalars:
     found = Scalars(
         rms_torque=rms(time, torque[some]),
         peak_torque=np.abs(torque).max(axis=(0, 1)),
-        torque_at_rest=np.where(at_rest >= 0.0, at_rest, np.nan),
+        held=efficiency * np.where(np.isnan(cycle.held), np.where(at_rest >= 0.0, at_rest, np.nan), cycle.held),
         load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
         peak_speed=np.abs(speed).max(axis=(0, 1)),
         **lasting_speeds(duration, speed),

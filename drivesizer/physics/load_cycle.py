@@ -52,6 +52,7 @@ class LoadCycle:
     inertia: float = nan  # kg*m^2, of all that moves with the shaft, seen at it
     own: tuple[OwnLimit, ...] = ()
     radius: float = 1.0  # m, travel of the load per angle of the shaft; 1 where it turns with the shaft
+    held: float = nan  # N*m, largest torque that holds it at rest on its path; NaN not looked at
 
     def __post_init__(self) -> None:
         shape = (len(self.duration), 2)

@@ -53,7 +53,7 @@ class Demands(NamedTuple):
         return found
 
 
-def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
+def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any, braking: Any = 0.0) -> Demands:
     r"""Torque and current of every candidate's motor.
 
     .. math:: \tau = \frac{T}{i e} \text{ or } \frac{T e}{i} + (J_m + J_g + J_e) i a + (k_t I_0 + T_0)\, \mathrm{sgn} w
@@ -67,6 +67,8 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
         friction of the motor are left out where more of them could only increase the RMS torque, and the demands are
         then lower bounds; else they are unknown. A figure whose function is 0 over the whole cycle has no effect
         and need not be known. The inertia of an encoder, thousands of times smaller than the load's, is left out.
+    braking
+        Inertia of a brake as the motor's shaft feels it [kg*m^2]; as a rotor's where it is unknown.
 
     Returns
     -------
@@ -82,7 +84,7 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     coulomb, viscous = friction(motor)
     c = np.empty((len(i), 6))
     left_out = np.zeros(c.shape, np.bool_)
-    unknown = {ACCELERATION: gearhead["inertia"] + motor["rotor_inertia"], DIRECTION: coulomb, SPEED: viscous}
+    unknown = {ACCELERATION: gearhead["inertia"] + motor["rotor_inertia"] + braking, DIRECTION: coulomb, SPEED: viscous}
     for place, figure in unknown.items():
         left_out[:, place] = np.isnan(figure) & at.acts[place]
     c[:, DRIVING] = 1 / (i * e)
@@ -90,6 +92,8 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any) -> Demands:
     c[:, AT_REST] = 1 / i
     c[:, ACCELERATION] = sum(np.nan_to_num(part["inertia"]) for part in (gearhead, encoder)) * i
     c[:, ACCELERATION] += np.nan_to_num(motor["rotor_inertia"]) * i
+    if np.any(braking != 0.0):  # NaN too: then it is left out
+        c[:, ACCELERATION] += np.nan_to_num(braking) * i
     c[:, DIRECTION] = np.nan_to_num(coulomb) + idle
     c[:, SPEED] = np.nan_to_num(viscous) * i
     for place in np.flatnonzero(~at.acts).tolist():

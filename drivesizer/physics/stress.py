@@ -26,6 +26,7 @@ class Parts(NamedTuple):
     gearhead: Any
     encoder: Any
     controller: Any
+    brake: Any = None  # None where no drive has one
 
     def on(self, rows: Any) -> Parts:
         """The parts of some of the candidates: by a mask, numbers or a slice."""

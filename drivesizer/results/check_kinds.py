@@ -41,6 +41,7 @@ _WATT, _CELSIUS, _SHARE, _GAIN = (
 
 _RATIO, _ROTOR = ("gearhead.ratio",), ("motor.rotor_inertia",)
 _INERTIA = (*_RATIO, "gearhead.inertia", *_ROTOR)
+_BRAKING = ("brake.inertia", "brake.static_torque", "brake.dynamic_torque", "brake.engage_time")
 _HOT = (  # the winding at its mean temperature
     "CURRENT", "motor.resistance", "motor.thermal_resistance_winding", "motor.thermal_resistance_housing", "HOUSING",
 )  # fmt: skip
@@ -124,7 +125,24 @@ _PHYSICS = {
     ),
     "inertia_ratio": CheckKind("Inertia ratio, load to motor", rests_on=_INERTIA, on_inertia=True),
     "first_resonance": CheckKind("First resonance", "frequency", "Hz", _INERTIA, on_inertia=True),
-    "holding": CheckKind("Holding without power", *_MNM, (*_RATIO, "gearhead.efficiency")),
+    "brake_fits": CheckKind("Brake fits the motor", rests_on=("brake.part",)),
+    "holding": CheckKind(
+        "Holding without power", *_MNM, (*_RATIO, "gearhead.efficiency", "brake.static_torque")
+    ),
+    "gearhead_holding": CheckKind("Gearhead torque held at rest", *_NM, ("gearhead.intermittent_torque",)),
+    "brake_speed": CheckKind("Brake speed", *_SPEED, (*_RATIO, "brake.max_speed")),
+    "brake_stop_energy": CheckKind(
+        "Emergency stop, energy in the brake", "energy", "J",
+        (*_INERTIA, *_BRAKING, "brake.energy_per_stop"), on_inertia=True,
+    ),
+    "brake_stops": CheckKind(
+        "Emergency stops in the brake's life",
+        rests_on=(*_INERTIA, *_BRAKING, "brake.total_energy", "brake.emergency_stops"), on_inertia=True,
+    ),
+    "gearhead_stop_torque": CheckKind(
+        "Gearhead torque of an emergency stop", *_NM,
+        (*_INERTIA, *_BRAKING, "gearhead.emergency_torque", "gearhead.intermittent_torque"), on_inertia=True,
+    ),
     "controller_available": CheckKind("Controller for bus, voltage and motor", rests_on=_SUPPLIES),
     "supply_voltage": CheckKind(
         "Motor voltage, cold and hot", *_VOLTS, (*_DRAWN, "controller.max_duty", "controller.voltage_drop"),
@@ -165,9 +183,13 @@ _PHYSICS = {
     "screw_dn": CheckKind("Screw DN value, mm rpm"),
     "screw_life": CheckKind("Screw nominal life", "time", "h"),
     "diameter": CheckKind("Diameter of motor and gearhead", *_MM, ("motor.diameter", "gearhead.diameter")),
-    "length": CheckKind("Length of motor and gearhead", *_MM, ("motor.length", "gearhead.length")),
-    "mass": CheckKind("Mass of motor and gearhead", "mass", "g", ("motor.mass", "gearhead.mass")),
-    "price": CheckKind("Price of motor and gearhead", "price", "EUR", ("motor.price", "gearhead.price")),
+    "length": CheckKind(
+        "Length of motor and gearhead", *_MM, ("motor.length", "gearhead.length", "brake.added_length")
+    ),
+    "mass": CheckKind("Mass of motor and gearhead", "mass", "g", ("motor.mass", "gearhead.mass", "brake.mass")),
+    "price": CheckKind(
+        "Price of motor and gearhead", "price", "EUR", ("motor.price", "gearhead.price", "brake.price")
+    ),
 }  # fmt: skip
 
 _PAPER = {

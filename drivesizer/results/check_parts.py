@@ -10,7 +10,8 @@ __all__ = ["PARTS", "by_part", "part_of"]
 
 _OF_PART = (  # part, and how the names of its checks begin
     ("Motor", ("motor_", "winding_", "hottest_", "speed_constant", "pull_out_", "start_", "step_")),
-    ("Gearhead", ("gearhead_", "backlash_", "largest_reduction", "holding")),
+    ("Gearhead", ("gearhead_", "backlash_", "largest_reduction")),
+    ("Brake", ("brake_", "holding")),
     ("Belt", ("belt_",)),
     ("Screw", ("screw_",)),
     ("Encoder", ("encoder_",)),

@@ -1,13 +1,14 @@
-"""A drive: motor, gearhead, belt, encoder and controller, with its checks, figures and changes."""
+"""A drive: motor, gearhead, belt, brake, encoder and controller, with its checks, figures and changes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import inf, nan
 from typing import Any
 
-from drivesizer.catalog import DIRECT, PARTS, Actuator, Controller, Encoder, Gearhead, Motor
+from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.physics.elements.braking import released_power
 from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.estimated import EstimatedFigure
@@ -48,7 +49,7 @@ class Relaxation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveParts:
-    """Motor, gearhead, belt, encoder and controller that belong together."""
+    """Motor, gearhead, belt, brake, encoder and controller that belong together."""
 
     motor: Motor
     gearhead: Gearhead
@@ -58,6 +59,7 @@ class DriveParts:
     belt_efficiency: float
     total_ratio: float
     actuator: Actuator | None = None  # that motor and gearhead are inside of
+    brake: Brake | None = None  # a holding brake, where there is one
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
     chosen_screw: ChosenScrew | None = None  # nut and shaft, where they are out of the catalogues
     quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
@@ -66,6 +68,18 @@ class DriveParts:
     def steps(self) -> bool:
         """Whether the motor is a stepper, which runs without an encoder."""
         return self.motor.kind == "stepper"
+
+    @property
+    def brake_inertia(self) -> float:
+        """Inertia of its brake as the motor's shaft feels it [kg*m^2]; 0 without one, NaN unknown."""
+        if self.brake is None:
+            return 0.0
+        return self.brake.inertia / (self.total_ratio**2 if self.brake.shaft == "load" else 1.0)
+
+    @property
+    def released_power(self) -> float:
+        """Power that keeps its brake released [W]; 0 without one, or where it is unknown."""
+        return float(released_power(asdict(self.brake))) if self.brake else 0.0
 
     @property
     def label(self) -> str:
@@ -119,14 +133,15 @@ class DriveParts:
     def parts(self) -> dict[str, Any]:
         """The parts as they are bought, by role; None where none is known. An actuator is one part."""
         turning: dict[str, Any] = {"motor": self.motor, "gearhead": self.gearhead}
-        controlling: dict[str, Any] = {"encoder": self.encoder, "controller": self.controller}
+        held = {"brake": self.brake} if self.brake else {}
+        controlling: dict[str, Any] = {**held, "encoder": self.encoder, "controller": self.controller}
         if self.steps and self.encoder is None:
             del controlling["encoder"]
         belt: dict[str, Any] = dict(self.belt_drive.parts) if self.belt_drive else {}
         belt |= {"screw": self.chosen_screw.screw} if self.chosen_screw else {}
         if not self.actuator:
             return {role: part for role, part in turning.items() if part.part != DIRECT} | belt | controlling
-        outside = {role: part for role, part in controlling.items() if part is None or not part.inside}
+        outside = {role: part for role, part in controlling.items() if not getattr(part, "inside", "")}
         return {"actuator": self.actuator} | belt | outside
 
 

@@ -110,6 +110,8 @@ def _is_unknown(value: Any) -> bool:
 
 def _stated(check: Check) -> str:
     """The missing figures that the note of a check names, such as masses of parts; else where they belong."""
+    if check.name == "brake_fits":
+        return "a source that lists it with this motor"
     return check.note.removeprefix("unknown: ") if check.note.startswith("unknown: ") else _OF_THE_SPEC
 
 

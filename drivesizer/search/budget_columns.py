@@ -22,6 +22,7 @@ from drivesizer.machine.platform_checks import machine_mass, mass_columns
 from drivesizer.machine.supply_power import distance_of
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
+from drivesizer.search.columns.brakes import own_figure
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, by_physics
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
@@ -72,10 +73,12 @@ def _masses(whole: Evaluation) -> list[CheckColumn]:
 
 
 def _beside(catalog: Catalog, sets: Candidates, whole: Evaluation) -> Iterator[Array]:
-    """Mass of gearhead, encoder and controller; nothing where there is none, or it is inside an actuator."""
+    """Mass of gearhead, brake, encoder and controller; nothing where there is none, or it is inside an actuator."""
     inside = Rows(catalog.motors, sets.motor)["inside"] != ""
     direct = catalog.gearheads["part"][sets.gearhead] == DIRECT
     yield np.where(inside | direct, 0.0, catalog.gearheads["mass"][sets.gearhead])
+    if (whole.brake >= 0).any():
+        yield own_figure(Rows(catalog.brakes, whole.brake), "mass")
     controlling = (
         (catalog.encoders, whole.encoder, not whole.spec.wants_encoder),
         (catalog.controllers, whole.controller, False),

@@ -25,6 +25,7 @@ _PART = {
     "encoders": "encoder",
     "controllers": "controller",
     "actuators": "actuator",
+    "brakes": "brake",
 }
 _CONTROLLING = ("encoders", "controllers")  # their masses count in the budget of a machine alone
 
@@ -57,6 +58,8 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
     places |= {section: row for section, row in rows_of.items() if not catalog.table(section)["inside"][row]}
     found = [(section, one) for section, row in places.items() for one in _of_part(catalog, section, row)]
     weighed = evaluation.spec.budget is not None
+    if (brake := int(evaluation.brake[index])) >= 0:
+        found += [("brakes", one) for one in _of_part(catalog, "brakes", brake)]
     weighing = (one for section, one in found if weighed or section not in _CONTROLLING or one.figure != "mass")
     return (*weighing, *loss)
 
@@ -104,7 +107,8 @@ def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], floa
     names = evaluation.open_checks(index)
     if not names or evaluation.spec.method != "physics":
         return checks, nan
-    one = evaluation.candidates.on(np.array([index]))._replace(controller=evaluation.controller[[index]])
+    controller, brake = evaluation.controller[[index]], evaluation.brake[[index]]
+    one = evaluation.candidates.on(np.array([index]))._replace(controller=controller, brake=brake)
     probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
     open_ = {name: (probable[name], _turning(turning.get(name))) for name in names}
     return tuple(_with(check, *open_[check.name]) if check.name in names else check for check in checks), probable[""]

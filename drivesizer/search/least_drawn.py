@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 from drivesizer.machine.supply_power import distance_of
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.motor_demand import demands
-from drivesizer.physics.stress import heat
+from drivesizer.physics.stress import Parts, heat
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check_kinds import BATTERY_LASTING
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.offers import Offers, offers
-from drivesizer.search.columns.stages import encoders_of
+from drivesizer.search.columns.stages import brakes_of, encoders_of, felt
 from drivesizer.search.uncertainty.sampled_battery import Draw, columns_of, feeding
 
 __all__ = ["battery_failures", "least_power"]
@@ -95,7 +95,9 @@ def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: C
     catalog, ambient = problem.catalog, problem.cases[number].spec.environment.ambient
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
     encoder = Rows(catalog.encoders, encoders_of(problem, offered, cycles, sets.motor, gearhead["ratio"]))
-    demand = demands(cycles[number], motor, gearhead, encoder)
+    brake = brakes_of(problem, offered, cycles, Parts(motor, gearhead, encoder, None), sets.brake)
+    braked = felt(cycles[number], Parts(motor, gearhead, encoder, None, brake))
+    demand = demands(cycles[number], motor, gearhead, encoder, braked)
     cold = np.asarray(resistance_at(resistance_25(motor), ambient))
     turning = demand.total_ratio * (demand.coefficients @ cycles[number].moments[:, SPEED])
     winding = heat(ambient, cycles[number], demand, motor).winding

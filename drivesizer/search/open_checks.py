@@ -22,6 +22,7 @@ from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.problem import Problem
+from drivesizer.search.columns.brakes import is_listed
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, at_figures
 
@@ -47,15 +48,15 @@ class Turn(NamedTuple):
     passes_below: bool
 
 
-def estimated_figures(problem: Problem, motor: int, gearhead: int) -> list[Figure]:
-    """Figures of a drive's motor and gearhead that are not the same at both ends of their bands.
+def estimated_figures(problem: Problem, motor: int, gearhead: int, brake: int = -1) -> list[Figure]:
+    """Figures of a drive's motor, gearhead and brake that are not the same at both ends of their bands.
 
     Parameters
     ----------
     problem
         Its catalogue with both ends of the bands, or without estimates.
-    motor, gearhead
-        Rows.
+    motor, gearhead, brake
+        Rows; -1 no brake.
 
     Returns
     -------
@@ -68,7 +69,8 @@ def estimated_figures(problem: Problem, motor: int, gearhead: int) -> list[Figur
     inside = problem.catalog.motors["inside"][motor] != ""
     brushed = problem.catalog.motors["kind"][motor] == "brushed"
     found = []
-    for section, row in (("motors", motor), ("gearheads", gearhead)):
+    own = {"motors": motor, "gearheads": gearhead} | ({"brakes": brake} if brake >= 0 else {})
+    for section, row in own.items():
         for name, column in columns_of(section).items():
             ends = low.table(section)[name][row], high.table(section)[name][row]
             leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or brushed)
@@ -100,7 +102,7 @@ def passing(
     dict
         Of these, and of all checks that are not unknown in every sample.
     """
-    figures = estimated_figures(problem, int(one.motor[0]), int(one.gearhead[0]))
+    figures = estimated_figures(problem, *_rows_of(one))
     points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
     checks = [
         check for check in at_points(problem, one, points, samples, names if each else ()).checks if not check.advice
@@ -108,6 +110,11 @@ def passing(
     known = [check for check in checks if check.name in names or (check.passed | check.failed).any()]
     every = np.logical_and.reduce([check.passed for check in known])
     return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
+
+
+def _rows_of(one: Candidates) -> tuple[int, int, int]:
+    """Motor, gearhead and brake of a single candidate; -1 no brake."""
+    return int(one.motor[0]), int(one.gearhead[0]), -1 if one.brake is None else int(one.brake[0])
 
 
 @cache
@@ -140,7 +147,7 @@ def turns(problem: Problem, one: Candidates, names: Set[str]) -> dict[str, Turn]
     dict
         By name; only checks that turn by one figure alone.
     """
-    figures = estimated_figures(problem, int(one.motor[0]), int(one.gearhead[0]))
+    figures = estimated_figures(problem, *_rows_of(one))
     if not figures or not names:
         return {}
     coarse = [np.linspace(-_FARTHEST, _FARTHEST, _STEPS)] * len(figures)
@@ -184,7 +191,7 @@ def _nearest_change(steps: Sequence[Array], passed: Sequence[NDArray[np.bool_]])
 def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passed: NDArray[np.bool_]) -> Turn:
     """The value at which a check turns, between two steps of a figure."""
     step = int(np.flatnonzero(passed != passed[0])[0]) - 1
-    row = int((one.motor if figure[0] == "motors" else one.gearhead)[0])
+    row = dict(zip(("motors", "gearheads", "brakes"), _rows_of(one), strict=True))[figure[0]]
     three = np.array([steps[step], (steps[step] + steps[step + 1]) / 2.0, steps[step + 1]])
     below, value, above = _moved(problem.catalog, figure, np.array([row, row, row]), three).tolist()
     return Turn(figure, value, bool(passed[step]) == (below < above))
@@ -217,18 +224,30 @@ def at_points(
         "motors": _table(catalog, "motors", motor, points),
         "gearheads": _table(catalog, "gearheads", gearhead, points),
     }
+    brake = _rows_of(one)[2]
+    if brake >= 0:
+        tables["brakes"] = _table(catalog, "brakes", np.full(count, brake), points)
     fitting = catalog.motor_encoder
     mine = fitting.left == one.motor[0]
     sides = np.repeat(every, mine.sum()), np.tile(fitting.right[mine], count), np.tile(fitting.source[mine], count)
-    pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides))}
+    pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides)), **_braked(catalog, one, every)}
     varied = replace(catalog.with_tables(tables, pairs), ends=())
     given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
+    if brake >= 0:
+        given = given._replace(brake=every)
     return at_figures(replace(problem, catalog=varied), given, exact=False, each=names)
+
+
+def _braked(catalog: Catalog, one: Candidates, every: NDArray[np.int64]) -> dict[str, Pairs]:
+    """The list of what goes together of the motor at each point and its brake."""
+    motor, _, brake = _rows_of(one)
+    rows = (every if is_listed(catalog, motor, brake) else every[:0]).astype(np.int32)
+    return {"motor_brake": Pairs(rows, rows, np.zeros_like(rows))}
 
 
 def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapping[Figure, Array]) -> Table[Any]:
     table = catalog.table(section).taken(rows)
-    inside = bool(table["inside"][0] != "")
+    inside = section != "brakes" and bool(table["inside"][0] != "")
     columns = dict(table.columns)
     for name, column in columns_of(section).items():
         own = (section, name)

@@ -14,10 +14,15 @@ from drivesizer.physics.extremes import undominated
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.spec.select import OBJECTIVES, Weighted
 
-__all__ = ["COUNTED", "Ranking", "front", "names_of", "objective_of", "order", "rounded", "title_of", "values"]
+__all__ = [
+    "BRAKE", "BRAKE_FIGURES", "COUNTED", "Ranking", "front", "names_of", "objective_of", "order", "rounded", "title_of",
+    "values",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 COUNTED = tuple(name for name, declared in OBJECTIVES.items() if not declared.over and name != "margin")
+BRAKE = "brake"  # among the figures of drives: row of the brake, -1 none
+BRAKE_FIGURES = {"length": "added_length"}  # that objectives sum under another name
 _DIGITS = 9  # in which equal objectives agree
 Ranking = str | list[Weighted]  # one objective, or several with weights
 
@@ -115,8 +120,17 @@ def _single(
         return np.nan_to_num(value, nan=0.0), np.isnan(value).astype(np.int64)
     tables: dict[str, Table[Any]] = {"motor": catalog.motors, "gearhead": catalog.gearheads}
     found = np.array([tables[part][declared.figure][getattr(sets, part)] for part in declared.over])
+    if "gearhead" in declared.over and BRAKE in figures:
+        found = np.concatenate([found, _of_brakes(catalog, figures[BRAKE], declared.figure)[None]])
     total = np.nansum(found, 0)
     return -total if declared.more_is_better else total, np.isnan(found).sum(0)
+
+
+def _of_brakes(catalog: Catalog, rows: Array, figure: str) -> Array:
+    """A figure of the drives' brakes; 0 of a drive without one."""
+    column = np.append(catalog.brakes[BRAKE_FIGURES.get(figure, figure)], 0.0)
+    found: Array = column[rows.astype(np.int64)]
+    return found
 
 
 def order(

@@ -221,7 +221,9 @@ def _precedence(
     best = opened[ranking.order(problem.catalog, kept.sets.on(opened), value[opened], missing[opened])][:count]
     few = by_physics(problem, kept.sets.on(best), False)
     for place, row in enumerate(best.tolist()):
-        one = few.candidates.on(np.array([place]))._replace(controller=few.controller[[place]])
+        one = few.candidates.on(np.array([place]))._replace(
+            controller=few.controller[[place]], brake=few.brake[[place]]
+        )
         together = passing(problem, one, few.open_checks(place), each=False)[""]
         precedence[row] = _TENTHS * (OPEN + 1) - 1 - int(10.0 * together)
     return precedence
@@ -337,6 +339,7 @@ def _on(evaluation: Evaluation, rows: NDArray[np.int64]) -> Evaluation:
         shaft={name: r.on(rows) for name, r in evaluation.shaft.items()},
         checks=[check.on(rows) for check in evaluation.checks],
         encoder=evaluation.encoder[rows],
+        brake=evaluation.brake[rows],
         controller=evaluation.controller[rows],
         figures={name: column[rows] for name, column in evaluation.figures.items()},
     )

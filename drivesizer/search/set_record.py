@@ -16,6 +16,7 @@ from drivesizer.machine.set_columns import OneRow
 from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.machine.warm_up import warm_up
 from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
+from drivesizer.physics.elements.braking import Stop
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
@@ -26,6 +27,7 @@ from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.reliability import Reliability
 from drivesizer.search import ranking
 from drivesizer.search.both_methods import compared
+from drivesizer.search.columns.brakes import stops
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.columns.gearheads_worn import life_of_gearheads
 from drivesizer.search.columns.shaft_loads import shaft_loads
@@ -57,11 +59,13 @@ def drive_parts(evaluation: Evaluation, index: int) -> DriveParts:
     motor = catalog.motors.record(int(candidates.motor[index]))
     gearhead = catalog.gearheads.record(int(candidates.gearhead[index]))
     encoder, controller = int(evaluation.encoder[index]), int(evaluation.controller[index])
+    brake = int(evaluation.brake[index])
     return DriveParts(
         motor=motor,
         gearhead=gearhead,
         encoder=catalog.encoders.record(encoder) if encoder >= 0 else None,
         controller=catalog.controllers.record(controller) if controller >= 0 else None,
+        brake=catalog.brakes.record(brake) if brake >= 0 else None,
         belt_ratio=float(candidates.belt[index]),
         belt_efficiency=evaluation.spec.belt_efficiency,
         belt_drive=problem.belt_drive(float(candidates.belt[index])),
@@ -110,8 +114,8 @@ def drive_set(
         With its checks, requirements and figures.
     """
     parts = drive_parts(evaluation, index)
-    mass, mass_of = _summed({"motor": parts.motor, "gearhead": parts.gearhead}, "mass", ("motor", "gearhead"))
-    value, value_of = _objective(evaluation, index, objective, parts.motor, parts.gearhead)
+    mass, mass_of = _summed(parts, "mass", ("motor", "gearhead"))
+    value, value_of = _objective(evaluation, index, objective, parts)
     checks, probability = decided(evaluation, index)
     return DriveSet(
         **{field.name: getattr(parts, field.name) for field in fields(parts)},
@@ -146,24 +150,27 @@ def _pieces(evaluation: Evaluation, parts: DriveParts) -> tuple[MotorPiece, ...]
     found: list[MotorPiece] = []
     for case in evaluation.problem.cases[:_CASES]:
         cycle = case.at_belt.behind(parts.belt_ratio)
-        demand = demands(cycle, *(OneRow(part) for part in (parts.motor, parts.gearhead, parts.encoder)))
+        motor, gearhead, encoder = (OneRow(part) for part in (parts.motor, parts.gearhead, parts.encoder))
+        demand = demands(cycle, motor, gearhead, encoder, parts.brake_inertia)
         found += motor_pieces(cycle, demand, parts.motor.torque_constant, case.name)
     return tuple(found)
 
 
-def _summed(parts: dict[str, Any], figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:
+def _summed(one: DriveParts, figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:
     """The sum of what is known, and of which parts; unknown where no part of it is that there is."""
-    if parts["motor"].inside:  # whose figures are those of the whole actuator
-        value = getattr(parts["motor"], figure)
-        return value, () if math.isnan(value) else ("actuator",)
-    known = {p: getattr(parts[p], figure) for p in over if not math.isnan(getattr(parts[p], figure))}
-    if all(parts[p].part == DIRECT for p in known):
+    # the figures of a motor inside an actuator are those of the whole
+    parts: dict[str, Any] = {"actuator": one.motor} if one.motor.inside else {name: getattr(one, name) for name in over}
+    values = {name: getattr(part, figure) for name, part in parts.items()}
+    if one.brake and "gearhead" in over:
+        values["brake"] = getattr(one.brake, ranking.BRAKE_FIGURES.get(figure, figure))
+    known = {name: value for name, value in values.items() if not math.isnan(value)}
+    if all(name == "gearhead" and one.gearhead.part == DIRECT for name in known):
         return math.nan, ()
     return sum(known.values()), tuple(known)
 
 
 def _objective(
-    evaluation: Evaluation, index: int, objective: Ranking, motor: Motor, gearhead: Gearhead
+    evaluation: Evaluation, index: int, objective: Ranking, parts: DriveParts
 ) -> tuple[float, tuple[str, ...]]:
     """The objective, as it is shown: the margin itself, not what makes less of it better."""
     if objective == "margin":
@@ -171,6 +178,7 @@ def _objective(
         return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].note,)
     if not isinstance(objective, str):
         figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
+        figures |= {ranking.BRAKE: evaluation.brake.astype(float)}
         value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
         lacking = f", {missing[index]} figures unknown" if missing[index] else ""
         return math.nan if missing[index] else float(value[index]), (
@@ -178,7 +186,7 @@ def _objective(
         )
     declared = OBJECTIVES[objective]
     if declared.over:
-        return _summed({"motor": motor, "gearhead": gearhead}, declared.figure, declared.over)
+        return _summed(parts, declared.figure, declared.over)
     return float(evaluation.figures[objective][index]), (declared.note,)
 
 
@@ -198,7 +206,8 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
     if parts.steps:
         return stepper_figures(evaluation.problem, parts, values)
     found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
-    found += [*_held(evaluation, parts), *_gearhead_life(evaluation, index, parts.gearhead)]
+    found += [*_held(evaluation, parts), *_braking(evaluation, index, parts)]
+    found += _gearhead_life(evaluation, index, parts.gearhead)
     found += _on_the_shaft(evaluation, parts)
     motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
     if controller is None:
@@ -266,6 +275,32 @@ def _gearhead_life(evaluation: Evaluation, index: int, gearhead: Gearhead) -> li
         if math.isfinite(life):
             found.append(Figure(name=name, title=title, value=life, kind="time", unit="h"))
     return found
+
+
+def _braking(evaluation: Evaluation, index: int, parts: DriveParts) -> list[Figure]:
+    """Power of the released brake, and an emergency stop from the highest speed in the load case with most energy."""
+    brake = parts.brake
+    if brake is None:
+        return []
+    motor, gearhead, encoder = parts.motor, parts.gearhead, parts.encoder
+    own = motor.rotor_inertia + gearhead.inertia + parts.brake_inertia
+    own += encoder.inertia if encoder and not math.isnan(encoder.inertia) else 0.0
+    worst, radius, axis = Stop(0.0, 0.0, 0.0), 1.0, "rotary"
+    for case in evaluation.problem.cases:
+        cycle = case.at_belt.behind(parts.belt_ratio)
+        _, found = stops(case.spec, cycle, asdict(gearhead), asdict(brake), own)
+        if not found.energy <= worst.energy:  # NaN too
+            worst, radius, axis = found, case.cycle.radius, case.spec.load.axis
+    travel = worst.angle / (1.0 if brake.shaft == "load" else parts.total_ratio) * radius
+    path = ("length", "mm") if axis == "linear" else ("angle", "deg")
+    rows = (
+        ("brake_power", "Brake, released", parts.released_power, "power", "W"),
+        ("stop_energy", "Emergency stop from the highest speed, energy in the brake", worst.energy, "energy", "J"),
+        ("stop_time", "Emergency stop, time", worst.time, "time", "s"),
+        ("stop_travel", "Emergency stop, travel of the load", travel, *path),
+    )
+    every = [Figure(name=n, title=t, value=float(value), kind=k, unit=u) for n, t, value, k, u in rows]
+    return [one for one in every if evaluation.spec.needs.emergency_stops or not math.isnan(one.value)]
 
 
 def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:

@@ -205,7 +205,7 @@ def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
     """Refuse a family or part that no catalogue has: a misspelling would silently find nothing."""
     none = catalog.gearheads.rows[DIRECT]
     unlisted = not spec.is_direct and not np.any(catalog.motor_gearhead.right == none)
-    for section in ("motor", "gearhead", "encoder", "controller"):
+    for section in ("motor", "gearhead", "encoder", "controller", "brake"):
         choice, table = getattr(spec.select, section), catalog.table(f"{section}s")
         for key, wanted in choice.named.items():
             known = set(table[key].tolist()) - ({DIRECT} if unlisted else set())

@@ -20,7 +20,7 @@ from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import Candidates, joined, pairs
 from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.search.columns.stages import Examined, examine
-from drivesizer.search.ranking import COUNTED
+from drivesizer.search.ranking import BRAKE, COUNTED
 from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["OPEN", "PASSES", "Progress", "Sifted", "any_passes", "sifted"]
@@ -132,7 +132,7 @@ def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bo
 
 
 def _found(one: Examined, opened: NDArray[np.bool_]) -> _Found:
-    figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin}
+    figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin, BRAKE: one.brake.astype(float)}
     sets, rejected, bound = one.sets, one.rejected, one.bound
     if len(rejected) > _NEAREST:
         few = np.argpartition(-bound, _NEAREST)[:_NEAREST]
@@ -153,11 +153,14 @@ def _at_both(easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
     figures = {name: column.copy() for name, column in easy.figures.items()}
     for name, column in figures.items():
         column[both] = hard.figures[name][~alone]
+    brake = easy.brake.copy()
+    brake[both] = hard.brake[~alone]
     rest = np.flatnonzero(~np.isin(easy.rejected, passing))
     whole = easy._replace(
         rows=np.concatenate([easy.rows, passing[alone]]),
         unknown=np.concatenate([unknown, hard.unknown[alone]]),
         margin=np.concatenate([margin, hard.margin[alone]]),
+        brake=np.concatenate([brake, hard.brake[alone]]),
         figures={name: np.concatenate([column, hard.figures[name][alone]]) for name, column in figures.items()},
         rejected=easy.rejected[rest],
         bound=easy.bound[rest],
@@ -184,7 +187,7 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
     """All that pass or may pass; of estimated figures those that objectives count are at the middle of the band."""
     if not kept:
         none = every.on(slice(0, 0))
-        figures, nothing = dict.fromkeys((*COUNTED, "margin"), none.belt), np.zeros(0, np.int64)
+        figures, nothing = dict.fromkeys((*COUNTED, "margin", BRAKE), none.belt), np.zeros(0, np.int64)
         return Sifted(none, nothing, figures, nothing)
     sets = joined([k.sets for k in kept])
     opened, unknown = (np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown"))

@@ -17,14 +17,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
 
-from drivesizer.catalog import Controller
+from drivesizer.catalog import Brake, Controller
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.fields import Section, default
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.physics.elements.braking import released_power
 from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.spec.battery import Battery, Consumer
+from drivesizer.spec.brake import OwnBrake
 from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
@@ -73,6 +75,7 @@ class RobotSpec(Section):
     shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
     environment: Environment = Field(default_factory=Environment)
     needs: Needs = Field(default_factory=Needs)
+    brake: OwnBrake | None = Field(default=None, description="out of the catalogues where not given")
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
     battery: Battery | None = Field(default=None, description="that feeds the machine; only the supply where not given")
     equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(
@@ -206,6 +209,22 @@ class RobotSpec(Section):
                 raise ValueError(f"equipment: {error}") from None
         return self
 
+    @model_validator(mode="after")
+    def _braked(self) -> RobotSpec:
+        if self.brake and self.select.brake.named:
+            raise ValueError("brake: it has figures of its own; expected brake or select.brake, not both")
+        return self
+
+    @property
+    def wants_brake(self) -> bool:
+        """Whether the drive has a holding brake, unless it holds by itself."""
+        return self.names_brake or self.needs.hold_unpowered
+
+    @property
+    def names_brake(self) -> bool:
+        """Whether there is a brake whatever the load: by its figures, family or part, or to stop the machine with."""
+        return bool(self.brake or self.select.brake.named or self.needs.emergency_stops)
+
     @property
     def paper_applies(self) -> bool:
         """Whether the paper's equations (1)-(20) treat this load and motion."""
@@ -238,16 +257,21 @@ class RobotSpec(Section):
         """Whether all regenerated energy leaves the bus: stored, or lost in a battery or a brake resistor."""
         return (self.supply.accepts or ("all" if self.battery else "share")) == "all"
 
-    def feed(self, controller: Any) -> Feed:
-        """The power stages of controllers, columns by field name, and what feeds as many as there are drives."""
+    def feed(self, controller: Any, brake: Any = None) -> Feed:
+        """The power stages of controllers, columns by field name, and what feeds as many as there are drives.
+
+        A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
+        """
         supply = self.supply
         stage = power_stage(controller, supply.nominal, self.power_stage, assume=self.select.estimates == "on")
+        if brake is not None:
+            stage = stage._replace(standby=stage.standby + released_power(brake))
         ohm = 0.0 if supply.resistance is None else supply.resistance
         return Feed(stage, supply.lowest, ohm, self.load.motors)
 
-    def feed_of(self, controller: Controller | None) -> Feed:
-        """The same of one controller; of one whose figures are unknown where there is none."""
-        return self.feed(asdict(controller or Controller()))
+    def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
+        """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""
+        return self.feed(asdict(controller or Controller()), None if brake is None else asdict(brake))
 
     @property
     def resists(self) -> bool:

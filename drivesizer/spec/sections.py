@@ -137,6 +137,10 @@ class Needs(Section):
     shock_torque: TorqueAbove | None = Field(
         default=None, description="at the load's shaft, in an emergency stop or a collision"
     )
+    holding_factor: Factor = Field(default=2, description="of a brake's torque over that of the load at rest")
+    emergency_stops: Annotated[int, Field(ge=1)] | None = Field(
+        default=None, description="stops by the brake from the highest speed, in the machine's life"
+    )
     radial_load: Force | None = Field(
         default=None,
         description="on the gearhead's shaft, or the motor's without one; added to the load of section shaft",
@@ -146,9 +150,9 @@ class Needs(Section):
         default=None, description="on the gearhead's output, beside that of the radial load at its distance"
     )
     diameter: Length | None = Field(default=None, description="of motor and gearhead, at most")
-    length: Length | None = Field(default=None, description="of motor and gearhead together, at most")
-    mass: Mass | None = Field(default=None, description="of motor and gearhead together, at most")
-    price: Price | None = Field(default=None, description="of motor and gearhead together, at most")
+    length: Length | None = Field(default=None, description="of motor, gearhead and brake together, at most")
+    mass: Mass | None = Field(default=None, description="of motor, gearhead and brake together, at most")
+    price: Price | None = Field(default=None, description="of motor, gearhead and brake together, at most")
 
 
 class Case(Section):

@@ -104,6 +104,7 @@ class Select(Section):
     gearhead: Choice = Field(default_factory=Choice)
     encoder: EncoderChoice = Field(default_factory=EncoderChoice)
     controller: ControllerChoice = Field(default_factory=ControllerChoice)
+    brake: Choice = Field(default_factory=Choice)
     objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
     unknown: Literal["allow", "reject"] = Field(default="allow", description="drives with a check that is unknown")
 
@@ -114,4 +115,4 @@ class Select(Section):
     @property
     def is_restricted(self) -> bool:
         """Whether families or parts are named."""
-        return any(c.named for c in (self.motor, self.gearhead, self.encoder, self.controller))
+        return any(c.named for c in (self.motor, self.gearhead, self.encoder, self.controller, self.brake))

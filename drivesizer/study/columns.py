@@ -72,6 +72,7 @@ _DRIVE: tuple[_Of, ...] = (
     _number("belt_ratio", lambda one: one.belt_ratio, "1"),
     _text("belt_part", lambda one: _name(one.belt_drive.belt if one.belt_drive else None, "part")),
     _text("screw_part", lambda one: _name(one.chosen_screw.screw if one.chosen_screw else None, "part")),
+    _text("brake_part", lambda one: _name(one.brake, "part")),
     _text("encoder_family", lambda one: _name(one.encoder, "family")),
     _text("encoder_part", lambda one: _name(one.encoder, "part")),
     _text("controller_family", lambda one: _name(one.controller, "family")),

@@ -60,7 +60,7 @@ MAY_BE_ZERO = frozenset({
     "current_draw",
     "direction", "friction_torque", "inertia", "load_friction", "mass", "max_axial_load", "max_press_fit",
     "max_radial_load", "no_load_current", "no_load_torque", "phases", "pole_pairs", "price", "price_5", "price_20",
-    "list_price", "foreign_price", "radial_load_distance", "stages", "static_torque",
+    "list_price", "foreign_price", "radial_load_distance", "stages",
     "thermal_resistance_winding", "viscous_friction", "voltage_drop", "bearing_distance",
 })  # fmt: skip
 

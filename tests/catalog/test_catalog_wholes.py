@@ -22,7 +22,7 @@ from drivesizer.catalog.parts import printed
 #   A30: k = 1.05, M_H = 20.475, M_N = 5.25, M_peak = 15.75, w_0 = 15.6, w_N = 11.6, i^2 J = 18e-3
 # Friction: M_c + b w_0 = 0.1 + 0.0032 46.8 = 0.25 N*m = 10 0.05 0.5; 1 / 1.25 = 0.8.
 # Output inertia: a tenth more. 0.5 kg in pi/4 60^2 50 mm^3: 3540 kg/m^3; 0.5 kg / (60 mm)^3: 2310 kg/m^3.
-# Brakes: 8 to 11 N*m/kg, 0.12 to 0.29 N*m/W.
+# Brakes: 8 to 11 N*m/kg, 0.12 to 0.29 N*m/W, 1.3e6 to 2e6 rad/s^2.
 # Steppers: 2 I^2 R = 8, 14.4 and 7.2 W, 20 to 27 W/kg; 1.4 to 1.6 N*m/kg; 2 to 3.75 ms; J / m^(5/3) about 4e-5.
 # Belts: 4 kg/m^2 of length x width. Pulleys: 2800 kg/m^3 of (p z)^2 w / 4 pi.
 # Batteries: 18, 14.4 and 10.8 W h in 70, 68 and 46 g: 257, 212, 235 W h/kg; 9.6 W h in 85 g: 113; 120 in 3.6 kg: 33.
@@ -54,6 +54,9 @@ actuators:
 brakes:
 - family: B
   source: s
+  common: {holding_power: 3 W, release_time: 40 ms, engage_time: 20 ms, max_speed: 6000 rpm, emergency_stops: 2000,
+    backlash: 1 deg, diameter: 60 mm, energy_per_hour: 900 J, total_energy: 20 kJ, energy_per_stop: 90 J,
+    dynamic_torque: 0.9 N*m}
   columns: [part, static_torque (N*m), supply (V), power (W), inertia (g*cm^2), added_length (mm), mass (g),
     price (EUR)]
   rows:
@@ -201,6 +204,8 @@ SLIPS: list[tuple[str, str, str, float, str]] = [
     ("actuators", "A30", "nominal_torque", 1.5, "nominal torque without friction"),
     ("actuators", "A30", "mass", 0.01, "mass beside volume, at least"),
     ("brakes", "B2", "static_torque", 1000.0, "torque by mass, at most"),  # mN*m for N*m
+    ("brakes", "B2", "inertia", 1e-3, "torque by inertia, at most"),  # g*cm^2 for kg*cm^2
+    ("brakes", "B2", "total_energy", 1e-3, "energy per stop and total energy"),  # J for kJ
     ("steppers", "S1", "inductance", 1000.0, "inductance by resistance, at most"),  # uH for mH
     ("steppers", "S1", "rotor_inertia", 100.0, "rotor inertia by mass, at most"),
     ("steppers", "S2", "full_steps", 1.8, "full steps in use"),  # 360

@@ -79,28 +79,33 @@ MAKERS: dict[str, dict[str, int]] = {
     "trinamic": counted(steppers=1 + 3) | pin(controllers=1),
     # those of public tables of motors, less what has no holding torque and what is there twice
     "cloudray": pin(steppers=7), "fysetc": pin(steppers=13), "hanpose": pin(steppers=10),
-    "kelimotor": pin(steppers=5), "ldo": pin(steppers=63), "moons": pin(steppers=20), "motech": pin(steppers=22),
+    "kelimotor": pin(steppers=5), "ldo": pin(steppers=63),
+    "moons": pin(steppers=20, brakes=3), "motech": pin(steppers=22),
     "oukeda": pin(steppers=5), "rattm": pin(steppers=5), "shengyang": pin(steppers=6), "siboor": pin(steppers=7),
-    "stepperonline": pin(steppers=38), "usongshine": pin(steppers=4), "wantai": pin(steppers=4),
+    "stepperonline": pin(steppers=38, brakes=1), "usongshine": pin(steppers=4), "wantai": pin(steppers=4),
     # belts and pulleys: the lists of ReCalc, whole
     "last_anvil": counted(belts=24, pulleys=8), "sds": counted(belts=3), "swyft": counted(belts=54),
     "thrifty": counted(belts=103, pulleys=20), "vbelt": counted(belts=872), "wcp": counted(belts=141, pulleys=36),
     # screws: the tables of the makers' catalogues, by program; HIWIN without 3 rows that are cut in print
     "thk": counted(screws=616 + 13), "hiwin": counted(screws=31 + 4 + 2 + 21 + 41 + 37),
-    "rexroth": counted(screws=65, motors=27),
+    "rexroth": counted(screws=65, motors=27, brakes=9),
     "wangong": counted(screws=10 + 12 + 2), "sfu": counted(screws=27), "pbc": counted(screws=38),
     # power supplies and brake resistors: lists out of data sheets, manuals and public files
     "danotherm": counted(brake_resistors=5), "factonation": counted(brake_resistors=5),
-    "omron": counted(brake_resistors=5, motors=24), "te_connectivity": counted(brake_resistors=5),
+    "omron": counted(brake_resistors=5, motors=24, brakes=3), "te_connectivity": counted(brake_resistors=5),
     "teco": counted(brake_resistors=7 + 9), "mean_well": counted(power_supplies=65),
     "phoenix_contact": counted(power_supplies=3), "puls": counted(power_supplies=3),
     "solahd": counted(power_supplies=2),
     # servo motors for mains: manuals of Yaskawa and B&R, public tables of the others
-    "allen_bradley": counted(motors=26 + 38), "br_automation": counted(motors=8), "fanuc": counted(motors=8 + 10 + 10),
+    "allen_bradley": counted(motors=26 + 38), "br_automation": counted(motors=8, brakes=6),
+    "fanuc": counted(motors=8 + 10 + 10),
     "ls_mecapion": counted(motors=3 + 3 + 4 + 12 + 11 + 3 + 3 + 3 + 8 + 8 + 16 + 15 + 17),
-    "mitsubishi": counted(motors=15 + 5 + 5 + 5 + 7 + 5), "nidec": counted(motors=5),
-    "panasonic": counted(motors=6 + 12 + 3 + 12), "siemens": counted(motors=32),
-    "yaskawa": counted(motors=15 + 17 + 11 + 7 + 5 + 4 + 6 + 6 + 3),  # both sources where they have a motor
+    "mitsubishi": counted(motors=15 + 5 + 5 + 5 + 7 + 5, brakes=21),
+    "nidec": counted(motors=5),
+    "panasonic": counted(motors=6 + 12 + 3 + 12), "siemens": counted(motors=32, brakes=8 + 9),
+    "yaskawa": counted(motors=15 + 17 + 11 + 7 + 5 + 4 + 6 + 6 + 3, brakes=10),  # both sources where they have a motor
+    # holding brakes: those whose torque is known
+    "emerson": counted(brakes=4), "intorq": counted(brakes=5), "pi": counted(brakes=1),
     # motors without a gearhead
     "amk": counted(motors=3 - 1),  # without DD7-28-10
     "anaheim": pin(motors=2),
@@ -118,7 +123,7 @@ MAKERS: dict[str, dict[str, int]] = {
     # gearheads
     "apex": counted(gearheads=3),
     "nabtesco": counted(gearheads=2),  # the two ends of one line
-    "wittenstein": counted(gearheads=31 + 30 + 25 + 32 + 60, motors=6),  # NPT, NPS, NP, TP, SP; premo
+    "wittenstein": counted(gearheads=31 + 30 + 25 + 32 + 60, motors=6, brakes=4),  # NPT, NPS, NP, TP, SP; premo
     # actuators
     "cubemars": pin(actuators=8 + 6 + 2 + 3 + 2, motors=7 + 7 + 2),
     "damiao": pin(actuators=14 - 6 + 2 + 3),  # 14 counted, less 6 without R or k_t; P of two; 48 V of three
@@ -126,7 +131,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "encos": counted(actuators=10 - 5),
     "feetech": pin(actuators=3 + 1),  # 3 counted; ST-3235 is of the maker's wiki
     "gobilda": counted(actuators=10, motors=1),
-    "harmonic_drive": counted(actuators=4 + 5 + 5 + 6 + 6 + 6 + 5 + 5, gearheads=21),
+    "harmonic_drive": counted(actuators=4 + 5 + 5 + 6 + 6 + 6 + 5 + 5, gearheads=21, brakes=4),
     "lktech": pin(actuators=5),
     "myactuator": pin(actuators=25 - 20 + 10),  # 25 names of V2 and V3 counted; ten V4 of the brochure
     # 37D without the two bare motors, 25D, LP without 5:1 and 10:1, HPCB and 3052, the Romi's: counted but one 25D
@@ -156,7 +161,7 @@ MAKERS: dict[str, dict[str, int]] = {
 
 def test_every_file_is_counted(shelf: dict[str, Catalog]) -> None:
     assert set(shelf) == set(MAKERS)
-    assert len(MAKERS) == 116
+    assert len(MAKERS) == 116 + 3
 
 
 @pytest.mark.parametrize("name", MAKERS)
@@ -167,19 +172,38 @@ def test_how_many_parts(name: str, shelf: dict[str, Catalog]) -> None:
 
 @pytest.mark.parametrize("name", MAKERS)
 def test_only_motors_without_gearhead_are_paired(name: str, shelf: dict[str, Catalog]) -> None:
-    """No list of these makers says what fits what: motors drive the load themselves, once each, and nothing else."""
+    """No list of these makers says what fits what, but for brakes: motors drive the load themselves, once each."""
     catalog = shelf[name]
     motors = MAKERS[name].get("motors", 0)
     gearheads = catalog.gearheads["part"]
     assert catalog.motor_gearhead.left.tolist() == list(range(motors))
     assert set(gearheads[catalog.motor_gearhead.right].tolist()) == ({DIRECT} if motors else set())
-    assert all(not len(getattr(catalog, relation).left) for relation in RELATIONS if relation != "motor_gearhead")
+    assert all(
+        not len(getattr(catalog, relation).left) for relation in RELATIONS.keys() - {"motor_gearhead", "motor_brake"}
+    )
 
 
 # --- figures as printed ----------------------------------------------------------------------------------------------
 
 # file, section, part, figures in the source's units; those that were converted stand under WORKED
 ROWS: list[tuple[str, str, str, Figures]] = [
+    # holding brakes: the manuals that the files name
+    ("siemens", "brakes", "1Fx2106", {"static_torque": "16 N*m", "dynamic_torque": "9 N*m", "release_time": "100 ms",
+     "engage_time": "50 ms", "energy_per_stop": "1065 J", "total_energy": "774 kJ"}),
+    ("siemens", "brakes", "EBD 1.5 B", {"static_torque": "15 N*m", "energy_per_stop": "320 J", "engage_time": "30 ms"}),
+    ("rexroth", "brakes", "MS2E07-C", {"static_torque": "20 N*m", "dynamic_torque": "12.5 N*m",
+     "energy_per_stop": "340 J"}),
+    ("mitsubishi", "brakes", "HG-KR/HG-MR 23 43 B", {"static_torque": "1.3 N*m", "power": "7.9 W",
+     "release_time": "30 ms", "engage_time": "20 ms", "energy_per_stop": "22 J", "energy_per_hour": "220 J",
+     "backlash": "1.2 deg"}),
+    ("yaskawa", "brakes", "SGMGV-09", {"static_torque": "12.7 N*m", "power": "10 W", "release_time": "100 ms"}),
+    ("br_automation", "brakes", "8JSA4", {"static_torque": "5.3 N*m", "power": "12.8 W", "inertia": "0.068 kg*cm^2",
+     "mass": "0.63 kg"}),
+    ("emerson", "brakes", "IC830M4", {"static_torque": "5.3 N*m", "max_speed": "6000 rpm", "engage_time": "30 ms"}),
+    ("omron", "brakes", "R88M-K90010", {"static_torque": "13.7 N*m", "inertia": "1.35 kg*cm^2",
+     "energy_per_stop": "1176 J", "backlash": "1 deg"}),
+    ("intorq", "brakes", "BFK458-10", {"dynamic_torque": "16 N*m", "release_time": "76 ms", "engage_time": "47 ms"}),
+    ("pi", "brakes", "L-417", {"static_torque": "1.42 N*m", "engage_time": "36 ms"}),
     # ROBOTIS e-Manual, _data/dxl_x_info.yml, dxl_mx_info.yml, dxl_p_info.yml, pages AX-12A and XL-320
     ("robotis", "actuators", "XM430-W350 12 V", {"ratio": "353.5", "stall_torque": "4.1 N*m", "stall_current": "2.3 A",
      "no_load_speed": "46 rpm", "mass": "82 g", "backlash": "15 arcmin"}),

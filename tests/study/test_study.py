@@ -379,7 +379,7 @@ def test_the_columns_on_the_page_are_those_of_the_table(tmp_path):
     plan = planned(tmp_path, "specs: [robot.yaml, study.yaml]\ncatalogs: [[maxon], [faulhaber]]\n")
     heads = [column.head for column in columns_of(plan)]
     parts = heads[heads.index("set") + 1 : heads.index("mass_kg")]
-    assert all(re.match("motor|gearhead|belt|screw|encoder|controller|total_ratio", head) for head in parts)
+    assert all(re.match("motor|gearhead|belt|screw|brake|encoder|controller|total_ratio", head) for head in parts)
     assert set(heads) - set(parts) <= listed
 
 

@@ -20,7 +20,7 @@ from drivesizer.version import __version__
 __all__ = ["estimates_kept"]
 
 _SUFFIXES = {".json", ".py", ".yaml"}
-_SECTIONS = tuple(dict.fromkeys((*(law.section for law in LAWS), "controllers")))
+_SECTIONS = tuple(dict.fromkeys((*(law.section for law in LAWS), "controllers", "brakes")))
 _CLASSES = ("manufacturer", "family", "kind", "gearing")  # texts that the laws read
 Found = dict[str, dict[str, Estimates]]
 

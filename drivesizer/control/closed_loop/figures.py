@@ -92,7 +92,11 @@ def _loop(case: ClosedLoop) -> list[_Row]:
 
 
 def _electrical(case: ClosedLoop) -> list[_Row]:
-    motors, seen, feed = case.spec.load.motors, case.figure, case.spec.feed_of(case.drive_set.controller)
+    motors, seen, feed = (
+        case.spec.load.motors,
+        case.figure,
+        case.spec.feed_of(case.drive_set.controller, case.drive_set.brake),
+    )
     standby = float(feed.stage.standby)
     peak = float(of_the_source(seen("power") + standby, feed)) * motors
     taken = (seen("energy_in") + standby * seen("time")) * motors + seen("energy_resisted")
@@ -139,7 +143,7 @@ def series_units(case: ClosedLoop) -> dict[str, tuple[str, str]]:
 
 def _supply_power(case: ClosedLoop, voltage: Any, current: Any) -> Any:
     """Power out of the source, of all drives [W]: losses of power stages and of the supply's resistance included."""
-    feed = case.spec.feed_of(case.drive_set.controller)
+    feed = case.spec.feed_of(case.drive_set.controller, case.drive_set.brake)
     at_stage = voltage * current + feed.lost(current) + feed.stage.standby
     return of_the_source(at_stage, feed) * case.spec.load.motors
 

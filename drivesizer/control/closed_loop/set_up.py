@@ -71,7 +71,7 @@ def prepared(
     controller = controller or own
     within_reach(train, profile)
     _sampled(controller, profile)
-    feed = spec.feed_of(drive_set.controller)
+    feed = spec.feed_of(drive_set.controller, drive_set.brake)
     usable = float(feed.usable)
     heat, lacks = _heat(spec, drive_set)
     drive = _drive(spec, drive_set, train, controller, heat, feed)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 from typing import NamedTuple
 
 from drivesizer.control.drive_train import DriveTrain
@@ -100,6 +100,9 @@ def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, flo
         "gearhead, intermittent input speed": found.gearhead.intermittent_input_speed,
         "encoder, permissible speed": found.encoder.max_speed if found.encoder else nan,
     }
+    if found.brake and not isnan(found.brake.max_speed):
+        turns = found.total_ratio if found.brake.shaft == "load" else 1.0
+        named["brake, permissible speed"] = found.brake.max_speed * turns
     if motor.kind == "brushless":
         named["controller, electrical speed"] = controller.max_speed_sine / motor.pole_pairs if controller else nan
     return named

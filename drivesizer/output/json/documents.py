@@ -8,7 +8,7 @@ from dataclasses import fields
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Final
 
-from drivesizer.catalog import Actuator, Belt, Controller, Encoder, Gearhead, Motor, Pulley
+from drivesizer.catalog import Actuator, Belt, Brake, Controller, Encoder, Gearhead, Motor, Pulley
 from drivesizer.catalog.more_parts import Screw
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.control.validation import Validation
@@ -58,7 +58,7 @@ def requirement(r: Requirement) -> schema.Requirement:
     }
 
 
-def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Screw | Encoder | Controller) -> dict[str, Any]:
+def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Screw | Brake | Encoder | Controller) -> dict[str, Any]:
     """A part with all its figures in SI."""
     values = {f.name: getattr(part, f.name) for f in fields(part)}
     return {k: number(v) if isinstance(v, float) else (v or None) for k, v in values.items()}
@@ -147,6 +147,7 @@ def drive_set(found: DriveSet) -> schema.Set:
         "gearhead": _part(found.gearhead),
         "belt": _belt(found),
         "screw": _screw(found),
+        "brake": _part(found.brake) if found.brake else None,
         "encoder": _part(found.encoder) if found.encoder else None,
         "controller": _part(found.controller) if found.controller else None,
         "total_ratio": found.total_ratio,

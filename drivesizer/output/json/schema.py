@@ -120,6 +120,7 @@ Set = TypedDict("Set", {
     "motor": Annotated[dict[str, Any], _PartOf("motors")],
     "gearhead": Annotated[dict[str, Any], _PartOf("gearheads")], "belt": Belt,
     "screw": Annotated[Screw | None, Field(description="null where it is not from a catalogue")],
+    "brake": Annotated[dict[str, Any], _PartOf("brakes")] | None,
     "encoder": Annotated[dict[str, Any], _PartOf("encoders")] | None,
     "controller": Annotated[dict[str, Any], _PartOf("controllers")] | None, "total_ratio": float, "mass_kg": Number,
     "mass_of": list[str], "objective": Number, "objective_of": list[str], "requirements": dict[str, Requirement],

@@ -196,7 +196,8 @@ def side_by_side(console: Console, sets: Sequence[DriveSet], objective: str, tit
     for column in table.columns[1:]:
         column.no_wrap = True
     table.columns[0].min_width = max(_widest(found, wide=wide) for found in sets)
-    over = "" if all(found.actuator for found in sets) else ", mass of motor and gearhead"
+    braked = " with brake" if any(found.brake for found in sets) else ""
+    over = "" if all(found.actuator for found in sets) else f", mass of motor and gearhead{braked}"
     console.print(Text(f"\n{title}: one drive each{over}", style="bold"))
     console.print(table)
     if shared:

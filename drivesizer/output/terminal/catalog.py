@@ -43,7 +43,10 @@ _SHOWN: dict[str, tuple[tuple[str, str], ...]] = {  # head, column
         ("ratio", "reduction"), ("voltage", "nominal_voltage"), ("torque", "nominal_torque"), ("peak", "peak_torque"),
         ("speed", "no_load_speed"), ("mass", "mass"), ("price", "price"),
     ),
-    "brakes": (("torque", "static_torque"), ("supply", "supply"), ("adds", "added_length"), ("mass", "mass")),
+    "brakes": (
+        ("torque", "static_torque"), ("supply", "supply"), ("power", "power"), ("inertia", "inertia"),
+        ("stop", "energy_per_stop"), ("mass", "mass"),
+    ),
     "steppers": (
         ("wiring", "wiring"), ("steps", "full_steps"), ("current", "phase_current"), ("torque", "holding_torque"),
         ("resistance", "resistance"), ("inductance", "inductance"), ("mass", "mass"),
@@ -73,7 +76,7 @@ _NOTES = {
     "encoders": "",
     "controllers": "supply from and to; current continuous and peak",
     "actuators": "at the output: torque continuous and peak, speed without load",
-    "brakes": "",
+    "brakes": "torque static; energy of one stop",
     "steppers": "current, resistance and inductance of a phase; torque at standstill",
     "belts": "",
     "pulleys": "width of the widest belt",

@@ -228,12 +228,13 @@ def _title(name: str, method: str) -> str:
 
 def _unrestricted(other: DriveSet, objective: str) -> str:
     """The best drive of the whole catalogue, in a sentence."""
+    brake = f", brake {other.brake.part}" if other.brake else ""
     encoder = f", encoder {other.encoder.part}" if other.encoder else ""
     controller = f", controller {other.controller.family}" if other.controller else ""
     words = f"{objective} {tables.objective(other, objective)}".replace("_", " ").replace("\n", " ")
     value = f": {words}" if objective in OBJECTIVES else ""
     return (
-        f"Without the families and parts that the spec names, the whole catalogue gives {other.label}{encoder}"
+        f"Without the families and parts that the spec names, the whole catalogue gives {other.label}{brake}{encoder}"
         f"{controller}{value}."
     )
 

@@ -212,6 +212,7 @@ _PULLEY = {"teeth": "teeth", "mass": "", "price": ""}
 _PARTS: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words behind each
     "motor": {"assigned_power": "", "nominal_voltage": "", "holding_torque": "holding", "mass": "", "price": ""},
     "gearhead": {"efficiency": "efficient", "mass": "", "price": ""},
+    "brake": {"static_torque": "static", "supply": "", "mass": "", "price": ""},
     "encoder": {},
     "controller": {"continuous_current": "continuous", "peak_current": "peak"},
     "driving pulley": _PULLEY,

@@ -1,4 +1,4 @@
-"""Machine elements between drive and load: formulas of handbooks and makers on plain figures and arrays.
+"""Machine elements beside motor and gearhead: formulas of handbooks and makers on plain figures and arrays.
 
 May import: nothing of the rooms beside it.
 """

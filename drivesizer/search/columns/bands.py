@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.results.problem import Problem
+from drivesizer.search.columns.brakes import offered_brakes
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.spec.robot import RobotSpec
 
@@ -43,7 +44,12 @@ def estimated(problem: Problem, candidates: Candidates) -> NDArray[np.int64]:
     if not problem.catalog.ends:
         return np.zeros(0, np.int64)
     motors, gearheads = (_differ(problem.catalog, name, problem.spec) for name in ("motors", "gearheads"))
-    return np.flatnonzero(motors[candidates.motor] | gearheads[candidates.gearhead])
+    found: NDArray[np.bool_] = motors[candidates.motor] | gearheads[candidates.gearhead]
+    if (offered := offered_brakes(problem.spec, problem.catalog)) is not None:
+        brakes: NDArray[np.bool_] = np.append(_differ(problem.catalog, "brakes", problem.spec), False)
+        uncertain: NDArray[np.bool_] = np.any(brakes[offered.row], axis=1)
+        found |= uncertain[candidates.motor]
+    return np.flatnonzero(found)
 
 
 def _differ(catalog: Catalog, section: str, spec: RobotSpec) -> NDArray[np.bool_]:

@@ -101,7 +101,7 @@ def closer_stored(
         Lower and upper bounds.
     """
     low, high = found
-    motor, stage = parts.motor, spec.feed(parts.controller).stage
+    motor, stage = parts.motor, spec.feed(parts.controller, parts.brake).stage
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (spec.environment.ambient, warmest))
     k_t, ohm, loss = np.broadcast_arrays(motor["torque_constant"], stage.resistance, stage.least_loss)

@@ -26,11 +26,12 @@ class Candidates(NamedTuple):
     belt: NDArray[np.float64]
     listed: NDArray[np.bool_]
     controller: NDArray[np.int64] | None = None  # row of a controller, or FREE; None: one is chosen for each
+    brake: NDArray[np.int64] | None = None  # the same of a brake
 
     def on(self, rows: NDArray[Any] | slice) -> Candidates:
         """Some of them."""
-        controller = None if self.controller is None else self.controller[rows]
-        return Candidates(self.motor[rows], self.gearhead[rows], self.belt[rows], self.listed[rows], controller)
+        controller, brake = (None if given is None else given[rows] for given in (self.controller, self.brake))
+        return Candidates(self.motor[rows], self.gearhead[rows], self.belt[rows], self.listed[rows], controller, brake)
 
 
 def joined(several: Sequence[Candidates]) -> Candidates:

@@ -37,6 +37,7 @@ class Evaluation(NamedTuple):
     checks: list[CheckColumn]
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
+    brake: NDArray[np.int64]  # -1 none
     figures: Mapping[str, NDArray[np.float64]]  # what objectives count beside the catalogue's figures, SI
 
     @property
@@ -123,7 +124,7 @@ def _by_the_paper(problem: Problem, candidates: Candidates) -> Evaluation:
     encoder = encoders_for(spec, offered_encoders(spec, catalog), candidates.motor, speed, total)
     counted = counts_check(spec, catalog, encoder)
     checks = [fits("compatibility", True, candidates.listed), *checks, *controller.checks, *counted]
-    return Evaluation(problem, candidates, wheel, shaft, checks, encoder, controller.row, {})
+    return Evaluation(problem, candidates, wheel, shaft, checks, encoder, controller.row, np.full(len(encoder), -1), {})
 
 
 def by_physics(problem: Problem, candidates: Candidates, exact: bool) -> Evaluation:
@@ -147,17 +148,17 @@ def _over_bands(
 ) -> Evaluation:
     """Candidates at the middle of the bands of their estimated figures; each check holds what it is at both ends.
 
-    The controller is that of the unfavourable end: one drive is judged, not three.
+    Controller and brake are those of the unfavourable end: one drive is judged, not three.
     """
     rows = estimated(problem, candidates)
     if not len(rows):
         return at(problem, candidates)
     favourable, unfavourable = at_ends(problem)
     hard = at(unfavourable, candidates.on(rows))
-    easy = at(favourable, candidates.on(rows)._replace(controller=hard.controller))
-    given = np.full(len(candidates.motor), FREE)
-    given[rows] = hard.controller
-    middle = at(problem, candidates._replace(controller=given))
+    easy = at(favourable, candidates.on(rows)._replace(controller=hard.controller, brake=hard.brake))
+    controller, brake = np.full((2, len(candidates.motor)), FREE)
+    controller[rows], brake[rows] = hard.controller, hard.brake
+    middle = at(problem, candidates._replace(controller=controller, brake=brake))
     every = zip(middle.checks, easy.checks, hard.checks, strict=True)
     return middle._replace(candidates=candidates, checks=[over_band(m, (e, h), rows) for m, e, h in every])
 
@@ -185,8 +186,9 @@ def at_figures(problem: Problem, candidates: Candidates, exact: bool, each: Coll
     figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
     controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
     encoder = _scattered([(rows, one.encoder) for rows, one in found], count, np.int64)
+    brake = _scattered([(rows, one.brake) for rows, one in found], count, np.int64)
     checks = _in_order(found, count)
-    return Evaluation(problem, candidates, {}, {}, checks, encoder, controller, figures)
+    return Evaluation(problem, candidates, {}, {}, checks, encoder, controller, brake, figures)
 
 
 def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:

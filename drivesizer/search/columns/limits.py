@@ -24,6 +24,7 @@ from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
 from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit, nominal_torque_limit
+from drivesizer.search.columns.brakes import at_motor, own_figure
 from drivesizer.search.columns.encoders import angle_per_edge
 from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_limits
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads
@@ -209,15 +210,15 @@ def _in_range(name: str, ambient: float, least: Any, most: Any) -> CheckColumn:
     return replace(column, passed=passed, failed=cold | hot)
 
 
-def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]:
+def size_limits(spec: RobotSpec, motor: Any, gearhead: Any, brake: Any = None) -> list[CheckColumn]:
     """Dimensions, mass and price, where the spec limits them.
 
     Parameters
     ----------
     spec
         The machine, or one of its load cases.
-    motor, gearhead
-        Columns over candidates by field name.
+    motor, gearhead, brake
+        Columns over candidates by field name; no brake where drives have none.
 
     Returns
     -------
@@ -226,9 +227,14 @@ def size_limits(spec: RobotSpec, motor: Any, gearhead: Any) -> list[CheckColumn]
     """
     needs = spec.needs
     sums = {name: motor[name] + gearhead[name] for name in ("length", "mass", "price") if getattr(needs, name)}
+    more: dict[str, Any] = {}
+    if brake is not None:
+        own, more = {"length": "added_length", "mass": "mass", "price": "price"}, {"note": "with the brake"}
+        sums = {name: value + own_figure(brake, own[name]) for name, value in sums.items()}
+    found = [at_most(name, value, getattr(needs, name), **more) for name, value in sums.items()]
     if needs.diameter:
-        sums["diameter"] = np.maximum(motor["diameter"], gearhead["diameter"])
-    return [at_most(name, value, getattr(needs, name)) for name, value in sums.items()]
+        found.append(at_most("diameter", np.maximum(motor["diameter"], gearhead["diameter"]), needs.diameter))
+    return found
 
 
 def moving_limits(
@@ -268,7 +274,7 @@ def moving_limits(
 def unpowered_limits(
     spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts
 ) -> list[CheckColumn]:
-    """Those of ``moving_limits`` that hang on no current: inertias, and holding without power; also of steppers.
+    """Those of ``moving_limits`` that hang on no current, also of steppers: inertias.
 
     Parameters
     ----------
@@ -280,7 +286,7 @@ def unpowered_limits(
     list[CheckColumn]
         Columns over candidates.
     """
-    return [*_inertias(spec, cycle, demand, parts), *_holding(spec, cycle, parts)]
+    return _inertias(spec, cycle, demand, parts)
 
 
 def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
@@ -309,21 +315,15 @@ def _hottest_phase(spec: RobotSpec, demand: Demands, motor: Any) -> CheckColumn:
 def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Inertia ratio and first resonance: motor and load as two masses on the belt's stiffness."""
     needs, found = spec.needs, []
-    own = (parts.motor["rotor_inertia"] + parts.gearhead["inertia"]) * (demand.total_ratio * cycle.belt) ** 2
+    total = demand.total_ratio * cycle.belt
+    own = parts.motor["rotor_inertia"] + parts.gearhead["inertia"]
+    own = (own if parts.brake is None else own + at_motor(parts.brake, "inertia", total)) * total**2
     if needs.inertia_ratio is not None:
         found.append(at_most("inertia_ratio", cycle.load_cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
         first = resonance(spec.belt_stiffness, cycle.load_cycle.inertia, 1 + cycle.load_cycle.inertia / own)
         found.append(at_least("first_resonance", needs.resonance, first.resonance))
     return found
-
-
-def _holding(spec: RobotSpec, cycle: AtGearhead, parts: Parts) -> list[CheckColumn]:
-    """Torque at rest that reaches the motor, against its friction at standstill, which catalogues do not give."""
-    if not spec.needs.hold_unpowered:
-        return []
-    reaches = cycle.torque_at_rest * parts.gearhead["efficiency"] / parts.gearhead["ratio"]
-    return [at_most("holding", reaches, np.full(reaches.shape, np.nan))]
 
 
 def _peak_torque(demand: Demands, stresses: Stress, motor: Any, needed: float) -> CheckColumn:

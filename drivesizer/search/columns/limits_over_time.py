@@ -245,7 +245,7 @@ def _moments(
     R_25, *T = winding
     ends, means = resistance_at(R_25[:, None, None], T[0]), resistance_at(R_25[:, None], T[1])
     at_ends = flows._replace(voltage=flows.voltage + ends * flows.current)
-    feed = spec.feed(parts.controller)
+    feed = spec.feed(parts.controller, parts.brake)
     voltage, when = _largest_voltage(at_ends, stresses.cold_voltage, feed.leads if spec.resists else None)
     lost, total = means * mean_square(flows), flows.duration.sum()
     copper = behind_each(cycle, lambda _, some: some @ flows.duration, lost) / total

@@ -1,4 +1,4 @@
-"""Columns common to all load cases: encoders, controllers and limits of every motor, and the worst of each check."""
+"""Columns common to all load cases: parts that go with each motor, its own limits, and the worst of each check."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drivesizer.results.check_columns import CheckColumn, worst_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
+from drivesizer.search.columns.brakes import OfferedBrakes, offered_brakes
 from drivesizer.search.columns.controllers import Usable, usable_controllers
 from drivesizer.search.columns.encoders import Offered, offered_encoders
 from drivesizer.search.columns.limits import motor_limits
@@ -20,18 +21,20 @@ __all__ = ["Offers", "offers", "unknown_where_doubtful", "worst_of_all"]
 
 
 class Offers(NamedTuple):
-    """For every motor of the catalogues its encoders, controllers, and the limits that no load changes."""
+    """For every motor of the catalogues its encoders, controllers, brakes, and the limits that no load changes."""
 
     encoders: Offered
     controllers: Usable
     motor_limits: list[CheckColumn]
+    brakes: OfferedBrakes | None  # None where the spec wants none
 
 
 def offers(problem: Problem) -> Offers:
-    """The encoders, controllers and own limits of every motor, at the supply and ambient of all load cases."""
+    """The encoders, controllers, brakes and own limits of every motor, at the supply and ambient of all load cases."""
     spec, catalog = problem.spec, problem.catalog
     own = worst_of_all(problem, lambda k: motor_limits(problem.cases[k].spec, catalog.motors))
-    return Offers(offered_encoders(spec, catalog), usable_controllers(spec, catalog, problem.supply), own)
+    return Offers(offered_encoders(spec, catalog), usable_controllers(spec, catalog, problem.supply), own,
+                  offered_brakes(spec, catalog))  # fmt: skip
 
 
 def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) -> list[CheckColumn]:

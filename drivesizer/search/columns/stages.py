@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from drivesizer.physics.several_belts import AtGearheads, put_together
 from drivesizer.physics.stress import Parts, heat, on
 from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.results.problem import LoadCase, Problem
+from drivesizer.search.columns.brakes import at_motor, brake_limits, brakes_for
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.encoders import counts_check, encoders_for
 from drivesizer.search.columns.limits import (
@@ -36,7 +37,7 @@ from drivesizer.search.columns.shaft_limits import loads_on_motors
 from drivesizer.search.columns.steppers import Frictionless, stepped
 from drivesizer.search.columns.survivors import Alone, Sieve
 
-__all__ = ["Examined", "encoders_of", "examine"]
+__all__ = ["Examined", "brakes_of", "encoders_of", "examine", "felt"]
 
 Array = NDArray[np.float64]
 _SHORT = 256  # pieces of a cycle, up to which several belts are looked at together
@@ -54,6 +55,7 @@ class Examined(NamedTuple):
     margin: Array  # the smallest; NaN where margins are not computed
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
+    brake: NDArray[np.int64]  # -1 none
     figures: dict[str, Array]  # what objectives count, SI
     failed_by: Counter[str]  # of all candidates, as far as they were examined
     rejected: NDArray[np.int64]  # candidates rejected, of which the closest are shown
@@ -135,7 +137,7 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
     listed = fits("compatibility", True, sets.listed[sieve.rows])
     drive, specs = problem.belt_drive(belt), [case.spec for case in problem.cases]
     on_shaft = worst_of_all(problem, lambda k: loads_on_motors(specs[k], cycles[k], drive, motor, gearhead))
-    beside = [*size_limits(spec, motor, gearhead), *on_shaft]
+    beside = [*([] if offered.brakes else size_limits(spec, motor, gearhead)), *on_shaft]
     keep = sieve.through([listed, *beside])
     motor, gearhead = motor.on(keep), gearhead.on(keep)
     encoder = encoders_of(problem, offered, cycles, motor.rows, gearhead["ratio"])
@@ -143,13 +145,20 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
         sieve.through(counts_check(spec, catalog, encoder))
     given = None if sets.controller is None else Rows(catalog.controllers, sets.controller[sieve.rows])
     parts = Parts(motor, gearhead, Rows(catalog.encoders, encoder), given)
+    if offered.brakes:
+        chosen = None if sets.brake is None else sets.brake[sieve.rows]
+        parts = parts._replace(brake=brakes_of(problem, offered, cycles, parts, chosen))
+        parts = parts.on(sieve.through(size_limits(spec, motor, gearhead, parts.brake)))
     steppers = has_steppers(catalog)
-    turning = parts._replace(motor=Frictionless(motor)) if steppers else parts
+    turning = parts._replace(motor=Frictionless(parts.motor)) if steppers else parts
     cases = [_moving(case, cycle, turning) for case, cycle in zip(problem.cases, cycles, strict=True)]
     limits = unpowered_limits if steppers else moving_limits
 
     def moving(k: int) -> list[CheckColumn]:
         checks = limits(problem.cases[k].spec, cycles[k], *cases[k], parts)
+        if offered.brakes:
+            listed = offered.brakes.goes(parts.motor.rows, parts.brake.rows)
+            checks += brake_limits(problem.cases[k].spec, cycles[k], parts, cases[k].demand, listed)
         return unknown_where_doubtful(checks, cases[k].demand.complete)
 
     keep = sieve.through(worst_of_all(problem, moving))
@@ -158,8 +167,53 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
 
 
 def _moving(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
-    demand = demands(cycle, parts.motor, parts.gearhead, parts.encoder)
+    demand = demands(cycle, parts.motor, parts.gearhead, parts.encoder, felt(cycle, parts))
     return Moving(demand, heat(case.spec.environment.ambient, cycle, demand, parts.motor))
+
+
+def felt(cycle: AtGearhead, parts: Parts) -> Any:
+    """Inertia of brakes as the motor's shaft feels it [kg*m^2]; 0 where no drive has one.
+
+    Parameters
+    ----------
+    cycle
+        The load cycle at the gearhead's output.
+    parts
+        Of each candidate.
+
+    Returns
+    -------
+    float or array
+    """
+    if parts.brake is None:
+        return 0.0
+    return at_motor(parts.brake, "inertia", parts.gearhead["ratio"] * cycle.belt)
+
+
+def brakes_of(
+    problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], parts: Parts, given: Any = None
+) -> Rows | None:
+    """A brake for each candidate, that holds the load in all cases; None where the spec wants none.
+
+    Parameters
+    ----------
+    problem, offered
+        The problem, and its brakes.
+    cycles
+        The load cycle of each case at the gearhead's output.
+    parts
+        Motor, gearhead and encoder of each candidate.
+    given
+        Rows of brakes that are chosen already, or ``FREE``.
+
+    Returns
+    -------
+    Rows or None
+        Of the brakes; figures are unknown where there is none.
+    """
+    if offered.brakes is None:
+        return None
+    return Rows(problem.catalog.brakes, brakes_for(problem, offered.brakes, cycles, parts[:3], given))
 
 
 def encoders_of(
@@ -245,5 +299,10 @@ def _examined(moved: _Moved, found: Powered) -> Examined:
     bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.rejected)])
     return Examined(
         sieve.sets, sieve.rows, sieve.checks, sieve.unknown, sieve.margin, moved.parts.encoder.on(keep).rows,
-        found.controller[keep], figures, sieve.failed_by, rejected, bound,
+        found.controller[keep], _row_of(moved.parts.brake, len(moved.parts.motor.rows))[keep], figures,
+        sieve.failed_by, rejected, bound,
     )  # fmt: skip
+
+
+def _row_of(brake: Rows | None, count: int) -> NDArray[np.int64]:
+    return np.full(count, -1) if brake is None else brake.rows

@@ -95,7 +95,7 @@ def _resisted(
     k_t = motor["torque_constant"]
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
-    leads = spec.feed(parts.controller).leads if spec.resists else 0.0
+    leads = spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0
     cold_volts, hot_volts = stresses.cold_voltage.value, cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value
     at_hot = most_volts = np.maximum(hot_volts, cold_volts)
     if spec.resists:
@@ -105,7 +105,7 @@ def _resisted(
     low, high = low._replace(stored=np.zeros_like(k_t)), high._replace(stored=most_kept(spec, cycle, demand, motor))
     if not (spec.supply.current or spec.supply.power):
         return low, high
-    feed = spec.feed(parts.controller)
+    feed = spec.feed(parts.controller, parts.brake)
     least = _corner_power(cycle, demand, cool, k_t, feed) + feed.stage.standby
     most = np.minimum(_power_bound(cycle, demand, hot, k_t), stresses.current.value * at_hot)
     most = most + _most_beyond(cycle, demand, stresses, k_t)
@@ -138,7 +138,7 @@ def most_cold_power(
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
     most = _power_bound(cycle, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
-    return _at_source(most, stresses, spec.feed(parts.controller))
+    return _at_source(most, stresses, spec.feed(parts.controller, parts.brake))
 
 
 def _at_source(power: Array, stresses: Stress, feed: Feed) -> Array:
@@ -206,7 +206,7 @@ def closer(
     T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count)
     pair = found[0]._replace(winding=T.lower), found[1]._replace(winding=T.upper)
     low, high = _resisted(spec, cycle, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
-    feed = spec.feed(parts.controller)
+    feed = spec.feed(parts.controller, parts.brake)
     leads = np.broadcast_to(feed.leads, T.lower.shape)
     least, most = _in_blocks(cycle, demand, parts.motor, T, _blocks(cycle, count), leads[:, None])
     least = of_the_source(least[0] + feed.stage.standby, feed), least[1]

@@ -282,7 +282,7 @@ def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
     return cycles._replace(
         duration=cycles.duration[..., rows], speed=cycles.speed[..., rows],
         acceleration=cycles.acceleration[..., rows], torque=cycles.torque[..., rows], inertia=cycles.inertia[rows],
-        radius=cycles.radius[rows], own=own,
+        radius=cycles.radius[rows], own=own, held=cycles.held if np.ndim(cycles.held) == 0 else cycles.held[rows],
     )  # fmt: skip
 
 

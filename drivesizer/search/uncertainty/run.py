@@ -86,7 +86,7 @@ def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) ->
     given = evaluation.candidates
     rows = SetRows(
         int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
-        float(given.belt[row]),
+        float(given.belt[row]), int(evaluation.brake[row]),
     )  # fmt: skip
     return Subject(rows, tuple(c for c in (*evaluation.checks_of(row), *beside) if c.method == "physics"))
 

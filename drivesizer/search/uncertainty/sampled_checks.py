@@ -23,6 +23,7 @@ from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.physics.stress import Heat, Parts, Stress, heat, housing_loss, stress
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
+from drivesizer.search.columns.brakes import brake_limits, is_listed
 from drivesizer.search.columns.limits import (
     electrical_limits,
     gearhead_limits,
@@ -33,6 +34,7 @@ from drivesizer.search.columns.limits import (
 from drivesizer.search.columns.limits_over_time import Pair, least, waveform_limits
 from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.columns.shaft_limits import loads_on_motors
+from drivesizer.search.columns.stages import felt
 from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, battery_limits
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
@@ -62,6 +64,7 @@ class SetRows(NamedTuple):
     encoder: int
     controller: int
     belt: float
+    brake: int = -1
 
 
 class Block(NamedTuple):
@@ -230,6 +233,7 @@ def parts_of(catalog: Catalog, one: SetRows, block: Block) -> tuple[Parts, dict[
     return Parts(
         _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block),
         _Figures(catalog.encoders, one.encoder, block.size, {}), _controller(catalog, one.controller, block),
+        _Figures(catalog.brakes, one.brake, block.size, {}) if block.specs[0].wants_brake else None,
     ), factors  # fmt: skip
 
 
@@ -251,10 +255,11 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         By name: columns over the samples.
     """
     parts, factors = parts_of(catalog, one, block)
+    listed = is_listed(catalog, one.motor, one.brake)
     by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, factors, energies=bool(block.feeds))
+        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, factors, listed, energies=bool(block.feeds))
         at, drive = ats[one.belt], block.belts[one.belt]
         checks = [*load_limits(spec, at, drive), *checks, *_on_shaft(spec, at, drive, parts)]
         draws.append(draw)
@@ -300,21 +305,30 @@ def loaded(spec: Any, at: AtSamples, parts: Parts, factors: Mapping[str, Array],
     Loaded
         Columns over the samples.
     """
-    required = demands(at, parts.motor, parts.gearhead, parts.encoder)
+    required = demands(at, parts.motor, parts.gearhead, parts.encoder, felt(at, parts))
     at.keep(required.coefficients)
     warmth = heat(spec.environment.ambient, at, required, parts.motor, _losses(parts.motor, required, factors))
-    feed = spec.feed(parts.controller)
+    feed = spec.feed(parts.controller, parts.brake)
     peaks = stress(spec.environment.ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)
     figures = moments(spec, at, required, warmth, peaks, parts, feed, energies=energies)
     return Loaded(required, warmth, peaks, least(figures, required, warmth, peaks))
 
 
 def _of_a_case(
-    spec: Any, at: AtSamples, parts: Parts, one: SetRows, factors: Mapping[str, Array], *, energies: bool
+    spec: Any,
+    at: AtSamples,
+    parts: Parts,
+    one: SetRows,
+    factors: Mapping[str, Array],
+    listed: bool,
+    *,
+    energies: bool,
 ) -> tuple[list[CheckColumn], Draw]:
     """The checks of one load case, and the energy that its drives draw."""
     required, warmth, peaks, found = loaded(spec, at, parts, factors, energies=energies)
     moving = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
+    if parts.brake is not None:
+        moving += brake_limits(spec, at, parts, required, np.array([listed]))
     electrical = [*moving, *electrical_limits(spec, at, required, peaks, parts), *waveform_limits(spec, *found, parts)]
     sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies
     drawn = found[0].agreed(found[1])

@@ -104,7 +104,7 @@ def _demanded(spec: Any, case: Loaded) -> dict[str, Any]:
 
 def _at_full_voltage(spec: Any, parts: Parts, belt: float) -> dict[str, Any]:
     """Free speed [rad/s] and stall torque [N*m] of one drive at the nominal supply, winding at the ambient."""
-    motor, gearhead, feed = parts.motor, parts.gearhead, spec.feed(parts.controller)
+    motor, gearhead, feed = parts.motor, parts.gearhead, spec.feed(parts.controller, parts.brake)
     feed = feed._replace(voltage=spec.supply.nominal)
     cold = resistance_at(resistance_25(motor), spec.environment.ambient) + (feed.leads if spec.resists else 0.0)
     k_t, (dry, viscous), (efficiency, idle) = motor["torque_constant"], friction(motor), gear_loss(gearhead)

@@ -15,7 +15,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise, product
-from typing import NamedTuple
+from math import isnan, nan
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,7 @@ class Cycles(NamedTuple):
     like: LoadCycle  # the nominal one
     fitted: float  # largest error of the fit, of the largest value; 0: each computed
     computed: int  # number of cycles that were computed for it
+    held: Any = nan  # N*m, largest torque that holds each at rest on its path
 
     @property
     def size(self) -> int:
@@ -120,9 +122,13 @@ def _flat(cycle: LoadCycle) -> Array:
     """All figures of a cycle in a row."""
     columns = (cycle.duration, cycle.speed, cycle.acceleration, cycle.torque)
     own = [_of_own(one) for one in cycle.own]
-    return np.concatenate(
-        [*(c.reshape(-1) for c in columns), np.array([cycle.inertia, cycle.radius]), np.array(own).reshape(-1)]
-    )
+    single = [cycle.inertia, cycle.radius, *(figure for two in own for figure in two), *_held(cycle)]
+    return np.concatenate([*(c.reshape(-1) for c in columns), np.array(single)])
+
+
+def _held(cycle: LoadCycle) -> list[float]:
+    """The torque that holds it, where that is looked at."""
+    return [] if isnan(cycle.held) else [cycle.held]
 
 
 def _of_own(one: OwnLimit) -> tuple[float, float]:
@@ -163,7 +169,7 @@ def _side_by_side(several: Sequence[LoadCycle], like: LoadCycle) -> Cycles:
     inertia, radius = (np.array([getattr(cycle, name) for cycle in several]) for name in ("inertia", "radius"))
     return Cycles(
         column("duration"), column("speed"), column("acceleration"), column("torque"), inertia, radius, own, like, 0.0,
-        len(several),
+        len(several), np.array([cycle.held for cycle in several]),
     )  # fmt: skip
 
 
@@ -229,7 +235,7 @@ def _degrees(make: Callable[[Array], list[LoadCycle]], figures: int, size: Array
 def _sizes(like: LoadCycle, wanted: Array) -> Array:
     """For each figure of a cycle the largest value that its like has: of durations, speeds and so on."""
     n = len(like.duration)
-    parts = [n, 2 * n, 2 * n, 2 * n, *[1] * (2 + 2 * len(like.own))]
+    parts = [n, 2 * n, 2 * n, 2 * n, *[1] * (2 + 2 * len(like.own) + len(_held(like)))]
     edges = np.concatenate([[0], np.cumsum(parts)])
     largest = [np.abs(wanted[:, a:b]).max() for a, b in pairwise(edges)]
     return np.repeat(np.where(np.array(largest) > 0.0, largest, 1.0), parts)
@@ -288,4 +294,5 @@ def _unfolded(flat: Array, like: LoadCycle, error: float, computed: int) -> Cycl
         if not np.isnan(one.turning):
             demand = np.abs(torque - demand * acceleration).max(axis=(0, 1)) / tail[1]
         own.append(one._replace(demand=demand, limit=limit))
-    return Cycles(duration, speed, acceleration, torque, tail[0], tail[1], tuple(own), like, error, computed)
+    holding = tail[-1] if _held(like) else nan
+    return Cycles(duration, speed, acceleration, torque, tail[0], tail[1], tuple(own), like, error, computed, holding)

@@ -38,6 +38,7 @@ def shares(flow: EnergyFlow) -> list[Share]:
     into = [
         Share("resistance of the supply", flow.supply, "loss"),
         Share("controllers", flow.controller, "loss"),
+        Share("brake, released", flow.brake, "loss"),
         Share("copper of the winding", flow.copper, "loss"),
         Share("friction and iron of the motor", flow.friction, "loss"),
         Share("gearhead", flow.gearhead, "loss"),

@@ -208,6 +208,8 @@ def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
     Iterator of rows
     """
     yield from _names("set", {name: getattr(s, name) for name in ("motor", "gearhead", "encoder", "controller")})
+    if s.brake:
+        yield from _names("set", {"brake": s.brake})
     if s.belt_drive:
         yield from _names("set", {role.replace(" ", "_"): part for role, part in s.belt_drive.parts.items()})
         yield _figure("set", "centre_distance", "Centre distance", s.belt_drive.centre_distance, "length", "mm")

@@ -185,7 +185,8 @@ def _front(content: Content) -> Iterator[Block]:
 _COLUMNS = (
     SheetColumn("list", "list"), RANK, STATUS, SheetColumn("motor or actuator", "motor"),
     SheetColumn("motor part", "motor_part"), SheetColumn("gearhead", "gearhead"),
-    SheetColumn("gearhead part", "gearhead_part"), SheetColumn("belt", "belt"), SheetColumn("encoder", "encoder"),
+    SheetColumn("gearhead part", "gearhead_part"), SheetColumn("belt", "belt"), SheetColumn("brake", "brake"),
+    SheetColumn("encoder", "encoder"),
     SheetColumn("controller", "controller"), SheetColumn("gearhead ratio", "gearhead_ratio"),
     SheetColumn("belt ratio", "belt_ratio"), SheetColumn("total ratio", "total_ratio"),
     SheetColumn("mass (g)", "mass"), SheetColumn("mass of", "mass_of"), SheetColumn("price (EUR)", "price", "money"),
@@ -210,16 +211,17 @@ def _sheet(content: Content) -> list[Sheet]:
                   rows=[{"list": name} | _sheet_row(one, result.pareto) for name, one in drives])]  # fmt: skip
 
 
+_CHOSEN = ("brake", "encoder", "controller")
+
+
 def _sheet_row(s: DriveSet, pareto: tuple[str, ...]) -> table.Row:
     tight = worst(s.deciding)
-    separate = {
-        role: f"{p.family} {p.part}" if p else "" for role, p in s.parts.items() if role in ("encoder", "controller")
-    }
+    separate = {role: f"{p.family} {p.part}" if p else "" for role, p in s.parts.items() if role in _CHOSEN}
     objectives = (objective_figure(s, name) for name in pareto)
     return {
         "set_rank": s.rank, "status": s.status, "motor": s.motor_name, "motor_part": (s.actuator or s.motor).part,
         "gearhead": s.gearhead_name, "gearhead_part": s.gearhead.part if "gearhead" in s.parts else "",
-        "belt": s.belt_name, "encoder": separate.get("encoder", "inside"),
+        "belt": s.belt_name, "brake": separate.get("brake", ""), "encoder": separate.get("encoder", "inside"),
         "controller": separate.get("controller", "inside"), "gearhead_ratio": s.gearhead.ratio,
         "belt_ratio": s.belt_ratio, "total_ratio": s.total_ratio, "mass": from_si(s.mass, "g", "mass"),
         "mass_of": " + ".join(s.mass_of), "price": s.price, "price_of": " + ".join(s.price_of),

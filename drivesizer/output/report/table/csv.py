@@ -137,16 +137,17 @@ def _slug(title: str) -> str:
 _SET_HEADS = (
     "list", "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
     "belt_ratio", "driving_pulley_part", "belt_part", "driven_pulley_part", "centre_distance_m", "teeth_in_mesh",
-    "screw_part", "encoder_family", "encoder_part", "controller_family", "controller_part", "total_ratio", "mass_kg",
-    "mass_of",
-    "price_EUR",
+    "screw_part", "brake_family", "brake_part", "encoder_family", "encoder_part", "controller_family",
+    "controller_part", "total_ratio", "mass_kg", "mass_of", "price_EUR",
 )  # fmt: skip
 
 
 def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
     tightest = worst(s.deciding)
     margins, does = {c.name: c.margin for c in s.own_checks}, {f.name: f.value for f in s.figures}
-    chosen = [text for part in (s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))]
+    chosen = [
+        text for part in (s.brake, s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))
+    ]
     return [
         s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,
         s.belt_ratio, *_belt(s), s.chosen_screw.screw.part if s.chosen_screw else "", *chosen,

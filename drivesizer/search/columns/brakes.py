@@ -1,0 +1,364 @@
+"""A holding brake for every candidate at once: of those that go with its motor the smallest that holds the load.
+
+Smallest by what is summed in the objective of the spec, else by mass; then by torque and part number. A brake that a
+source lists with the motor goes before one that is sold apart, for any shaft: whether that can be mounted is not known.
+Where none is strong enough it is the strongest that is listed, so that its check can say by how much it falls short; a
+motor of which no list was found has none, and whether it holds is unknown. A load that holds itself needs none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Brake, Catalog, Table
+from drivesizer.catalog.view.own_brake import OWN
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.elements.braking import SLIPPING, Stop, held_by_brake, stop
+from drivesizer.results.check_columns import CheckColumn, at_most, between, fits
+from drivesizer.results.problem import Problem
+from drivesizer.search.columns.candidates import FREE
+from drivesizer.search.columns.controllers import selected
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import OBJECTIVES
+
+__all__ = [
+    "OfferedBrakes",
+    "at_motor",
+    "brake_limits",
+    "brakes_for",
+    "is_listed",
+    "offered_brakes",
+    "own_figure",
+    "stops",
+]
+
+Array = NDArray[np.float64]
+FLANGE = "flange"  # mounting of a brake for any shaft
+_FEW = 1000.0  # stops up to which a gearhead's emergency torque counts
+_FIGURE = {"length": "added_length"}  # of a brake, where an objective's is another
+
+
+class OfferedBrakes(NamedTuple):
+    """Brakes of each motor, the smallest first: rows are motors; where there are fewer, row -1 at the end."""
+
+    row: NDArray[np.int64]
+    listed: NDArray[np.bool_]  # which brake a source lists with which motor: (motors, brakes)
+    last: NDArray[np.int64]  # the strongest, -1 where none is listed
+
+    def goes(self, motor: NDArray[np.int64], brake: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Whether a source lists brakes with motors, by their rows; of none it does not."""
+        found: NDArray[np.bool_] = (brake >= 0) & np.pad(self.listed, ((0, 0), (0, 1)))[motor, brake]
+        return found
+
+
+def offered_brakes(spec: RobotSpec, catalog: Catalog) -> OfferedBrakes | None:
+    """The brakes that go with each motor and that the spec allows; None where it wants none.
+
+    Parameters
+    ----------
+    spec, catalog
+        The requirements, and the parts to choose from.
+
+    Returns
+    -------
+    OfferedBrakes or None
+        Brakes of each motor, shape (motors, most of any).
+    """
+    if not spec.wants_brake:
+        return None
+    table, motors = catalog.brakes, len(catalog.motors)
+    listed = np.zeros((motors, len(table)), bool)
+    listed[catalog.motor_brake.left, catalog.motor_brake.right] = True
+    own = table["family"] == OWN
+    listed |= own
+    named = own if spec.brake else selected(table, spec.select.brake) & ~own
+    strong = ~np.isnan(table["static_torque"])
+    apart = named & strong & (catalog.motors["inside"] == "")[:, None]
+    if not spec.select.brake.named:
+        apart &= table["mounting"] == FLANGE
+    fitting = (listed & named & strong) | apart
+    place = _in_order(table, spec, listed)
+    ordered = np.take_along_axis(fitting, place, axis=1)
+    number = fitting.sum(axis=1)
+    first = np.argsort(~ordered, axis=1, kind="stable")[:, : max(int(number.max(initial=0)), 1)]
+    if not len(table):
+        return OfferedBrakes(np.full((motors, 1), -1), listed, np.full(motors, -1))
+    there = np.arange(first.shape[1]) < number[:, None]
+    row = np.where(there, np.take_along_axis(place, first, axis=1), -1)
+    allowed = fitting if spec.select.brake.named else fitting & listed
+    strongest = np.where(allowed, table["static_torque"], -1.0).argmax(axis=1)
+    return OfferedBrakes(row, listed, np.where(allowed.any(axis=1), strongest, -1))
+
+
+def is_listed(catalog: Catalog, motor: int, brake: int) -> bool:
+    """Whether a source lists a brake with a motor, or the spec has it as its own.
+
+    Parameters
+    ----------
+    catalog
+        The parts.
+    motor, brake
+        Rows; -1 no brake.
+
+    Returns
+    -------
+    bool
+    """
+    pairs = catalog.motor_brake
+    listed = bool(np.any((pairs.left == motor) & (pairs.right == brake)))
+    return brake >= 0 and (listed or catalog.brakes["family"][brake] == OWN)
+
+
+def _in_order(table: Table[Brake], spec: RobotSpec, listed: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Brakes of each motor from the smallest, those that are listed before the others: (motors, brakes)."""
+    objective = spec.select.objective if isinstance(spec.select.objective, str) else "mass"
+    figure = OBJECTIVES[objective].figure
+    size = table[_FIGURE.get(figure, figure)] if figure in ("mass", "price", "length") else table["mass"]
+    order = np.lexsort((table["part"], table["static_torque"], size))
+    behind = np.argsort(~listed[:, order], axis=1, kind="stable")
+    found: NDArray[np.int64] = order[behind]
+    return found
+
+
+def own_figure(brake: Any, name: str) -> Any:
+    """A figure of brakes that is 0 where there is none; NaN unknown.
+
+    Parameters
+    ----------
+    brake
+        Columns by field name.
+    name
+        Of the field.
+
+    Returns
+    -------
+    Array
+        In SI.
+    """
+    return np.where(brake["part"] == "", 0.0, brake[name])
+
+
+def brakes_for(
+    problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Sequence[Any], given: Any = None
+) -> NDArray[np.int64]:
+    """Row of each candidate's brake, -1 where it has none.
+
+    Parameters
+    ----------
+    problem, offered
+        The problem, and its brakes.
+    cycles
+        The load cycle of each case at the gearhead's output.
+    parts
+        Motor, gearhead and encoder of each candidate: columns by field name, the motor with its rows.
+    given
+        Rows of brakes that are chosen already, or ``FREE``.
+
+    Returns
+    -------
+    array of int
+        Shape (rows,).
+    """
+    motor, gearhead, encoder = parts
+    spec, table = problem.spec, problem.catalog.brakes
+    option = offered.row[motor.rows]
+    found = np.full(len(option), -1)
+    every, last = np.arange(len(option)), offered.last[motor.rows]
+    if option.size and len(table):
+        shown = _Options(table, option)
+        passing, failing = _suits(problem, cycles, (_Wide(motor), _Wide(gearhead), _Wide(encoder)), shown)
+        found = last
+        for good in (~failing & (option >= 0), passing & (option >= 0)):  # the second is better than the first
+            found = np.where(good.any(axis=1), option[every, good.argmax(axis=1)], found)
+    if not spec.names_brake:
+        found = np.where(_needless(problem, cycles), -1, found)
+    return found if given is None else np.where(given == FREE, found, given)
+
+
+class _Wide:
+    """Columns of candidates, as such beside brakes: shape (rows, 1)."""
+
+    def __init__(self, part: Any) -> None:
+        self.part = part
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        found: NDArray[Any] = self.part[name][:, None]
+        return found
+
+
+class _Options:
+    """Figures of several brakes of each candidate: shape (rows, brakes)."""
+
+    def __init__(self, table: Table[Brake], rows: NDArray[np.int64]) -> None:
+        self.table, self.rows = table, rows
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        found: NDArray[Any] = self.table[name][self.rows]
+        return found
+
+
+def _needless(problem: Problem, cycles: Sequence[AtGearhead]) -> bool:
+    """Whether every load case holds itself."""
+    return all(cycle.held == 0.0 for cycle in cycles)
+
+
+def _suits(
+    problem: Problem, cycles: Sequence[AtGearhead], parts: Sequence[Any], brake: Any
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether brakes are known to hold and stop the load in all cases, and whether they are known not to."""
+    passing: NDArray[np.bool_] = np.ones(brake["static_torque"].shape, bool)
+    failing = ~passing
+    motor, gearhead, encoder = parts
+    turning = motor["rotor_inertia"] + gearhead["inertia"] + np.nan_to_num(encoder["inertia"])
+    for case, cycle in zip(problem.cases, cycles, strict=True):
+        spec, checks = case.spec, list[CheckColumn]()
+        if spec.needs.hold_unpowered:
+            checks = [_holding(spec, cycle, gearhead, brake)]
+        if spec.needs.emergency_stops:
+            inertia = turning + at_motor(brake, "inertia", gearhead["ratio"] * cycle.belt)
+            checks += _stop_limits(spec, cycle, gearhead, brake, inertia)
+        for check in checks:
+            passing &= check.passed
+            failing |= check.failed
+    return passing, failing
+
+
+def at_motor(brake: Any, name: str, total: Any) -> Any:
+    """Inertia of brakes as the motor's shaft feels it; 0 where there is none, NaN unknown.
+
+    Parameters
+    ----------
+    brake
+        Columns by field name.
+    name
+        ``inertia``.
+    total
+        Ratio from the motor to the load.
+
+    Returns
+    -------
+    Array
+        [kg*m^2]
+    """
+    return own_figure(brake, name) / _shaft(brake, total) ** 2
+
+
+def _shaft(brake: Any, total: Any) -> Any:
+    """Turns of the motor for one of the brake's shaft."""
+    return np.where(brake["shaft"] == "load", total, 1.0)
+
+
+def _holding(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any) -> CheckColumn:
+    """Torque at rest that reaches the brake, through belt and gearhead or at the load's shaft, against its own."""
+    at_load = cycle.held * cycle.belt / spec.belt_efficiency
+    behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
+    reaches = np.where(brake["shaft"] == "load", at_load, behind)
+    return at_most("holding", reaches, brake["static_torque"], needed=spec.needs.holding_factor - 1.0)
+
+
+def brake_limits(
+    spec: RobotSpec, cycle: AtGearhead, parts: Any, demand: Any, listed: NDArray[np.bool_]
+) -> list[CheckColumn]:
+    """Limits of brakes, and of gearheads that pass on what brakes hold.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    cycle
+        The load cycle at the gearhead's output.
+    parts
+        The parts of each candidate, its brake among them.
+    demand
+        Columns over candidates, of ``demands``.
+    listed
+        Whether a source lists the brake with the motor, shape (rows,).
+
+    Returns
+    -------
+    list[CheckColumn]
+        Columns over candidates.
+    """
+    brake, gearhead, needs = parts.brake, parts.gearhead, spec.needs
+    there = brake["part"] != ""
+    idle = ~there & np.asarray(cycle.held == 0.0)
+    found = [fits("brake_fits", listed | idle, listed | idle)]
+    if needs.hold_unpowered:
+        found.append(_holding(spec, cycle, gearhead, brake))
+        passed_on = there & (brake["shaft"] == "")
+        carried = np.where(passed_on, gearhead["intermittent_torque"], np.inf)
+        torque = cycle.held / spec.belt_efficiency
+        found.append(at_most("gearhead_holding", torque, carried, needed=spec.margins.torque))
+    fastest = np.where(np.isnan(brake["max_speed"]), np.inf, brake["max_speed"])
+    turning = demand.peak_speed / _shaft(brake, demand.total_ratio * cycle.belt)
+    found.append(at_most("brake_speed", turning, fastest, needed=spec.margins.speed))
+    if needs.emergency_stops:
+        inertia = demand.coefficients[:, _ACCELERATION] / demand.total_ratio
+        inertia = np.where(demand.left_out[:, _ACCELERATION], np.nan, inertia)
+        found += _stop_limits(spec, cycle, gearhead, brake, inertia)
+    return found
+
+
+_ACCELERATION = 3
+
+
+def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any, inertia: Any) -> tuple[Stop, Stop]:
+    """An emergency stop from the highest speed, as the weight pulls most: with a strong brake and with a weak one.
+
+    Parameters
+    ----------
+    spec, cycle
+        The load case, and its cycle at the gearhead's output.
+    gearhead, brake
+        Columns by field name.
+    inertia
+        Of all parts of the drive at the motor's shaft [kg*m^2].
+
+    Returns
+    -------
+    tuple of Stop
+        With the torque of a slipping brake at either end of what it may be; alike where that is printed.
+    """
+    total = gearhead["ratio"] * cycle.belt
+    shaft = _shaft(brake, total)
+    whole = (inertia + cycle.load_cycle.inertia / total**2) * shaft**2
+    weight = cycle.held * cycle.belt / spec.belt_efficiency / total * shaft
+    speed = cycle.peak_speed * gearhead["ratio"] / shaft
+    found = (stop(whole, speed, _slipping(brake, share), weight, brake["engage_time"]) for share in reversed(SLIPPING))
+    strong, weak = found
+    return strong, weak
+
+
+def _slipping(brake: Any, share: float) -> Any:
+    """Torque of slipping brakes as printed, else a share of their static one [N*m]."""
+    return np.where(np.isnan(brake["dynamic_torque"]), share * brake["static_torque"], brake["dynamic_torque"])
+
+
+def _stop_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any, inertia: Any) -> list[CheckColumn]:
+    """Energy and number of emergency stops, and what the gearhead passes on in one."""
+    number = float(spec.needs.emergency_stops or 0)
+    both = stops(spec, cycle, gearhead, brake, inertia)
+    energies = [at_most("brake_stop_energy", each.energy, brake["energy_per_stop"]) for each in both]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        permitted = [np.fmin(brake["total_energy"] / each.energy, brake["emergency_stops"]) for each in both]
+    counts = [at_most("brake_stops", number, limit) for limit in permitted]
+    return [between(*energies), between(*counts), _through_gearhead(spec, cycle, gearhead, brake, inertia)]
+
+
+def _through_gearhead(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any, inertia: Any) -> CheckColumn:
+    """Largest torque of a stop at the gearhead's output, with a brake at the motor that slips as hard as it holds."""
+    i = gearhead["ratio"]
+    load = cycle.load_cycle.inertia / (i * cycle.belt) ** 2
+    weight = cycle.held / spec.belt_efficiency / i
+    strongest = np.fmax(brake["static_torque"], brake["dynamic_torque"])
+    slowing = np.maximum(strongest - weight, 0.0) / (inertia + load)
+    torque = i * (weight + load * slowing)
+    few = float(spec.needs.emergency_stops or 0) <= _FEW
+    emergency = np.where(np.isnan(gearhead["emergency_torque"]) | (not few), gearhead["intermittent_torque"],
+                         gearhead["emergency_torque"])  # fmt: skip
+    free = (brake["part"] == "") | (brake["shaft"] != "") | np.isposinf(gearhead["intermittent_torque"])
+    return at_most("gearhead_stop_torque", torque, np.where(free, np.inf, emergency), needed=spec.margins.torque)
