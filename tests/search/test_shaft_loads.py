@@ -21,6 +21,7 @@ from drivesizer.physics.elements.shaft_load import (
 from drivesizer.search.columns.limits import load_limits
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.shaft_loads import shaft_loads
+from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 
 RACK = {"kind": "rack_pinion", "mass": "100 kg", "pinion_diameter": "50 mm"}
@@ -289,6 +290,22 @@ def test_motors_bear_the_load_where_there_is_no_gearhead():
     assert (radial.name, axial.name) == ("motor_radial_load", "motor_axial_load")
     assert radial.limit.tolist() == [250.0, math.inf]
     assert axial.failed.tolist() == [True, False]
+
+
+def test_a_toleranced_distance_gives_the_share_that_its_range_says(no_further_searches):
+    """A radial limit of 420 N at 12 mm holds the load up to a distance x: of 20 to 30 mm the share below x passes."""
+    spec = spec_of(
+        RACK | {"mass": "40 kg"}, shaft={"carries_load": True, "distance": "25 +- 5 mm", "pressure_angle": "0 deg"},
+        needs={"radial_load": "140 N"},
+        select={"catalogs": ["maxon"], "gearhead": {"part": "223081"}, "motor": {"part": "148867"}},
+    )  # fmt: skip
+    result = size(spec, top=1)
+    best = (*result.sets, *result.unsure, *result.misses)[0]
+    load = next(check for check in best.checks if check.name == "gearhead_radial_load")
+    share = next(one for one in best.reliability.checks if one.name == "gearhead_radial_load")
+    assert load.demand == pytest.approx(140.0 + 40.0)
+    limit = best.gearhead.max_radial_load * best.gearhead.radial_load_distance
+    assert share.passes == pytest.approx((limit / load.demand - 0.020) / 0.010, abs=0.01)
 
 
 # --- what is refused
