@@ -180,3 +180,18 @@ def test_bad_figures_are_refused_in_a_line(change, words):
 def test_a_negative_life_is_refused():
     with pytest.raises(InputError, match=r"needs\.life.*must be above 0 s"):
         spec_of(needs={"life": "-20000 h"})
+
+
+def test_driving_torque_of_thk_level():
+    """THK, A-733: WTF2040 at 1 m/s takes 120 N·mm, 80 kg at μ 0.003 and 15 N of seals. In acceleration THK divides the
+    friction by the efficiency and the mass's inertia not, 3680 N·mm at the screw; here all that passes the nut is."""
+    level = {"kind": "ball_screw", "mass": "80 kg", "lead": "40 mm", "efficiency": 0.9, "friction_coefficient": 0.003,
+             "friction_force": "15 N", "diameter": "20 mm", "length": "1200 mm"}  # fmt: skip
+    moves = {"speed": "1 m/s", "acceleration_time": "0.15 s", "cruise_time": "0.85 s"}
+    cycle = load_cycle(spec_of(level, moves))
+    assert cycle.torque[1] == pytest.approx(0.120, abs=0.003)  # printed of 17 N, which is 17.35 N
+    assert cycle.inertia == pytest.approx(3.39e-3, rel=0.01)  # 1.23e-3 kg·cm²/mm: 1.48e-4 kg·m² of the screw
+    friction, angular = 17.35 * 0.04 / (2 * math.pi * 0.9), 1 / 0.15 * 2 * math.pi / 0.04
+    assert friction + 3.39e-3 * angular == pytest.approx(3.68, abs=0.03)  # as printed, 4730 less 1e-3 of the rotor
+    through_nut = (17.35 + 80 / 0.15) * 0.04 / (2 * math.pi * 0.9)
+    assert cycle.torque[0, 0] == pytest.approx(through_nut + 1.48e-4 * angular, rel=0.005)
