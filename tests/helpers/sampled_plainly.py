@@ -76,6 +76,7 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
         motors = with_shares(motors, one.motor, v["motor.dry_friction"])
     catalog = replace(
         parts,
+        ends=(),  # at the figures of the sample, not over the bands of what is estimated
         motors=scaled(motors, one.motor, {
             "back_emf_constant": k, "resistance": v["motor.resistance"], "torque_constant": k,
             "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
@@ -93,6 +94,7 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
     mine = ControllerChoice(part=[str(parts.controllers["part"][one.controller])])
     moved = moved.model_copy(update={"select": moved.select.model_copy(update={"controller": mine})})
     only = Candidates(np.array([one.motor]), np.array([one.gearhead]), np.array([one.belt]), np.array([True]))
+    only = only._replace(brake=np.array([one.brake]))
     return evaluate(problem(moved, catalog), only), catalog
 
 

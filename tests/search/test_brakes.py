@@ -1,0 +1,261 @@
+"""Holding brakes: which one is chosen, what it holds and stops, where it counts; plain Python over random sets."""
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.load_cases import load_cycle
+from drivesizer.sizing import load_parts, size
+from drivesizer.spec.robot import load_spec, read_spec
+
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
+PARTS = """
+catalog: 1
+manufacturer: maker
+sources: {sheet: {document: a sheet, confidence: quoted}}
+motors:
+  - family: M
+    source: sheet
+    common: {kind: brushed, nominal_voltage: 24 V, no_load_speed: 4000 rpm, no_load_current: 200 mA,
+      nominal_speed: 3500 rpm, nominal_current: 6 A, resistance: 0.3 ohm, inductance: 0.1 mH,
+      torque_constant: 57 mN*m/A, max_speed: 9000 rpm, max_winding_temperature: 155 degC,
+      thermal_resistance_winding: 1 K/W, thermal_resistance_housing: 2 K/W, winding_time_constant: 30 s,
+      motor_time_constant: 900 s, ambient_min: -20 degC, ambient_max: 100 degC, length: 70 mm, price: 100 EUR}
+    columns: [part, rotor_inertia (g*cm^2), mass (g)]
+    rows:
+      - [listed, 140, 500]
+      - [bare, 140, 400]
+gearheads:
+  - family: G
+    source: sheet
+    common: {kind: planetary, stages: 2, direction: 1, continuous_input_speed: 8000 rpm, continuous_power: 500 W,
+      intermittent_power: 900 W, intermittent_input_speed: 9000 rpm, inertia: 9 g*cm^2, backlash: 1 deg,
+      temperature_min: -40 degC, temperature_max: 100 degC, mass: 400 g, length: 50 mm, price: 100 EUR}
+    columns: [part, reduction, ratio, efficiency (%), continuous_torque (N*m), intermittent_torque (N*m)]
+    rows:
+      - [G20, "20:1", 20, 80, 9, 14]
+      - [G35, "35:1", 35, 75, 9, 14]
+brakes:
+  - family: B
+    source: sheet
+    common: {supply: 24 V, power: 8 W, max_speed: 9000 rpm, emergency_stops: 2000}
+    columns: [part, static_torque (N*m), dynamic_torque (N*m), inertia (g*cm^2), added_length (mm), mass (g),
+      price (EUR), engage_time (ms), energy_per_stop (J), total_energy (kJ)]
+    rows:
+      - [B1, 0.1, 0.1, 5, 20, 60, 50, 10, 4, 8]
+      - [B2, 0.3, 0.2, 12, 25, 120, 70, 15, 9, 30]
+      - [B4, 0.9, 0.5, 30, 30, 300, 60, 25, 30, 200]
+compatibility:
+  motor_gearhead:
+    - {source: sheet, motors: [M], gearheads: [G]}
+  motor_brake:
+    - {source: sheet, motors: [listed], brakes: [B]}
+"""
+LIFT = """
+name: lift
+load: {kind: hoist, mass: 20 kg, drum_diameter: 50 mm, inertia: 2 kg*cm^2}
+motion: {speed: 0.2 m/s, acceleration_time: 0.3 s, cruise_time: 1 s, there_and_back: true, rest_time: 2 s}
+supply: {nominal: 24 V, accepts: all}
+needs: {hold_unpowered: true%s}
+select: {catalogs: [parts.yaml], estimates: off%s}
+%s
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("brakes")
+    (made / "parts.yaml").write_text(PARTS, encoding="utf-8")
+    return made
+
+
+@pytest.fixture(scope="module")
+def lift(folder):
+    """A lift whose needs, selection and further sections are given; its catalogue is read once."""
+    kept = []
+
+    def made(needs="", select="", more=""):
+        text = LIFT % (needs and f", {needs}", select and f", {select}", more)
+        spec = read_spec(YamlSource(text, str(folder / "robot.yaml")))
+        kept[:] = kept or [load_parts(spec)]
+        return size(spec, catalog=kept[0], top=20)
+
+    return made
+
+
+def drives(found):
+    return {(s.motor.part, s.gearhead.part): s for s in (*found.sets, *found.misses)}
+
+
+def check(one, name):
+    return next(c for c in one.checks if c.name == name)
+
+
+def test_the_smallest_that_holds_is_chosen(lift):
+    """20 kg at 25 mm: 4.9 N m; 0.8/20 and 0.75/35 of it, twice: 0.39 and 0.21 N m."""
+    found = drives(lift())
+    weight = 20 * 9.80665 * 0.025
+    for part, ratio, efficiency, brake in (("G20", 20, 0.80, "B4"), ("G35", 35, 0.75, "B2")):
+        one = found["listed", part]
+        assert one.brake.part == brake and check(one, "holding").status == check(one, "brake_fits").status == "pass"
+        assert check(one, "holding").demand == pytest.approx(weight * efficiency / ratio)
+        assert check(one, "holding").margin >= check(one, "holding").needed == 1.0
+        assert check(one, "gearhead_holding").demand == pytest.approx(weight)
+    by_price = drives(lift(select="objective: price"))
+    assert by_price["listed", "G35"].brake.part == "B4"  # 60 EUR before 70
+
+
+def test_its_inertia_mass_length_and_power_count(lift):
+    """Of a brake of 120 g and 25 mm, 70 EUR; its 8 W flow over the whole cycle."""
+    one = drives(lift(needs="length: 200 mm"))["listed", "G35"]
+    assert one.mass == pytest.approx(0.5 + 0.4 + 0.12) and one.mass_of == ("motor", "gearhead", "brake")
+    assert check(one, "length").demand == pytest.approx(0.07 + 0.05 + 0.025)
+    assert one.price == pytest.approx(100 + 100 + 70)
+    rows = {f.name: f.value for f in one.figures}
+    assert rows["brake_power"] == 8.0
+    problem = lift().problem
+    free = load_spec({**problem.machine.entered, "needs": {}})
+    loose = drives(size(free, catalog=problem.catalog, top=20))["listed", "G35"]
+    cycle = problem.cases[0].cycle.total
+    saved = rows["energy"] - {f.name: f.value for f in loose.figures}["energy"]
+    assert saved > 8.0 * cycle  # and what its inertia takes
+    assert saved == pytest.approx(8.0 * cycle, rel=0.05)
+    assert loose.brake is None and loose.mass == pytest.approx(0.9)
+
+
+def test_a_motor_without_a_list_has_none_and_that_is_unknown(lift):
+    one = drives(lift())["bare", "G35"]
+    assert one.brake is None and one.status == "unknown"
+    assert check(one, "holding").status == check(one, "brake_fits").status == "unknown"
+    named = drives(lift(select="brake: {part: B4}"))["bare", "G35"]
+    assert named.brake.part == "B4" and check(named, "holding").status == "pass"
+    assert check(named, "brake_fits").status == "unknown" and named.status == "unknown"
+
+
+def test_none_strong_enough_is_said_of_the_strongest(lift):
+    one = drives(lift(needs="holding_factor: 10"))["listed", "G20"]
+    assert one.brake.part == "B4" and check(one, "holding").status == "fail"
+
+
+def test_a_brake_of_the_spec_at_the_load(lift):
+    found = drives(lift(more="brake: {torque: 12 N*m, at: load, inertia: 20 kg*cm^2, mass: 2 kg, power: 20 W}"))
+    for one in found.values():
+        assert one.brake.part == "brake" and check(one, "brake_fits").status == "pass"
+        assert check(one, "holding").demand == pytest.approx(20 * 9.80665 * 0.025)
+        assert one.brake_inertia == pytest.approx(20e-4 / one.gearhead.ratio**2)
+        assert not [c for c in one.checks if c.name == "gearhead_holding"]  # nothing passes through it
+
+
+def stopped(one, speed, weight, load_inertia, count):
+    """Energy, stops and gearhead torque of an emergency stop, by the formulas in plain Python."""
+    i, brake = one.gearhead.ratio, one.brake
+    J = one.motor.rotor_inertia + one.gearhead.inertia + brake.inertia + load_inertia / i**2
+    w, M_L = speed * i, weight / i
+    w += M_L / J * brake.engage_time
+    W = J * w * w / 2 * brake.dynamic_torque / (brake.dynamic_torque - M_L) if brake.dynamic_torque > M_L else math.inf
+    slowing = (max(brake.static_torque, brake.dynamic_torque) - M_L) / J / i
+    permitted = min(brake.total_energy / W, brake.emergency_stops)
+    return W, permitted, weight + load_inertia * slowing, brake.energy_per_stop >= W and count <= permitted
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_sets_against_plain_python(lift, seed):
+    draw = np.random.default_rng(seed)
+    mass, speed, count = draw.uniform(2, 30), draw.uniform(0.05, 0.25), int(draw.integers(1, 3000))
+    base = lift().problem
+    data = base.machine.entered
+    spec = load_spec({
+        **data,
+        "load": {**data["load"], "mass": f"{mass} kg"},
+        "motion": {**data["motion"], "speed": f"{speed} m/s"},
+        "needs": {"hold_unpowered": True, "emergency_stops": count},
+        "select": {**data["select"], "unknown": "allow"},
+    })  # fmt: skip
+    found = drives(size(spec, catalog=base.catalog, top=20))
+    weight, inertia = mass * 9.80665 * 0.025, 2e-4 + mass * 0.025**2
+    brakes = [base.catalog.brakes.record(row) for row in range(3)]
+    for one in (found[key] for key in found if key[0] == "listed"):
+        reaches = weight * one.gearhead.efficiency / one.gearhead.ratio
+        assert check(one, "holding").demand == pytest.approx(reaches)
+        W, permitted, torque, _ = stopped(one, speed / 0.025, weight, inertia, count)
+        assert check(one, "brake_stop_energy").demand == pytest.approx(W)
+        assert check(one, "brake_stops").limit == pytest.approx(permitted)
+        assert check(one, "gearhead_stop_torque").demand == pytest.approx(torque)
+        good = []
+        for brake in brakes:
+            other = type("Set", (), {"motor": one.motor, "gearhead": one.gearhead, "brake": brake})
+            *_, through, stops = stopped(other, speed / 0.025, weight, inertia, count)
+            good.append(2 * reaches <= brake.static_torque and stops and through <= one.gearhead.intermittent_torque)
+        wanted = brakes[good.index(True)] if any(good) else brakes[-1]
+        assert one.brake.part == wanted.part
+
+
+SWING = {
+    "name": "arm",
+    "load": {"kind": "arm", "mass": "2 kg", "length": "0.5 m"},
+    "motion": {"speed": "1 rad/s", "acceleration_time": "0.1 s", "cruise_time": "0.9 s", "there_and_back": True},
+    "supply": {"nominal": "24 V"},
+    "needs": {"hold_unpowered": True},
+}
+
+
+@pytest.mark.parametrize(("start", "part"), [("-30 deg", 1.0), ("20 deg", math.cos(math.radians(20)))])
+def test_an_arm_is_held_where_it_is_heaviest(start, part):
+    """It swings up by 1 rad: from 30 degrees below through level, or from 20 degrees above."""
+    spec = load_spec({**SWING, "load": {**SWING["load"], "start_angle": start}})
+    assert load_cycle(spec).held == pytest.approx(2 * 9.80665 * 0.5 * part)
+    free = load_spec({**SWING, "load": {**SWING["load"], "start_angle": start}, "needs": {}})
+    assert math.isnan(load_cycle(free).held)  # nobody looks at it
+
+
+@pytest.mark.parametrize(("efficiency", "held"), [("35 %", 0.0), ("80 %", 10 * 9.80665 * 0.005 / (2 * math.pi))])
+def test_a_screw_that_locks_itself_needs_no_brake(efficiency, held):
+    load = {"kind": "lead_screw", "mass": "10 kg", "lead": "5 mm", "efficiency": efficiency, "incline": "90 deg",
+            "inertia": "0 kg*m^2"}  # fmt: skip
+    spec = load_spec({**SWING, "load": load, "motion": {**SWING["motion"], "speed": "20 mm/s"}})
+    assert load_cycle(spec).held == pytest.approx(held)
+
+
+BAD = [
+    ({"brake": {"inertia": "1 g*cm^2"}}, "torque"),
+    ({"brake": {"torque": "0 N*m"}}, "brake.torque"),
+    ({"brake": {"torque": "-1 N*m"}}, "brake.torque"),
+    ({"brake": {"torque": "1 N*m", "energy_per_stop": "-3 J"}}, "brake.energy_per_stop"),
+    ({"brake": {"torque": "1 N*m", "colour": "red"}}, "colour"),
+    ({"brake": {"torque": "1 N*m", "energy_per_stop": "9 J", "total_energy": "8 J"}}, "total_energy"),
+    ({"brake": {"torque": "1 N*m"}, "select": {"brake": {"part": "AB 28"}}}, "not both"),
+    ({"needs": {"hold_unpowered": True, "holding_factor": 0.5}}, "holding_factor"),
+    ({"needs": {"emergency_stops": 0}}, "emergency_stops"),
+]
+
+
+@pytest.mark.parametrize(("section", "said"), BAD)
+def test_bad_figures_are_one_line(section, said):
+    with pytest.raises(InputError) as error:
+        load_spec({**SWING, **section})
+    assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_catalogue_s_brake_without_torque_is_refused(folder):
+    for bad in ("0", "-1"):
+        (folder / "bad.yaml").write_text(PARTS.replace("[B1, 0.1,", f"[B1, {bad},"), encoding="utf-8")
+        with pytest.raises(Exception, match=r"static_torque"):
+            load_parts(read_spec(YamlSource(LIFT.replace("parts.yaml", "bad.yaml") % ("", "", ""), str(folder / "r"))))
+
+
+def test_every_combination_of_needs_has_its_checks(lift):
+    names = {"holding", "gearhead_holding", "brake_stop_energy", "brake_stops", "gearhead_stop_torque"}
+    for hold, stops in product((True, False), repeat=2):
+        problem = lift().problem
+        needs = {"hold_unpowered": hold} | ({"emergency_stops": 10} if stops else {})
+        found = size(load_spec({**problem.machine.entered, "needs": needs}), catalog=problem.catalog, top=1)
+        one = (found.sets or found.misses)[0]
+        wanted = ({"holding", "gearhead_holding"} if hold else set()) | (names - {"holding", "gearhead_holding"}
+                                                                       if stops else set())  # fmt: skip
+        assert {c.name for c in one.checks} & names == wanted
+        assert (one.brake is not None) == (hold or stops)
