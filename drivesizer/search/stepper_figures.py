@@ -10,6 +10,8 @@ from drivesizer.physics.stepper.starting import natural_frequency, start_speed_w
 from drivesizer.results.check import Figure
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
+from drivesizer.search.columns.candidates import Rows
+from drivesizer.search.columns.steppers import available_torque
 
 __all__ = ["STEPPER_ASSUMPTIONS", "stepper_figures"]
 
@@ -29,6 +31,8 @@ _TABLE = (
     ("joule_heat", "Heat of both windings at rated current", "power", "W"),
     ("peak_current", "Amplitude of the phase current to set", "current", "A"),
     ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
+    ("pull_out_at_rest", "Pull-out torque at low speed", "torque", "N*m"),
+    ("pull_out_at_speed", "Pull-out torque at the highest speed", "torque", "N*m"),
     ("step_rate", "Full steps per second at the highest speed", "frequency", "Hz"),
     ("natural_frequency", "Natural frequency with the load, held", "frequency", "Hz"),
     ("start_rate", "Full steps per second without a ramp, no load torque", "frequency", "Hz"),
@@ -56,9 +60,16 @@ def stepper_figures(problem: Problem, parts: DriveParts, values: dict[str, float
     steps, total = 4.0 * motor.pole_pairs, parts.total_ratio
     rotor = motor.rotor_inertia
     inertia = rotor + parts.gearhead.inertia + float(cycle.inertia) / total**2
+    fastest = float(np.abs(cycle.speed).max()) * total
+    motors = problem.catalog.motors
+    row = Rows(motors, np.array([motors.rows[motor.part]]))
+    volts = problem.spec.supply.lowest
+    at_rest, at_speed = available_torque(row, problem.catalog.pull_outs, np.array([[0.0, fastest]]), volts)[0].tolist()
     starts = start_speed_with(motor.start_speed, rotor, inertia, 0.0, motor.holding_torque)
     own = {
-        "step_rate": float(np.abs(cycle.speed).max()) * total * steps / (2.0 * pi),
+        "pull_out_at_rest": at_rest,
+        "pull_out_at_speed": at_speed,
+        "step_rate": fastest * steps / (2.0 * pi),
         "natural_frequency": float(natural_frequency(motor.pole_pairs, motor.holding_torque, inertia)),
         "start_rate": float(starts) * steps / (2.0 * pi),
     }

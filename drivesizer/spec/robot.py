@@ -152,6 +152,8 @@ class RobotSpec(Section):
         if self.carries and (self.platform is not None or not self.load.takes_payload):
             what = "platform" if self.platform else self.load.kind
             raise ValueError(f"motion: a {what} takes no payload that changes; expected load cases")
+        if self.needs.start_speed is not None and not self.steps:
+            raise ValueError("needs.start_speed: it is of steppers; expected select: {motor: {kind: stepper}}")
         if self.method == "paper" and self.steps:
             raise ValueError("method: the paper treats DC motors, no steppers; expected method: physics")
         if self.method == "paper" and not self.paper_applies:

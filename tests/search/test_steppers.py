@@ -141,6 +141,7 @@ def test_a_drive_with_its_driver_passes(path: Path) -> None:
     assert values["joule_heat"] == pytest.approx(2 * 2.0**2 * 1.6)
     assert values["peak_current"] == pytest.approx(2.0 * math.sqrt(2.0))
     assert values["step_rate"] == pytest.approx(300 / 60 * 200)
+    assert values["pull_out_at_rest"] == values["pull_out_at_speed"] == pytest.approx(0.42)
     T, steps = 1.1, 0.15 * 2 + 0.5 + 0.3
     assert pytest.approx(steps) == T
     assert values["energy"] == pytest.approx(12.8 * T, rel=1e-6)  # what accelerates comes back into the windings
@@ -297,6 +298,7 @@ def test_json_names_the_stepper_and_its_checks(path: Path) -> None:
         ({"select": {"catalogs": ["vex"]}}, "vex without steppers; expected e.g. stepperonline"),
         ({"margins": {"pull_out": 0.5}}, "pull_out"),
         ({"needs": {"start_speed": "-5 rpm"}}, "start_speed"),
+        ({"needs": {"start_speed": "5 rpm"}, "select": {"motor": {}}}, "start_speed: it is of steppers; expected sel"),
     ],
 )
 def test_refused_in_a_line(path: Path, changes: dict[str, Any], said: str) -> None:

@@ -114,7 +114,8 @@ def stepped(
         found = [
             _torque_limit(spec, cycles[k], demand[k], parts, catalog.pull_outs),
             *_starting(spec, cycles[k], demand[k], parts, catalog.pull_outs),
-            *_steps(spec, cycles[k], demand[k], parts),
+            *_resolution(spec, cycles[k], demand[k], parts),
+            *([] if staged else _advice(spec, cycles[k], demand[k], parts)),
         ]
         return unknown_where_doubtful(found, demand[k].complete)
 
@@ -270,15 +271,20 @@ def _starting(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts,
     return [at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed)]
 
 
-def _steps(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
-    """Angle of a microstep at the load, and advice on resonance and inertia."""
+def _resolution(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
+    """Angle of a microstep at the load; of a full step, where the driver's are unknown and that is fine enough."""
+    need = spec.needs.resolution_at_load
+    if need is None:
+        return []
+    full = 2.0 * np.pi / (4.0 * parts.motor["pole_pairs"] * demand.total_ratio * cycle.belt)
+    micro = full / parts.controller["microsteps"]
+    return [at_most("step_resolution", np.where(np.isnan(micro) & (full <= need), full, micro), need)]
+
+
+def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
+    """Advice on inertia and resonance."""
     motor, found = parts.motor, list[CheckColumn]()
     steps = 4.0 * motor["pole_pairs"]
-    need = spec.needs.resolution_at_load
-    if need is not None:
-        full = 2.0 * np.pi / (steps * demand.total_ratio * cycle.belt)
-        micro = full / parts.controller["microsteps"]
-        found.append(at_most("step_resolution", np.where(np.isnan(micro) & (full <= need), full, micro), need))
     load, inertia = _inertia(cycle, demand, parts)
     if spec.needs.inertia_ratio is None:
         found.append(at_most("inertia_ratio", load / (inertia - load), _RATIO, advice=True, note=_HEAVY))
