@@ -12,14 +12,18 @@ k_e back-EMF constant [V*s/rad], i ratio.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from math import nan
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog import Catalog
 from drivesizer.load_cases import load_cycle
+from drivesizer.machine.pull_out import torque_of_part
 from drivesizer.machine.set_columns import OneRow
+from drivesizer.machine.set_cycle import turned
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, DRIVING, SPEED, AtGearhead, at_gearhead
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.motor_demand import Demands, demands, friction
@@ -29,7 +33,7 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["OperatingField", "field", "hot_winding"]
+__all__ = ["OperatingField", "field", "hot_winding", "with_pull_out"]
 
 Array = NDArray[np.float64]
 _POINTS = 201  # of each line
@@ -54,6 +58,8 @@ class OperatingField:
     cycle_torque: Ends  # N*m, signed as the speed is
     rms_speed: float  # rad/s
     rms_torque: float  # N*m, constant torque that draws the cycle's RMS current at its RMS speed
+    pull_out: Array | None = None  # N*m over the speed, of a stepper
+    factor: float = nan  # by which that must exceed the cycle
 
 
 def hot_winding(found: OperatingField) -> str:
@@ -84,7 +90,10 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     """
     motor, gearhead, encoder = (OneRow(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
-    demand = _as_far_as_known(demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia), motor)
+    if drive_set.steps:
+        demand = turned(spec, drive_set)[1]
+    else:
+        demand = _as_far_as_known(demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia), motor)
     cycle_speed, cycle_torque = _cycle(cycle, demand)
     rms_speed, rms_torque = _rms(cycle, demand, drive_set)
     return OperatingField(
@@ -96,6 +105,29 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         rms_speed=rms_speed,
         rms_torque=rms_torque,
     )
+
+
+def with_pull_out(found: OperatingField, spec: RobotSpec, catalog: Catalog, part: str) -> OperatingField:
+    """The field of a stepper with its pull-out torque, up to half more than the highest speed of the cycle.
+
+    Parameters
+    ----------
+    found
+        Of ``field``.
+    spec
+        The machine, or one of its load cases.
+    catalog
+        As a search for steppers takes it.
+    part
+        Of the stepper.
+
+    Returns
+    -------
+    OperatingField
+    """
+    speed = 1.5 * found.speed
+    torque = torque_of_part(catalog, part, speed, spec.supply.lowest)
+    return replace(found, speed=speed, pull_out=torque, factor=spec.margins.pull_out)
 
 
 def _as_far_as_known(demand: Demands, motor: Any) -> Demands:

@@ -6,12 +6,11 @@ from math import pi
 
 import numpy as np
 
+from drivesizer.machine.pull_out import torque_of_part
 from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
 from drivesizer.results.check import Figure
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
-from drivesizer.search.columns.candidates import Rows
-from drivesizer.search.columns.steppers import available_torque
 
 __all__ = ["STEPPER_ASSUMPTIONS", "stepper_figures"]
 
@@ -61,10 +60,8 @@ def stepper_figures(problem: Problem, parts: DriveParts, values: dict[str, float
     rotor = motor.rotor_inertia
     inertia = rotor + parts.gearhead.inertia + float(cycle.inertia) / total**2
     fastest = float(np.abs(cycle.speed).max()) * total
-    motors = problem.catalog.motors
-    row = Rows(motors, np.array([motors.rows[motor.part]]))
-    volts = problem.spec.supply.lowest
-    at_rest, at_speed = available_torque(row, problem.catalog.pull_outs, np.array([[0.0, fastest]]), volts)[0].tolist()
+    speeds, volts = np.array([0.0, fastest]), problem.spec.supply.lowest
+    at_rest, at_speed = torque_of_part(problem.catalog, motor.part, speeds, volts).tolist()
     starts = start_speed_with(motor.start_speed, rotor, inertia, 0.0, motor.holding_torque)
     own = {
         "pull_out_at_rest": at_rest,

@@ -20,6 +20,7 @@ from drivesizer.catalog.view.stepper_view import stepper_view
 from drivesizer.control.drive_train import NoLoopError, drive_train
 from drivesizer.errors import InputError
 from drivesizer.machine.energy_flow import energy_flow
+from drivesizer.machine.operating_field import field, with_pull_out
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.output.json.documents import as_text, sizing
 from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
@@ -272,6 +273,19 @@ def test_what_is_returned_stays_on_the_bus(path: Path) -> None:
     assert energy > 0.1
     assert check(found, "bus_voltage").demand == pytest.approx(math.sqrt(24.0**2 + 2 * energy / 0.01))
     assert check(sized(path, **given, supply={"accepts": "all"}).sets[0], "bus_voltage").status == "pass"
+
+
+def test_the_field_has_the_pull_out_torque(path: Path) -> None:
+    """A2 at 24 V, up to half more than 600 rpm: 0.42 N*m up to 400 rpm, 0.32 at 700, between them a straight line."""
+    found = sized(path, motion={"speed": "600 rpm"}, select={"motor": {"kind": "stepper", "part": "A2"}})
+    spec, drive = found.problem.spec, found.sets[0]
+    lines = with_pull_out(field(spec, drive), spec, found.problem.catalog, "A2")
+    assert lines.pull_out is not None
+    assert lines.speed[-1] == pytest.approx(900 * RPM)
+    at = np.interp([100 * RPM, 400 * RPM, 550 * RPM], lines.speed, lines.pull_out)
+    assert at == pytest.approx([0.42, 0.42, 0.37], abs=2e-3)
+    assert np.abs(lines.cycle_torque).max() == pytest.approx((4e-4 + 82e-7) * 600 * RPM / 0.15, rel=1e-6)
+    assert lines.factor == 2.0
 
 
 def test_no_closed_loop_of_a_stepper(path: Path) -> None:

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.pull_outs import PullOuts
 from drivesizer.catalog.view.stepper_view import STEPPER
+from drivesizer.machine.pull_out import available_torque
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
-from drivesizer.physics.stepper.pull_out import amplitude, pull_out_torque, rescaled_torque
+from drivesizer.physics.stepper.pull_out import amplitude
 from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
 from drivesizer.physics.stress import Parts
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most, fits
@@ -30,7 +31,7 @@ from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Frictionless", "available_torque", "stepped"]
+__all__ = ["Frictionless", "stepped"]
 
 Array = NDArray[np.float64]
 _LEVELS = 64
@@ -163,62 +164,6 @@ def _worst(
     fails = share[every, known] * spec.margins.pull_out > 1.0
     place = np.where(unknown.any(axis=1) & ~fails, unknown.argmax(axis=1), known)
     return torque[every, place], limit[every, place], place
-
-
-def available_torque(motor: Any, curves: PullOuts, speed: Array, voltage: float) -> Array:
-    """Pull-out torque of steppers: by the printed curve where there is one, else the model's times its share.
-
-    Of several curves that of the highest voltage that the supply reaches counts, else that of the lowest.
-
-    Parameters
-    ----------
-    motor
-        Columns over candidates by field name, the row of the stepper among them.
-    curves
-        Printed points of the catalogue.
-    speed
-        Of the motors [rad/s], shape (candidates, points).
-    voltage
-        Of the supply [V].
-
-    Returns
-    -------
-    array
-        [N*m], shape (candidates, points).
-    """
-    figures = {
-        name: motor[column][:, None]
-        for name, column in (("holding_torque", "holding_torque"), ("phase_current", "nominal_current"),
-                             ("resistance", "resistance"), ("inductance", "inductance"), ("teeth", "pole_pairs"))
-    }  # fmt: skip
-    found: Array = motor["pull_out_share"][:, None] * pull_out_torque(speed, voltage, **figures)
-    if not len(curves.speed):
-        return found
-    which = _curve_of(curves, voltage, int(motor[STEPPER].max(initial=0)) + 1)[motor[STEPPER]]
-    rows = np.flatnonzero(which >= 0)
-    if len(rows):
-        at_speed, at_torque, at_voltage = (column[which[rows]] for column in _as_rows(curves))
-        found[rows] = rescaled_torque(speed[rows], voltage, at_speed, at_torque, at_voltage)
-    return found
-
-
-def _curve_of(curves: PullOuts, voltage: float, count: int) -> NDArray[np.int64]:
-    """For each stepper the number of its curve for a supply voltage, -1 where it has none."""
-    _, first = np.unique(curves.curve, return_index=True)
-    volts = curves.voltage[first]
-    nearness = np.where(volts <= voltage, volts, -volts)  # the highest below, else the lowest above
-    found = np.full(count, -1)
-    for number in np.argsort(nearness, kind="stable").tolist():
-        if curves.stepper[first[number]] < count:
-            found[curves.stepper[first[number]]] = number
-    return found
-
-
-def _as_rows(curves: PullOuts) -> tuple[Array, Array, Array]:
-    """Speeds and torques of the curves, a row each, filled up with the last point; and their voltages."""
-    _, first, number = np.unique(curves.curve, return_index=True, return_counts=True)
-    place = first[:, None] + np.minimum(np.arange(number.max()), number[:, None] - 1)
-    return curves.speed[place], curves.torque[place], curves.voltage[first]
 
 
 def _points(cycle: AtGearhead) -> tuple[Array, Array]:

@@ -149,6 +149,10 @@ def _lines(axes: Axes, found: OperatingField, unit: str, reach: float, *, plain:
             torque, rpm = from_si(values, unit, "torque"), from_si(found.speed, "rpm", "rotary_speed")
             axes.plot(torque, rpm, color=COLOURS[colour], linestyle=dashes, label=name)
 
+    if found.pull_out is not None:
+        line(found.pull_out, "blue", "solid", "pull-out torque" if plain else "pull-out torque, lowest supply")
+        line(found.pull_out / found.factor, "blue", (0, (5, 2)), f"1/{found.factor:g} of it")
+        return
     _continuous(axes, found, unit)
     hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
     ambient = show(found.ambient, "degC", "temperature", 3)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer import equations as eq
-from drivesizer.machine.operating_field import OperatingField, field
+from drivesizer.machine.operating_field import OperatingField, field, with_pull_out
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.requirement import Requirement
@@ -57,6 +57,8 @@ def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requiremen
     alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
     for number, case in enumerate(problem.cases):
         found = field(case.spec, drive_set)
+        if drive_set.steps:
+            found = with_pull_out(found, case.spec, problem.catalog, drive_set.motor.part)
         alike.setdefault((found.voltage, found.ambient), []).append((number, case.name, found))
     points = paper_points(drive_set, requirements) if problem.spec.method == "paper" else ()
     return [Panel(cases=tuple(cases), points=points) for cases in alike.values()]
@@ -116,8 +118,10 @@ def signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float
 def reach_of(panel: Panel) -> float:
     """The torque to which the axis goes [N*m]: what the drive may do and the cycle requires, seldom as far as stall."""
     first = panel.cases[0][-1]
+    required = [float(np.nan_to_num(signed(f)[1]).max()) for *_, f in panel.cases]
+    if first.pull_out is not None:
+        return max(float(np.nan_to_num(first.pull_out).max()), *required)
     stall = float(np.nan_to_num(first.voltage_cold[0]))
     lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
     known = [min(float(x), stall) for x in lines if x == x]
-    required = [float(np.nan_to_num(signed(f)[1]).max()) for *_, f in panel.cases]
     return max(*known, *required, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *required)

@@ -35,6 +35,11 @@ _VOLTAGE = (
     "temperature and at the ambient. Torque is that of the motor's shaft, its rotor's acceleration included; below 0 "
     "it brakes."
 )
+_PULL_OUT = (
+    "Torque and speed of the stepper: its pull-out torque at the lowest voltage of the supply, and the part of it that "
+    "the cycle may take by the factor of the spec. Torque is that of the motor's shaft, its rotor's acceleration "
+    "included; below 0 it brakes."
+)
 _DOT = "The dot draws the RMS current of the cycle at its RMS speed."
 _ON_PAGE = (
     "Shaded dark: allowed continuously; light: over short times, as rated for controller and gearhead; both with a hot "
@@ -92,6 +97,8 @@ def field_picture(content: Content) -> Picture:
     Picture
     """
     more = ""
+    if content.drive is not None and content.drive.steps:
+        return Picture("field", _PULL_OUT, "torque-speed field of the stepper with the load cycle")
     if content.result.method == "paper":
         more += " The points of the paper are brought to the shaft as in (18), their speeds with the reserve of (1)."
     if "fields" in content.drawings and content.cycles[0][0]:
