@@ -12,12 +12,10 @@ from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.machine.budgets import MachineBudget
 from drivesizer.machine.motor_pieces import motor_pieces
 from drivesizer.machine.problem import quickest_winding
-from drivesizer.machine.set_columns import OneRow
-from drivesizer.machine.set_cycle import set_cycle, warming
+from drivesizer.machine.set_cycle import set_cycle, turned, warming
 from drivesizer.machine.warm_up import warm_up
 from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
 from drivesizer.physics.elements.braking import Stop
-from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.waveform import Wave, longest_above, share_above
@@ -149,9 +147,7 @@ def _pieces(evaluation: Evaluation, parts: DriveParts) -> tuple[MotorPiece, ...]
     """The motor's torque piece by piece in the first load cases."""
     found: list[MotorPiece] = []
     for case in evaluation.problem.cases[:_CASES]:
-        cycle = case.at_belt.behind(parts.belt_ratio)
-        motor, gearhead, encoder = (OneRow(part) for part in (parts.motor, parts.gearhead, parts.encoder))
-        demand = demands(cycle, motor, gearhead, encoder, parts.brake_inertia)
+        cycle, demand = turned(case.spec, parts, case.at_belt)
         found += motor_pieces(cycle, demand, parts.motor.torque_constant, case.name)
     return tuple(found)
 

@@ -197,10 +197,10 @@ def _between(functions: Array, lines: Array) -> Iterator[Array]:
 # --- starting and steps ----------------------------------------------------------------------------------------------
 
 
-def _inertia(cycle: AtGearhead, demand: Demands, parts: Parts) -> tuple[Array, Array]:
+def _inertia(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
     """Inertia of the load and of all that turns with it, at the motor's shaft [kg*m^2]."""
     load = cycle.load_cycle.inertia / (demand.total_ratio * cycle.belt) ** 2
-    return load, load + parts.motor["rotor_inertia"] + parts.gearhead["inertia"]
+    return load, load + demand.coefficients[:, ACCELERATION] / demand.total_ratio
 
 
 def _starting(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> list[CheckColumn]:
@@ -211,7 +211,7 @@ def _starting(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts,
     steady = functions[functions[:, ACCELERATION] == 0.0]
     load = np.abs(demand.coefficients @ (steady if len(steady) else functions).T).max(axis=1)
     torque = available_torque(motor, curves, np.zeros((len(load), 1)), spec.supply.lowest)[:, 0]
-    _, inertia = _inertia(cycle, demand, parts)
+    _, inertia = _inertia(cycle, demand)
     limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, load, torque)
     return [at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed)]
 
@@ -230,7 +230,7 @@ def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -
     """Advice on inertia and resonance."""
     motor, found = parts.motor, list[CheckColumn]()
     steps = 4.0 * motor["pole_pairs"]
-    load, inertia = _inertia(cycle, demand, parts)
+    load, inertia = _inertia(cycle, demand)
     if spec.needs.inertia_ratio is None:
         found.append(at_most("inertia_ratio", load / (inertia - load), _RATIO, advice=True, note=_HEAVY))
     ends = np.abs(cycle.functions[:, :, SPEED])
