@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from drivesizer.catalog.tolerances.classes import Class, classes
 from drivesizer.catalog.tolerances.distributions import Distribution
 from drivesizer.files.inertia import OfSolids, moment
@@ -133,7 +135,8 @@ def _moved(place: Any, path: Sequence[str | int], difference: Any) -> Any:
     if not path:
         return place + difference
     if isinstance(place, OfSolids):
-        return moment(_moved(place.solids, path, difference))
+        solids = _moved(place.solids, path, difference)  # kept: another of their figures may be moved too
+        return moment(solids) if np.ndim(difference) else OfSolids(solids)
     first, rest = path[0], path[1:]
     if isinstance(place, list):
         return [_moved(one, rest, difference) if n == first else one for n, one in enumerate(place)]
