@@ -31,6 +31,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     },
     "inertia": {"Solid": ""},
     "supply": {"Supply": ""},
+    "brake_resistor": {"BrakeResistor": ""},
     "power_stage": {"PowerStage": ""},
     "brake": {"OwnBrake": ""},
     "battery": {

@@ -20,11 +20,13 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_pack import pack_of
+from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.machine.platform_budget import MechanicalBudget, mass_part, platform_part
 from drivesizer.machine.platform_checks import PlatformOnFloor, machine_mass
 from drivesizer.machine.supply_power import drive_power, together
+from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import GRAVEST, Check, Figure
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import EnergyBudget
@@ -35,7 +37,15 @@ from drivesizer.spec.battery import Battery
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["MachineBudget", "check_battery", "drive_mass", "machine_budget", "mass_without_drive", "of_the_platform"]
+__all__ = [
+    "MachineBudget",
+    "check_battery",
+    "drive_mass",
+    "machine_budget",
+    "mass_without_drive",
+    "of_the_platform",
+    "regeneration",
+]
 
 
 class MachineBudget(NamedTuple):
@@ -45,6 +55,7 @@ class MachineBudget(NamedTuple):
     figures: tuple[Figure, ...] = ()
     masses: tuple[MassRow, ...] = ()
     energy: EnergyBudget | None = None  # of the load case in which the battery lasts least
+    braking: BrakingBudget | None = None  # where the spec limits what is regenerated or what the supply delivers
 
 
 def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
@@ -121,8 +132,28 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MechanicalBudget 
         found = _of_the_battery(problem, spec.battery, one)
         checks += _worst([(name, budget.checks) for name, budget in found])
         energy = min((budget for _, budget in found), key=_lasting)
+    braking = regeneration(problem, one) if problem.machine.limits_the_bus else None
+    if braking:
+        checks += braking.checks
     figures = tuple(figure for part in parts for figure in part.figures)
-    return MachineBudget(tuple(checks), figures, next((part.mass.rows for part in parts if part.mass), ()), energy)
+    masses = next((part.mass.rows for part in parts if part.mass), ())
+    return MachineBudget(tuple(checks), figures, masses, energy, braking)
+
+
+def regeneration(problem: Problem, one: DriveParts) -> BrakingBudget | None:
+    """Regenerated energy of the machine with a drive, and its ways from the bus.
+
+    Parameters
+    ----------
+    problem, one
+        As for ``machine_budget``.
+
+    Returns
+    -------
+    BrakingBudget or None
+        None where a battery takes all, or there is nothing.
+    """
+    return braking_budget(problem, one, _worst)
 
 
 def _of_the_battery(problem: Problem, battery: Battery, one: DriveParts) -> list[tuple[str, EnergyBudget]]:

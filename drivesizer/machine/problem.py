@@ -13,6 +13,7 @@ from drivesizer.catalog.view.own_brake import with_own_brake
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.machine.pulleys import belt_drives
+from drivesizer.machine.supply_unit import with_parts_of_supply
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.spec.robot import RobotSpec
@@ -38,11 +39,12 @@ def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
     Raises
     ------
     InputError
-        When no pulleys, no belt or no ratio fits, a trajectory or a recording is wrong, or a load cycle's figures leave
-        the range of numbers that can be computed with.
+        When no pulleys, no belt or no ratio fits, no catalogue has the power supply or brake resistor, a trajectory or
+        a recording is wrong, or a load cycle's figures leave the range of numbers that can be computed with.
     """
     if machine.brake:
         catalog = with_own_brake(catalog, machine.brake.figures)
+    machine = with_parts_of_supply(machine, catalog)
     belts, quickest = belt_drives(machine, catalog), quickest_winding(catalog)
     cases = tuple(
         LoadCase(name=name, number=number, spec=spec, at_belt=_at_belt(spec, quickest))

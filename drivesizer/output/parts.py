@@ -5,7 +5,7 @@ What no catalogue gives is left open: an order number, a price, a cable.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isnan, nan
 from typing import Any
@@ -126,7 +126,24 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
     lines = parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
     if spec.gear is not None:
         lines.insert(_behind_belt(spec, lines), _gear_line(spec.gear, spec.load.motors))
-    return lines
+    return [*lines, *_of_the_supply(found, problem)]
+
+
+def _of_the_supply(found: DriveSet, problem: Problem) -> Iterator[PartLine]:
+    """Power supply and brake resistor: one each for the whole machine."""
+    unit, catalog = problem.machine.supply.part, problem.catalog
+    if unit is not None:
+        part = catalog.power_supplies.record(catalog.power_supplies.rows[unit])
+        yield _line("power supply", part, catalog, 1, {"mass": part.mass})
+    resistor = found.braking.resistor if found.braking else None
+    if resistor is not None:
+        listed = resistor.part != ""
+        said = _SAID["brake resistor"](resistor)
+        yield (
+            _line("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
+            if listed
+            else PartLine(role="brake resistor", said=said, quantity=1)
+        )
 
 
 def _gear_line(gear: GearStage, drives: int) -> PartLine:
@@ -336,4 +353,6 @@ _SAID: dict[str, Callable[[Any], str]] = {
     "encoder": lambda part: part.resolution,
     "controller": lambda part: part.buses.replace(";", ","),
     "actuator": _figures_of("nominal_voltage", "nominal_torque"),
+    "power supply": _figures_of("nominal_voltage", "continuous_current"),
+    "brake resistor": _figures_of("resistance", "power"),
 }

@@ -255,6 +255,17 @@ _BUDGET = {  # of the machine with a drive in it
     "battery_continuous_current": CheckKind("Battery continuous current (RMS)", *_AMPS, _FED),
     "battery_peak_current": CheckKind("Battery peak current", *_AMPS, _FED),
     "battery_charge_current": CheckKind("Battery charge current, energy returned", *_AMPS, _FED),
+    "supply_overvoltage": CheckKind("Bus voltage, trip of the power supply", *_VOLTS, _FED),
+    "supply_continuous_current": CheckKind("Power supply continuous current", *_AMPS, _FED),
+    "supply_peak_time": CheckKind("Power supply, time above continuous current", "time", "s", _FED),
+    "resistor_available": CheckKind("Brake resistor in the catalogues"),
+    "chopper_voltage": CheckKind("Chopper voltage above the supply", *_VOLTS),
+    "chopper_bus_voltage": CheckKind("Chopper voltage, limit of the controller", *_VOLTS, ("controller.supply_max",)),
+    "chopper_current": CheckKind("Chopper current", *_AMPS, _FED),
+    "resistor_resistance": CheckKind("Brake resistor resistance", "resistance", "ohm", _FED),
+    "resistor_peak_power": CheckKind("Brake resistor peak power", *_WATT, _FED),
+    "resistor_mean_power": CheckKind("Brake resistor mean power", *_WATT, _FED),
+    "resistor_pulse_energy": CheckKind("Brake resistor pulse energy", "energy", "J", _FED),
 }
 
 BATTERY_LASTING = ("battery_autonomy", "battery_range")

@@ -17,6 +17,7 @@ _OF_PART = (  # part, and how the names of its checks begin
     ("Encoder", ("encoder_",)),
     ("Controller", ("controller_",)),
     ("Supply", ("supply_", "bus_")),
+    ("Brake resistor", ("resistor_", "chopper_")),
     ("Battery", ("battery_",)),
     ("Control loop", ("stability", "phase_margin", "tracking_error", "bandwidth")),
 )

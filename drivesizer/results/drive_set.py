@@ -9,6 +9,7 @@ from typing import Any
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.elements.braking import released_power
+from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.estimated import EstimatedFigure
@@ -163,6 +164,7 @@ class DriveSet(DriveParts):
     machine: tuple[Figure, ...]  # of that machine, what has no limit of its own
     masses: tuple[MassRow, ...]  # what it weighs, part by part
     energy: EnergyBudget | None  # what draws from the battery, and how long it lasts; of the worst load case
+    braking: BrakingBudget | None  # regenerated energy, the brake resistor for it, and the power supply
     comparison: tuple[Comparison, ...]  # where both methods look at the same limit
     changes: tuple[Relaxation, ...]  # where it fails: what would let it pass, each alone
     reliability: Reliability | None  # its probability, where tolerances were sampled

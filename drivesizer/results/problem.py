@@ -66,9 +66,9 @@ class Problem:
 
     @property
     def supply(self) -> tuple[float, float]:
-        """Lowest and highest voltage of the supply in all load cases [V]."""
-        supplies = [case.spec.supply for case in self.cases]
-        return min(s.lowest for s in supplies), max(s.highest for s in supplies)
+        """Lowest and highest voltage of the bus in all load cases [V]: of the supply, or while a chopper holds it."""
+        supplies, chopper = [case.spec.supply for case in self.cases], self.spec.chopper_voltage or 0.0
+        return min(s.lowest for s in supplies), max(chopper, *(s.highest for s in supplies))
 
     @property
     def belt_ratios(self) -> list[float]:

@@ -89,7 +89,7 @@ def in_machine(
         As ``search`` takes it.
     """
     spec = problem.spec
-    if not (spec.battery or spec.budget or machine):
+    if not (spec.battery or spec.budget or machine or spec.limits_the_bus):
         return None
 
     def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> Kept:

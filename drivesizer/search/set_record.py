@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
-from drivesizer.machine.budgets import MachineBudget
+from drivesizer.machine.budgets import MachineBudget, regeneration
 from drivesizer.machine.motor_pieces import motor_pieces
 from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.set_cycle import set_cycle, turned, warming
@@ -19,6 +19,7 @@ from drivesizer.physics.elements.braking import Stop
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.waveform import Wave, longest_above, share_above
+from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
 from drivesizer.results.pieces import MotorPiece
@@ -131,6 +132,7 @@ def drive_set(
         machine=budget.figures,
         masses=budget.masses,
         energy=budget.energy,
+        braking=budget.braking or (_regenerated(evaluation, index, parts) if rank == 1 else None),
         comparison=compared((*checks, *beside)),
         changes=changes,
         reliability=reliability,
@@ -138,6 +140,14 @@ def drive_set(
         pieces=_pieces(evaluation, parts),
         probability=probability,
     )
+
+
+def _regenerated(evaluation: Evaluation, index: int, parts: DriveParts) -> BrakingBudget | None:
+    """Figures of what is regenerated, where anything is known to be and the spec has no limit for it: of the first."""
+    problem, returned = evaluation.problem, evaluation.figures.get("returned")
+    if problem.machine.limits_the_bus or returned is None or not returned[index] > 0.0:
+        return None
+    return regeneration(problem, parts)
 
 
 _CASES = 4  # whose pieces are listed

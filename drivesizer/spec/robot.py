@@ -27,6 +27,7 @@ from drivesizer.physics.elements.braking import released_power
 from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.brake import OwnBrake
+from drivesizer.spec.brake_resistor import BrakeResistor, or_any
 from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
@@ -71,6 +72,11 @@ class RobotSpec(Section):
     paper_factors: PaperFactors = Field(default_factory=PaperFactors)
     margins: Margins = Field(default_factory=Margins)
     supply: Supply
+    brake_resistor: BrakeResistor | None = Field(
+        default=None,
+        description="that burns what is regenerated; none where not given",
+        json_schema_extra=or_any,
+    )
     power_stage: PowerStage = Field(default_factory=PowerStage)
     shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
     environment: Environment = Field(default_factory=Environment)
@@ -183,6 +189,20 @@ class RobotSpec(Section):
         return self
 
     @model_validator(mode="after")
+    def _burning(self) -> RobotSpec:
+        section = self.brake_resistor
+        if section is None:
+            return self
+        if self.battery is not None or self.supply.kind == "battery":
+            raise ValueError("brake_resistor: the battery takes what is regenerated; leave one of them out")
+        if section.chopper_voltage is not None and section.chopper_voltage <= self.supply.nominal:
+            raise ValueError(
+                f"brake_resistor: a chopper at {section.chopper_voltage:g} V burns what the supply delivers; "
+                f"expected chopper_voltage above nominal, {self.supply.nominal:g} V"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _overhung(self) -> RobotSpec:
         shaft, stages, needs = self.shaft, self.transmission, self.needs
         if shaft is None:
@@ -256,8 +276,29 @@ class RobotSpec(Section):
 
     @property
     def accepts_all(self) -> bool:
-        """Whether all regenerated energy leaves the bus: stored, or lost in a battery or a brake resistor."""
-        return (self.supply.accepts or ("all" if self.battery else "share")) == "all"
+        """Whether all regenerated energy leaves the bus: stored, or lost in a battery or a brake resistor.
+
+        One out of the catalogues, whose voltage is not known yet, is chosen so that it keeps the bus below the limits.
+        """
+        if self.brake_resistor is not None:
+            return self.brake_resistor.chopper_voltage is None
+        return (self.supply.accepts or ("all" if self._on_battery else "share")) == "all"
+
+    @property
+    def _on_battery(self) -> bool:
+        return self.battery is not None or self.supply.kind == "battery"
+
+    @property
+    def chopper_voltage(self) -> float | None:
+        """Voltage above which a chopper does not let the bus rise [V]; None where there is none, or it is not known."""
+        return self.brake_resistor.chopper_voltage if self.brake_resistor else None
+
+    @property
+    def limits_the_bus(self) -> bool:
+        """Whether a brake resistor, or a power supply's peak or trip, is to be checked in the machine."""
+        supply = self.supply
+        peaks = supply.peak_current is not None or supply.overvoltage_trip is not None
+        return self.brake_resistor is not None or peaks or supply.part is not None
 
     def feed(self, controller: Any, brake: Any = None) -> Feed:
         """The power stages of controllers, columns by field name, and what feeds as many as there are drives.

@@ -51,6 +51,12 @@ class PaperFactors(Section):
 class Supply(Section):
     """The electrical supply of the motor controllers."""
 
+    kind: Literal["power_supply", "battery", "drive_bus"] | None = Field(
+        default=None,
+        description="power_supply: a unit that takes nothing back; battery: takes all; drive_bus: the rectified bus of "
+        "drives, whose capacitors store; only the other fields count where not given",
+    )
+    part: str | None = Field(default=None, min_length=1, description="power supply of a catalogue, one for the machine")
     nominal: Voltage
     min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
     max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
@@ -59,6 +65,13 @@ class Supply(Section):
     )
     current: Current | None = Field(default=None, description="that the supply can deliver to all drives")
     power: Power | None = Field(default=None, description="that the supply can deliver to all drives")
+    peak_current: Current | None = Field(
+        default=None, description="that it can deliver for peak_time; current is then the continuous one"
+    )
+    peak_time: Duration | None = None
+    overvoltage_trip: Voltage | None = Field(
+        default=None, description="at which it switches off, or that it withstands from outside"
+    )
     regeneration: Part = Field(
         default=0, description="share of regenerated energy that is stored and used again; 0 none"
     )
@@ -75,10 +88,38 @@ class Supply(Section):
             raise ValueError("expected min <= nominal <= max")
         return self
 
+    @model_validator(mode="after")
+    def _of_one_kind(self) -> Supply:
+        if self.kind == "power_supply" and (self.regeneration or self.accepts == "all"):
+            raise ValueError("a power_supply takes nothing back; leave regeneration and accepts out, or another kind")
+        if self.kind == "battery" and self.accepts == "share":
+            raise ValueError("a battery takes all that is regenerated; leave accepts out, or another kind")
+        if self.part is not None and self.kind not in (None, "power_supply"):
+            raise ValueError(f"give part for kind: power_supply, not for a {self.kind}")
+        return self
+
+    @model_validator(mode="after")
+    def _peaks(self) -> Supply:
+        if self.peak_time is not None and self.peak_current is None and self.part is None:
+            raise ValueError("give peak_current with peak_time")
+        if self.peak_current is not None:
+            if self.current is None and self.part is None:
+                raise ValueError("give current with peak_current: the continuous one")
+            if self.current is not None and self.peak_current < self.current:
+                raise ValueError("expected peak_current >= current")
+        if self.overvoltage_trip is not None and self.overvoltage_trip <= self.highest:
+            raise ValueError("expected overvoltage_trip above the highest voltage, max or nominal")
+        return self
+
     @property
     def lowest(self) -> float:
         """Lowest supply voltage [V]."""
         return self.nominal if self.min is None else self.min
+
+    @property
+    def most_current(self) -> float | None:
+        """Largest current that it delivers, for however short a time [A]; None: no limit is given."""
+        return self.current if self.peak_current is None else self.peak_current
 
     @property
     def highest(self) -> float:

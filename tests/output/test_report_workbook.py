@@ -28,8 +28,8 @@ from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import registry, show
 
-NAMES = ["Summary", "Parts list", "Checks", "Machine", "Battery", "Closed loop", "Time series", "Candidates",
-         "Requirements", "Pieces", "Spec", "Selected drive", "About"]  # fmt: skip
+NAMES = ["Summary", "Parts list", "Checks", "Machine", "Battery", "Regenerated energy", "Closed loop", "Time series",
+         "Candidates", "Requirements", "Pieces", "Spec", "Selected drive", "About"]  # fmt: skip
 FORMULAS = ("=1+1", "+1", "-1+1", "@SUM(A1)", '=HYPERLINK("http://x")', "http://example.org/a", "{=1}", "\t=1", "＝1")
 
 

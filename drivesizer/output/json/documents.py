@@ -8,12 +8,13 @@ from dataclasses import fields
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Final
 
-from drivesizer.catalog import Actuator, Belt, Brake, Controller, Encoder, Gearhead, Motor, Pulley
+from drivesizer.catalog import Actuator, Belt, Brake, BrakeResistor, Controller, Encoder, Gearhead, Motor, Pulley
 from drivesizer.catalog.more_parts import Screw
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.control.validation import Validation
 from drivesizer.output.json.loops import loop_document, number
 from drivesizer.output.json.reliability import reliability, uncertainty
+from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.estimated import EstimatedFigure
@@ -58,7 +59,9 @@ def requirement(r: Requirement) -> schema.Requirement:
     }
 
 
-def _part(part: Actuator | Motor | Gearhead | Belt | Pulley | Screw | Brake | Encoder | Controller) -> dict[str, Any]:
+def _part(
+    part: Actuator | Motor | Gearhead | Belt | Pulley | Screw | Brake | BrakeResistor | Encoder | Controller,
+) -> dict[str, Any]:
     """A part with all its figures in SI."""
     values = {f.name: getattr(part, f.name) for f in fields(part)}
     return {k: number(v) if isinstance(v, float) else (v or None) for k, v in values.items()}
@@ -164,6 +167,7 @@ def drive_set(found: DriveSet) -> schema.Set:
         "machine": [{"name": f.name, "title": f.title, **_figure(f)} for f in found.machine],
         "masses": [_mass(row) for row in found.masses],
         "energy": _energy(found.energy) if found.energy else None,
+        "braking": _braking(found.braking) if found.braking else None,
         "changes": [_relaxation(r) for r in found.changes],
         "reliability": reliability(found.reliability),
         "pieces": [_piece(one) for one in found.pieces],
@@ -206,6 +210,15 @@ def _energy(budget: EnergyBudget) -> schema.Energy:
             }
             for one in budget.consumers
         ],
+        "figures": {figure.name: _figure(figure) for figure in budget.figures},
+        "assumptions": list(budget.assumptions),
+    }
+
+
+def _braking(budget: BrakingBudget) -> schema.Braking:
+    """Figures of regenerated energy, and the resistor that burns it; null is unknown, or unbounded."""
+    return {
+        "resistor": _part(budget.resistor) if budget.resistor else None,
         "figures": {figure.name: _figure(figure) for figure in budget.figures},
         "assumptions": list(budget.assumptions),
     }

@@ -90,6 +90,10 @@ Consumer = TypedDict("Consumer", {
 Energy = TypedDict("Energy", {
     "battery": str, "consumers": list[Consumer], "figures": dict[str, Figure], "assumptions": list[str],
 })  # fmt: skip
+Braking = TypedDict("Braking", {
+    "resistor": Annotated[dict[str, Any], _PartOf("brake_resistors")] | None, "figures": dict[str, Figure],
+    "assumptions": list[str],
+})  # fmt: skip
 Margins = TypedDict("Margins", {"p5": Number, "p50": Number, "p95": Number})
 End = TypedDict("End", {"value": str, "smallest_margin": Number})
 Spread = TypedDict("Spread", {"name": str, "passes": float, "fails": float, "weakest": float, "margin": Margins})
@@ -125,7 +129,12 @@ Set = TypedDict("Set", {
     "controller": Annotated[dict[str, Any], _PartOf("controllers")] | None, "total_ratio": float, "mass_kg": Number,
     "mass_of": list[str], "objective": Number, "objective_of": list[str], "requirements": dict[str, Requirement],
     "figures": dict[str, Figure], "results": dict[str, Result], "checks": list[Check],
-    "machine": list[MachineFigure], "masses": list[Mass], "energy": Energy | None, "changes": list[Relaxation],
+    "machine": list[MachineFigure], "masses": list[Mass], "energy": Energy | None,
+    "braking": Annotated[
+        Braking | None,
+        Field(description="null: nothing is regenerated, a battery takes it, or behind the first without limits"),
+    ],
+    "changes": list[Relaxation],
     "reliability": Reliability | None, "pieces": list[Piece],
     "estimated": Annotated[list[Estimate], Field(description="that no data sheet gives; 5th to 95th percentile")],
     "probability": Annotated[Number, Field(description="that no check fails; null where estimates leave none open")],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from math import isnan
+from math import isfinite, isnan
 
 from rich.console import Console
 from rich.table import Table
@@ -17,6 +17,7 @@ from drivesizer.output.probability import likely
 from drivesizer.output.sums import unknown_of
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
+from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import tightest
 from drivesizer.results.check_parts import part_of
 from drivesizer.results.drive_set import DriveSet
@@ -151,10 +152,21 @@ def _undecided(best: DriveSet, result: SizingResult) -> Iterator[Text]:
         hint = f"; the spec's battery gives no {fields}" if fields else ""
         yield Text(f"unknown: {len(of_battery)} checks of the battery{hint}", style=STYLE["unknown"])
         unknown = [check for check in unknown if check not in of_battery]
+    bus = next((check for check in unknown if check.name == "bus_voltage"), None)
+    if bus and bus.note and best.braking:  # else the controller is not known
+        yield Text(f"unknown: {bus.title}; decided by {_deciding(best.braking)}", style=STYLE["unknown"])
+        unknown.remove(bus)
     if unknown:
         more = f" and {len(unknown) - _NAMED} more (--checks)" if len(unknown) > _NAMED + 1 else ""
         names = "; ".join(check.title for check in unknown[: _NAMED if more else None])
         yield Text(f"unknown: {names}{more}", style=STYLE["unknown"])
+
+
+def _deciding(braking: BrakingBudget) -> str:
+    """Fields of a spec that decide whether the bus holds, with what they would have to be."""
+    needed = next(figure for figure in braking.figures if figure.name == "capacitance_needed")
+    least = f" of {needed.text} or more" if isfinite(needed.value) else ""
+    return f"brake_resistor: any, supply.capacitance{least}, or supply.accepts: all of a battery"
 
 
 def _counted(found: dict[str, str]) -> str:

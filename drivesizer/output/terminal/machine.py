@@ -22,7 +22,7 @@ def _masses(found: DriveSet) -> Table:
 
 
 def machine(console: Console, found: DriveSet) -> None:
-    """Print the budgets of the machine with a drive; nothing where the spec gives none.
+    """Print the budgets of the machine with a drive, and what it regenerates; nothing where there is neither.
 
     Parameters
     ----------
@@ -44,3 +44,6 @@ def machine(console: Console, found: DriveSet) -> None:
             table.add_row(*row)
         console.print(table)
         console.print(tables.loose(found.energy.figures, "The battery"))
+    if found.braking:
+        resistor = f"; brake resistor {found.braking.name}" if found.braking.name else ""
+        console.print(tables.loose(found.braking.figures, f"Regenerated energy{resistor}"))

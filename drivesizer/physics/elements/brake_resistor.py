@@ -155,7 +155,7 @@ def least_bus_capacitance(stored: Any, limit: Any, supply: Any) -> Any:
     """
     room = np.square(limit) - np.square(supply)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(np.asarray(stored) == 0.0, 0.0, np.where(room > 0.0, 2.0 * stored / room, inf))
+        return np.where(np.asarray(stored) == 0.0, 0.0, np.where(room <= 0.0, inf, 2.0 * stored / room))
 
 
 def burnt_energy(drawn: Array, returned: Array, capacity: float) -> Array:

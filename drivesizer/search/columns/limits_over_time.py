@@ -42,7 +42,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 _AT_ONCE = 400_000  # candidates times segments that are held at a time
-_STAYS = "unknown: where it goes: give supply.capacitance, or supply.accepts: all of a battery or a brake resistor"
+_STAYS = "unknown: where it goes: give brake_resistor, supply.capacitance, or supply.accepts: all of a battery"
 _HELD = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
 
 
@@ -351,7 +351,7 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     ]
     if supply.current is not None:
         drawn = power / supply.lowest
-        checks.append(at_most("supply_current", drawn, supply.current, needed=torque,
+        checks.append(at_most("supply_current", drawn, supply.most_current, needed=torque,
                               time=found.power_time))  # fmt: skip
     if supply.power is not None:
         checks.append(at_most("supply_power", power, supply.power, needed=torque, time=found.power_time))
@@ -369,12 +369,15 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
 
     Where the supply accepts all, it stays at its highest: a battery is held to that at the largest return, with the
     charge of the start (``energy_checks``). An unknown capacitance is at least that of the controller: a voltage that
-    passes with so little is certain, one that does not is unknown.
+    passes with so little is certain, one that does not is unknown. A chopper lets it rise to its own voltage at most.
     """
-    supply = spec.supply
+    supply, chopper = spec.supply, spec.chopper_voltage
     if supply.capacitance is not None:
         raised: Array = bus_voltage(supply.highest, found.stored * spec.load.motors, supply.capacitance)
-        return raised
+        return raised if chopper is None else np.minimum(raised, np.maximum(chopper, supply.highest))
+    if chopper is not None:
+        held = np.where(found.stored == 0.0, supply.highest, np.maximum(chopper, supply.highest))
+        return np.where(np.isnan(found.stored), np.nan, held)
     least = least_capacitance(controller["continuous_current"], supply.highest)
     with np.errstate(divide="ignore", invalid="ignore"):
         bound = bus_voltage(supply.highest, found.stored, least)  # each controller stores its own motor's return

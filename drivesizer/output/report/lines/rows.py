@@ -22,8 +22,9 @@ from drivesizer.results.sizing import Check, Figure, SizingResult
 from drivesizer.units import KINDS, from_si
 
 __all__ = [
-    "COLUMNS", "Row", "battery_rows", "change_row", "check_row", "closed_loop_rows", "count_rows", "figure_row",
-    "front_rows", "machine_rows", "part_rows", "plain_row", "requirement_row", "row", "set_rows", "total_rows",
+    "COLUMNS", "Row", "battery_rows", "braking_rows", "change_row", "check_row", "closed_loop_rows", "count_rows",
+    "figure_row", "front_rows", "machine_rows", "part_rows", "plain_row", "requirement_row", "row", "set_rows",
+    "total_rows",
 ]  # fmt: skip
 
 Row = dict[str, Any]
@@ -136,6 +137,17 @@ def battery_rows(s: DriveSet) -> Iterator[Row]:
         status = "unknown" if isnan(one.mean) else ""
         yield found | {"limit": one.peak, "si_limit": one.peak, "note": said, "how_many": one.number, "status": status}
     yield from (figure_row("battery", figure) for figure in s.energy.figures)
+
+
+def braking_rows(s: DriveSet) -> Iterator[Row]:
+    """Figures of what is regenerated and of the brake resistor."""
+    if s.braking is None:
+        return
+    resistor = s.braking.resistor
+    if resistor is not None:
+        title = f"{resistor.manufacturer} {resistor.family}".strip() or "as the spec gives it"
+        yield row("braking", "brake_resistor", title, value=resistor.part)
+    yield from (figure_row("braking", figure) for figure in s.braking.figures)
 
 
 def machine_rows(s: DriveSet) -> Iterator[Row]:

@@ -1,4 +1,4 @@
-"""The machine with the drive: its budgets, its masses and figures, and its battery."""
+"""The machine with the drive: its budgets, its masses and figures, its battery, and what it regenerates."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import isnan
 
 from drivesizer.output.energy_table import consumer_rows
 from drivesizer.output.report.lines.drive import check_row, figure_row
-from drivesizer.output.report.lines.rows import battery_rows, machine_rows
+from drivesizer.output.report.lines.rows import battery_rows, braking_rows, machine_rows
 from drivesizer.output.report.sections.blocks import (
     Block,
     Bullets,
@@ -29,7 +29,7 @@ from drivesizer.results.check_parts import by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 
-__all__ = ["BATTERY", "MACHINE", "consumers", "masses", "unknown_consumers", "unknown_masses"]
+__all__ = ["BATTERY", "BRAKING", "MACHINE", "consumers", "masses", "unknown_consumers", "unknown_masses"]
 
 _OF_MASSES = ("mass_known", "mass_left")  # figures that belong below the masses that they sum
 
@@ -138,4 +138,32 @@ def _battery_sheet(content: Content) -> list[Sheet]:
 BATTERY = Section(
     name="battery", title="Battery", level=2, blocks=_battery, sheets=_battery_sheet,
     csv=CsvRows(of_drive=lambda content, _, drive: battery_rows(drive)),
+)  # fmt: skip
+
+
+# -- braking
+
+
+def _braking(content: Content) -> Iterator[Block]:
+    budget = content.drive.braking if content.drive else None
+    if budget is None:
+        return
+    if budget.name:
+        yield Words(f"Brake resistor: {budget.name}. Its checks are among the machine's budgets.")
+    yield Facts("What is regenerated, stored and burnt", [*map(figure_row, budget.figures)])
+    if budget.assumptions:
+        yield Bullets("Assumptions:", list(budget.assumptions))
+
+
+def _braking_sheet(content: Content) -> list[Sheet]:
+    """Figures of what is regenerated, with every drive."""
+    columns = (RANK, SheetColumn("what", "title"), *VALUES)
+    rows = list(ranked(content, braking_rows))
+    note = "what the drives regenerate and a brake resistor burns" if rows else "nothing is regenerated"
+    return [Sheet(name="Regenerated energy", columns=columns, rows=rows, note=note, still=2)]
+
+
+BRAKING = Section(
+    name="braking", title="Regenerated energy", level=2, blocks=_braking, sheets=_braking_sheet,
+    csv=CsvRows(of_drive=lambda content, _, drive: braking_rows(drive)),
 )  # fmt: skip

@@ -1,0 +1,150 @@
+"""Energy to and from the bus of a machine over one of its load cases, all drives together.
+
+What one drive regenerates while another draws is not burnt. Symbols: E energy [J], P power [W], U voltage [V].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, isnan, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.machine.supply_power import DrivePower, drive_power, together
+from drivesizer.physics.elements.brake_resistor import burnt_energy, largest_mean, largest_pulse
+from drivesizer.physics.power_stage import bus_voltage
+from drivesizer.physics.waveform import most_stored
+from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.problem import Problem
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["Burnt", "Regenerated", "regenerated"]
+
+Array = NDArray[np.float64]
+
+
+class Burnt(NamedTuple):
+    """Load of a brake resistor in periodic steady state; NaN is unknown."""
+
+    energy: float  # J per cycle
+    peak: float  # W, largest regenerated power while the bus is full
+    mean: float  # W, over the worst window
+    pulse: float  # J, of the largest uninterrupted braking
+
+
+class Regenerated(NamedTuple):
+    """Energies of a load case, piece by piece; unknown where the drive's demand is."""
+
+    case: str
+    spec: RobotSpec
+    duration: Array  # s
+    drawn: Array  # J, from the bus
+    returned: Array  # J, to the bus, without what the supply stores
+    returned_peak: Array  # W, largest in each piece
+    drawn_peak: Array  # W, largest out of the source in each piece
+    mean_drawn: float  # W out of the source
+
+    @property
+    def known(self) -> bool:
+        """Whether the energies are."""
+        return not isnan(float(self.returned.sum() + self.drawn.sum()))
+
+    @property
+    def energy(self) -> float:
+        """Regenerated energy per cycle that the supply does not store [J]."""
+        return float(self.returned.sum())
+
+    @property
+    def stored(self) -> float:
+        """Largest energy that is regenerated and not drawn again [J]; infinite where more with every cycle."""
+        if not self.known:
+            return nan
+        if self.energy > float(self.drawn.sum()):
+            return inf
+        steps = np.stack([-self.drawn, self.returned], axis=1).reshape(1, -1)
+        return float(most_stored(steps)[0])
+
+    def highest_voltage(self, more: float = 0.0) -> float:
+        """Highest voltage of the bus without a brake resistor [V]; NaN where its capacitance is unknown.
+
+        ``more``: capacitance beside that of the spec [F].
+        """
+        supply, stored = self.spec.supply, self.stored
+        if stored == 0.0:
+            return supply.highest
+        capacitance = (supply.capacitance or nan) + more
+        return float(bus_voltage(supply.highest, stored, capacitance))
+
+    def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
+        """Load of a brake resistor beside a bus that stores so much.
+
+        Parameters
+        ----------
+        capacity
+            Energy that the bus stores [J].
+        window
+            Over which the mean counts [s].
+        continuous
+            Power up to which burning is no pulse [W].
+
+        Returns
+        -------
+        Burnt
+            Unknown where the drive's demand is.
+        """
+        if not self.known:
+            return Burnt(nan, nan, nan, nan)
+        energy = burnt_energy(self.drawn, self.returned, capacity)
+        peak = float(self.returned_peak[energy > 0.0].max(initial=0.0))
+        pulse = largest_pulse(self.duration, energy, 0.0 if isnan(continuous) else continuous)
+        return Burnt(float(energy.sum()), peak, largest_mean(self.duration, energy, window), pulse)
+
+    def longest_above(self, power: float) -> float:
+        """Longest uninterrupted time in which the power out of the source exceeds one [s], by whole pieces."""
+        if not self.known:
+            return nan
+        return largest_pulse(self.duration, np.where(self.drawn_peak > power, self.duration, 0.0))
+
+
+def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
+    """Energies to and from the bus in each load case of a machine.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles.
+    one
+        The drive.
+
+    Returns
+    -------
+    list of Regenerated
+        In the order of the load cases.
+    """
+    found, cases = [], problem.machine.load_cases
+    for numbers in problem.machine_cases:
+        some = [problem.cases[number] for number in numbers]
+        powers = [drive_power(case.spec, one, case.at_belt) for case in some]
+        found.append(_of_powers(cases[some[0].number][0], some[0].spec, powers))
+    return found
+
+
+def _of_powers(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
+    """Sum of drives that act at the same time; of several what one draws of another's return goes no further."""
+    power, share = together(powers), 1.0 - spec.supply.regeneration
+    drawn, returned = (power.drawn - power.resisted) * power.duration, share * power.returned * power.duration
+    if len(powers) > 1:
+        net: Any = drawn - returned
+        drawn, returned = np.maximum(net, 0.0), np.maximum(-net, 0.0)
+    return Regenerated(
+        case=case,
+        spec=spec,
+        duration=power.duration,
+        drawn=drawn,
+        returned=returned,
+        returned_peak=share * power.returned_peak,
+        drawn_peak=power.peak,
+        mean_drawn=power.mean(power.drawn),
+    )
