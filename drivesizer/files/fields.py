@@ -17,12 +17,12 @@ from pydantic_core import core_schema
 from drivesizer.units import KINDS, label, noun, to_si
 
 __all__ = [
-    "Acceleration", "Allowance", "Angle", "Area", "Axis", "BackEfficiency", "Bearing", "Capacitance", "Coefficient",
-    "Consumed", "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Energy", "Exponent", "Factor",
-    "Force", "Frequency", "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names", "Part", "Pause", "Place",
-    "Power", "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque",
-    "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature", "Thickness", "Torque", "TorqueAbove", "Turning",
-    "Velocity", "Voltage", "default", "exactly_one",
+    "Acceleration", "Allowance", "Altitude", "Angle", "Area", "Axis", "BackEfficiency", "Bearing", "Capacitance",
+    "Coefficient", "Consumed", "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Energy",
+    "Exponent", "Factor", "Force", "Frequency", "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names",
+    "Part", "Pause", "Place", "Power", "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share",
+    "SignedSpeed", "SignedTorque", "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature", "Thickness",
+    "Torque", "TorqueAbove", "Turning", "Velocity", "Voltage", "default", "exactly_one",
 ]  # fmt: skip
 
 Axis = Literal["linear", "rotary"]
@@ -82,6 +82,7 @@ class Quantity:
 
 Place = Annotated[float, Quantity("length")]  # with its sign
 Length = Annotated[float, Quantity("length", above=0.0)]
+Altitude = Annotated[float, Quantity("length", least=-500.0, most=4000.0)]
 Thickness = Annotated[float, Quantity("length", least=0.0)]
 Mass = Annotated[float, Quantity("mass", above=0.0)]
 Counterweight = Annotated[float, Quantity("mass", least=0.0)]

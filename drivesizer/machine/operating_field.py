@@ -30,6 +30,7 @@ from drivesizer.physics.motor_demand import Demands, demands, friction
 from drivesizer.physics.stress import heat, housing_loss, volts_of
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.altitude import rise_left
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -199,11 +200,14 @@ def _continuous(spec: RobotSpec, demand: Demands, motor: OneRow, w: Array) -> tu
     rubbing, iron = housing_loss(motor, np.ones(1))
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     permitted, ambient = motor["max_winding_temperature"], spec.environment.ambient
+    left = rise_left(spec.environment)
+    if left < 1.0:
+        permitted = ambient + left * (permitted - ambient)
     current = continuous_current(resistance_25(motor), *R_th, permitted, ambient, rubbing * w + iron * w**2)
     torque = np.asarray(np.maximum(motor["torque_constant"] * current - _friction(demand, w), 0.0))
     if not np.isnan(torque).any():
         return torque, True
-    share = current_derating(ambient, permitted, rated_ambient(motor))
+    share = current_derating(ambient, motor["max_winding_temperature"], rated_ambient(motor)) * np.sqrt(left)
     return np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy(), False
 
 

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from drivesizer.files.fields import (
     Allowance,
+    Altitude,
     Angle,
     Capacitance,
     Consumed,
@@ -141,6 +142,7 @@ class Environment(Section):
     """Surroundings in which the machine works."""
 
     ambient: Temperature = default("25 degC")
+    altitude: Altitude = default("0 m", description="above sea level: thin air cools less above 1000 m; at most 4000 m")
     gravity: Gravity = default("9.80665 m/s^2")
 
 

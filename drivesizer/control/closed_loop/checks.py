@@ -35,6 +35,7 @@ from drivesizer.physics.thermal import (
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
 from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit
 from drivesizer.results.sizing import Check
+from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 
 __all__ = ["METHOD", "checks"]
 
@@ -170,7 +171,16 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
             note="highest state: at 100 % the controller limits to the continuous current",
         )
     yield _check(
-        _most(case, "rms_current", lambda x: at_most("controller_continuous_current", x, controller.continuous_current))
+        _most(
+            case,
+            "rms_current",
+            lambda x: at_most(
+                "controller_continuous_current",
+                x,
+                controller.continuous_current,
+                needed=controller_needed(case.spec, 0.0),
+            ),
+        )
     )
     if supply.current is not None:
         yield _check(
@@ -193,7 +203,7 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
     figures, ambient = asdict(case.drive_set.motor), case.spec.environment.ambient
     limit = figures["max_winding_temperature"]
     yield _check(
-        _most(case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient)),
+        _most(case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient, motor_needed(case.spec, 0.0))),
         note="the nominal current in this ambient" if ambient != rated_ambient(figures) else "",
     )
     winding, note = _winding(case)
@@ -201,7 +211,13 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
         note = "thermal runaway: the copper loss grows faster than the heat is dissipated"
     warmer = ambient + (winding - ambient) * case.allowance("rms_current") ** 2
     yield _check(
-        between(*(at_most("winding_temperature", T, limit, zero=ambient) for T in (winding, warmer))), note=note
+        between(
+            *(
+                at_most("winding_temperature", T, limit, zero=ambient, needed=rise_needed(case.spec, 0.0))
+                for T in (winding, warmer)
+            )
+        ),
+        note=note,
     )
 
 

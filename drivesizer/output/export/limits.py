@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from math import inf, isfinite, isnan, nan
+from math import inf, isfinite, isnan, nan, sqrt
 from typing import NamedTuple
 
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.altitude import rise_left
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Limit", "Limits", "limits"]
@@ -84,9 +85,11 @@ def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
     controller, motor = found.controller, found.motor
     rated = rated_ambient(asdict(motor))
     derating = float(current_derating(spec.environment.ambient, motor.max_winding_temperature, rated))
+    left = rise_left(spec.environment)
+    derating *= sqrt(left)
     return {
         "motor, nominal current": motor.nominal_current * derating,
-        "controller, continuous current": controller.continuous_current if controller else nan,
+        "controller, continuous current": controller.continuous_current * left if controller else nan,
     }
 
 

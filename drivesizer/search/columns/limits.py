@@ -29,6 +29,7 @@ from drivesizer.search.columns.encoders import angle_per_edge
 from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_limits
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads
 from drivesizer.search.columns.shaft_loads import THRUST
+from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import BeltStage
 
@@ -259,7 +260,7 @@ def moving_limits(
         Columns over candidates.
     """
     motor, ambient = parts.motor, spec.environment.ambient
-    torque, speed = spec.margins.torque, spec.margins.speed
+    torque, speed = motor_needed(spec), spec.margins.speed
     found = [
         at_most("motor_speed", demand.peak_speed, motor["max_speed"], needed=speed),
         nominal_current_limit(demand.rms_current, motor, ambient, torque),
@@ -293,7 +294,7 @@ def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | Non
     """A winding temperature against the permitted one, and when it is met."""
     return at_most(
         "winding_temperature", winding, motor["max_winding_temperature"],
-        zero=spec.environment.ambient, needed=spec.margins.temperature, time=time,
+        zero=spec.environment.ambient, needed=rise_needed(spec), time=time,
     )  # fmt: skip
 
 
@@ -308,7 +309,7 @@ def _hottest_phase(spec: RobotSpec, demand: Demands, motor: Any) -> CheckColumn:
     found = np.asarray(steady_winding_temperature(ambient, R_25, _UNEVEN * R_th1, R_th2, demand.rms_current))
     limit = np.where(motor["kind"] == "brushed", np.inf, motor["max_winding_temperature"])
     return at_most(
-        "hottest_phase", found, limit, zero=ambient, needed=spec.margins.temperature, advice=True, note=_UNEVEN_NOTE
+        "hottest_phase", found, limit, zero=ambient, needed=rise_needed(spec), advice=True, note=_UNEVEN_NOTE
     )
 
 
@@ -359,7 +360,7 @@ def electrical_limits(
     return [
         _peak_torque(demand, stresses, parts.motor, torque),
         at_most("controller_continuous_current", demand.rms_current, controller["continuous_current"],
-                needed=torque),
+                needed=controller_needed(spec)),
         at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
                 needed=torque, time=stresses.current.time),
         *_counting(spec, cycle.belt, demand, parts),

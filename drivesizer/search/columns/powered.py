@@ -23,6 +23,7 @@ from drivesizer.search.columns.decided import decided, put
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
 from drivesizer.search.columns.limits_over_time import Moments, Pair, exact, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
+from drivesizer.spec.altitude import controller_needed
 
 __all__ = ["Moving", "Powered", "powered"]
 
@@ -157,7 +158,8 @@ class _Cases(NamedTuple):
         """The smallest that suffices in the worst of all cases, with the margins that the spec requires."""
         spec = self.problem.spec
         more, faster = 1.0 + spec.margins.torque, 1.0 + spec.margins.speed
-        rms = more * np.maximum.reduce([c.demand.rms_current for c in self.moving])
+        lasting = 1.0 + max(controller_needed(case.spec, spec.margins.torque) for case in self.problem.cases)
+        rms = lasting * np.maximum.reduce([c.demand.rms_current for c in self.moving])
         largest = more * np.maximum.reduce([u.current.value for u in self.stresses])
         volts = faster * np.maximum.reduce(list(voltage))
         carried = np.where(continuous, largest, rms)

@@ -29,6 +29,7 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
+from drivesizer.spec.altitude import controller_needed
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Frictionless", "stepped"]
@@ -103,12 +104,14 @@ def stepped(
     """
     catalog, motor = problem.catalog, parts.motor
     current = motor["nominal_current"]
-    chosen = controllers(problem.spec, catalog, motor.rows, current, amplitude(current), usable=offered.controllers)
+    thin = max(controller_needed(case.spec, 0.0) for case in problem.cases)
+    rms = current if not thin else current * (1.0 + thin)
+    chosen = controllers(problem.spec, catalog, motor.rows, rms, amplitude(current), usable=offered.controllers)
     given = None if parts.controller is None else parts.controller.rows
     row = chosen.row if given is None else np.where(given == FREE, chosen.row, given)
     parts = parts._replace(controller=Rows(catalog.controllers, row))
     listed = bool((catalog.controllers["drives"] == STEPPER).any())
-    of_driver = [fits("controller_available", row >= 0, listed), *_driver_limits(current, parts.controller)]
+    of_driver = [fits("controller_available", row >= 0, listed), *_driver_limits(current, parts.controller, thin)]
 
     def moving(k: int) -> list[CheckColumn]:
         spec = problem.cases[k].spec
@@ -127,10 +130,10 @@ def stepped(
     return Stepped(row, [*first, *of_driver, *last], _figures(problem, draws, motor))
 
 
-def _driver_limits(current: Array, controller: Any) -> list[CheckColumn]:
+def _driver_limits(current: Array, controller: Any, needed: float) -> list[CheckColumn]:
     """The rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's."""
     return [
-        at_most("controller_continuous_current", current, controller["continuous_current"]),
+        at_most("controller_continuous_current", current, controller["continuous_current"], needed=needed),
         at_most("controller_peak_current", amplitude(current), controller["peak_current"]),
     ]
 

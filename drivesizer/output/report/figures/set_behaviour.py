@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cached_property
-from math import fsum, isfinite, isnan
+from math import fsum, isfinite, isnan, sqrt
 
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.machine.energy_flow import EnergyFlow, energy_flow
@@ -23,6 +23,7 @@ from drivesizer.physics.stepper.drawn import copper_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
+from drivesizer.spec.altitude import rise_left
 from drivesizer.units import show
 
 __all__ = ["Behaviour"]
@@ -92,9 +93,10 @@ class Behaviour:
         derated = motor.nominal_current * current_derating(
             self.spec.environment.ambient, motor.max_winding_temperature, rated_ambient(asdict(motor))
         )
-        currents = [("motor, nominal", float(derated))]
+        left = rise_left(self.spec.environment)
+        currents = [("motor, nominal", float(derated) * sqrt(left))]
         if controller:
-            currents += [("controller, continuous", controller.continuous_current)]
+            currents += [("controller, continuous", controller.continuous_current * left)]
             currents += [("controller, peak", controller.peak_current)]
         return current_and_voltage(
             self.cycles, currents, [("usable", float(self.spec.feed_of(controller).usable))], form
