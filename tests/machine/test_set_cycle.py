@@ -79,7 +79,8 @@ def test_the_account_sums_to_what_is_drawn_and_agrees_with_the_result(kind, tmp_
             assert np.isnan(flow.drawn) and not flow.known
             continue
         parts = flow.copper + flow.friction + flow.gearhead + flow.belt + flow.load + flow.rotor
-        assert parts + flow.controller + flow.supply + flow.returned == pytest.approx(flow.drawn, rel=1e-9)
+        parts += flow.controller + flow.brake
+        assert parts + flow.supply + flow.returned == pytest.approx(flow.drawn, rel=1e-9)
         assert flow.net == pytest.approx(told["energy"], rel=1e-9)
         assert flow.returned == pytest.approx(told["returned"], abs=1e-9 * flow.drawn)
         heat = told["joule_heat"] * found.cycle.load_cycle.total * result.spec.load.motors
@@ -91,12 +92,12 @@ def test_the_account_sums_to_what_is_drawn_and_agrees_with_the_result(kind, tmp_
         fine, warm, _ = by_hand.periodic(pieces, one.motor, result.spec.environment.ambient, steady)
         loss = by_hand.loss_per_ampere(one.controller)
         drawn, returned, _ = by_hand.energy(fine, one.motor, [T.mean for T in warm], loss=loss)
-        assert flow.drawn == pytest.approx(drawn * result.spec.load.motors, rel=1e-6)
+        assert flow.drawn - flow.brake == pytest.approx(drawn * result.spec.load.motors, rel=1e-6)
         assert flow.returned == pytest.approx(returned * result.spec.load.motors, abs=1e-6 * flow.drawn)
 
 
 def _inertia(one: DriveSet) -> float:
-    return float(np.nan_to_num(one.encoder.inertia)) if one.encoder else 0.0
+    return one.brake_inertia + (float(np.nan_to_num(one.encoder.inertia)) if one.encoder else 0.0)
 
 
 def test_a_hoist_that_only_lets_down_gives_more_than_it_takes(tmp_path, catalog):
@@ -106,9 +107,8 @@ def test_a_hoist_that_only_lets_down_gives_more_than_it_takes(tmp_path, catalog)
     flow = energy_flow(found)
     weight = 15.0 * 9.80665 * 0.2 * (0.3 + 5.0)  # J: the way down of what hangs there
     assert -weight < flow.load < -0.7 * weight  # less what guides and rope take
-    assert flow.known and flow.drawn + -flow.load == pytest.approx(
-        flow.copper + flow.friction + flow.gearhead + flow.belt + flow.rotor + flow.controller + flow.returned
-    )
+    parts = flow.copper + flow.friction + flow.gearhead + flow.belt + flow.rotor + flow.controller + flow.brake
+    assert flow.known and flow.drawn + -flow.load == pytest.approx(parts + flow.returned)
 
 
 def test_what_hangs_on_an_unknown_inertia_is_unknown_and_the_rest_is_not(spec, best):
