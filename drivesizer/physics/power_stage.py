@@ -82,6 +82,21 @@ class Feed(NamedTuple):
         """Voltage that the stage can apply without current [V]; NaN where a figure of it is unknown."""
         return usable_voltage(self.voltage, self.stage.max_duty, self.stage.drop)
 
+    def usable_for(self, required: Any) -> Any:
+        """The usable voltage as it judges a required one; NaN where a figure that decides is unknown [V].
+
+        An unprinted voltage drop is one of ``ASSUMED_BAND``: what is met with the largest is met, and what is not met
+        with the smallest is not. Without a largest duty the supply's voltage is the bound.
+        """
+        most, least = (
+            usable_voltage(
+                self.voltage, self.stage.max_duty, np.where(np.isnan(self.stage.drop), drop, self.stage.drop)
+            )
+            for drop in ASSUMED_BAND
+        )
+        bound = np.where(np.isnan(most), self.voltage, most)
+        return np.where(required <= least, least, np.where(required > bound, bound, np.nan))
+
     @property
     def leads(self) -> Any:
         """Resistance that takes of the motor's voltage as the winding's does, at full duty [ohm]."""

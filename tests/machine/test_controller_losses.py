@@ -103,7 +103,7 @@ def test_energy_and_current_of_the_closed_loop_are_those_of_the_budget(
     spec: RobotSpec, catalog: Catalog, lossy: bool
 ) -> None:
     """The SPS robot on a long cruise, 4 drives: energy taken and largest current of the supply, with all losses."""
-    calm = given(given(spec, "motion", cruise_time=4.0, rest_time=1.0), "control", speed_from="exact")
+    calm = given(given(spec, "motion", cruise_time=6.0, rest_time=1.0), "control", speed_from="exact")
     if lossy:
         calm = given(given(calm, "supply", resistance=OHM), "power_stage", resistance=0.2, standby=3.0)
     (one,) = explain(calm, "118752", "406764", catalog=catalog)

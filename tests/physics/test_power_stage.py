@@ -159,3 +159,17 @@ def test_without_loss_beyond_the_drop_both_laws_are_the_same():
     expected = 0.9 * (24.0 - 4 * 0.03 * 0.9 * 8.0 - 1.0)
     assert feed.usable - feed.leads * 8.0 == pytest.approx(expected)
     assert available_voltage(of_the_engine(supply), 8.0, 1.0) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("duty", "drop", "required", "usable"),
+    [
+        (0.9, 1.0, 20.0, 20.7), (0.9, 1.0, 22.0, 20.7),  # printed: 0.9 (24 V - 1 V), whatever is required
+        (0.9, math.nan, 20.6, 0.9 * (24.0 - 1.1)), (0.9, math.nan, 21.0, math.nan), (0.9, math.nan, 21.2, 0.9 * 23.5),
+        (math.nan, math.nan, 23.9, math.nan), (math.nan, 1.0, 24.1, 24.0),  # no stage gives more than its supply
+    ],
+)  # fmt: skip
+def test_a_drop_that_is_not_printed_decides_where_both_its_ends_agree(duty, drop, required, usable):
+    feed = Feed(stage(max_duty=duty, drop=drop), 24.0, 0.0, 1)
+    found = float(feed.usable_for(required))
+    assert found == pytest.approx(usable, nan_ok=True)

@@ -158,7 +158,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
         return at_most("controller_peak_current", x, controller.peak_current)
 
     yield _check(
-        _resisted(case, "stage_voltage", lambda x: at_most("supply_voltage", x, case.usable_voltage)),
+        _resisted(case, "stage_voltage", lambda x: at_most("supply_voltage", x, case.usable_for(x))),
         case.required("stage_voltage_time"),
         f"{ideal}; limit: output of the controller at the lowest supply voltage"
         + (", with what resistances before the motor take of it" if case.spec.resists else ""),

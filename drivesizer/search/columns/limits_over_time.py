@@ -386,7 +386,6 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
 
 
 def _usable_voltage(spec: RobotSpec, controller: Any, required: Array) -> Array:
-    """The usable voltage; where it is unknown, the supply's own for those that require more than that, and so fail."""
-    lowest = spec.supply.lowest
-    usable = spec.feed(controller).usable
-    return np.where(np.isnan(usable) & (required > lowest), lowest, usable)
+    """The usable voltage; where it is unknown, the bound that decides, as far as one does."""
+    feed = spec.feed(controller)
+    return np.where(np.isnan(feed.usable), feed.usable_for(required), feed.usable)
