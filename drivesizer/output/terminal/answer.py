@@ -29,6 +29,7 @@ __all__ = ["next_commands", "recommended", "side_by_side"]
 
 _WIDE = 110  # columns from which on a part has a single line
 _NAMED = 4  # unknown checks at most that are named
+_NAME = 30  # characters of a part's name, beyond which it is broken so that prices and masses are seen
 _TIGHT = 3  # checks with the smallest margins that are shown
 
 
@@ -71,7 +72,9 @@ def _parts(lines: list[PartLine], best: DriveSet, *, wide: bool) -> Table:
     for column in table.columns:
         column.no_wrap = column.header != "part"
     known = [line for line in lines if line.part]
-    table.columns[2].min_width = max(max(len(_named(line, best)), 0 if wide else len(line.part)) for line in known)
+    names = max(len(_named(line, best)) for line in known)
+    numbers = 0 if wide else max(len(line.part) for line in known)
+    table.columns[2].min_width = max(numbers, names if wide else min(names, _NAME))
     return table
 
 

@@ -202,19 +202,39 @@ def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype
 _COLUMNS = {"demand": float, "limit": float, "passed": bool, "failed": bool, "time": float, "case": np.int64}
 
 
+_IDLE: dict[str, Any] = {
+    "demand": 0.0,
+    "limit": np.inf,
+    "passed": True,
+    "failed": False,
+    "time": np.nan,
+    "case": 0,
+}  # no limit
+
+
 def _in_order(found: list[tuple[NDArray[Any], Examined]], count: int) -> list[CheckColumn]:
-    """Checks of some rows at a time, put together, in the order in which people read them."""
+    """Checks of some rows at a time, put together, in the order in which people read them.
+
+    A check that some rows do not have, such as that of a torque where all currents are known, limits nothing there.
+    """
     order = {name: place for place, name in enumerate(CHECKS["physics"])}
-    together = []
-    for same in zip(*(one.checks for _, one in found), strict=True):
-        parts = [(rows, check) for (rows, _), check in zip(found, same, strict=True)]
-        columns = {
-            name: _scattered([(rows, getattr(check, name)) for rows, check in parts], count, kind)
-            for name, kind in _COLUMNS.items()
-            if getattr(same[0], name) is not None
-        }
-        zero = same[0].zero
-        if isinstance(zero, np.ndarray):  # the ambient of the worst case
-            columns["zero"] = _scattered([(rows, np.asarray(check.zero)) for rows, check in parts], count)
-        together.append(replace(same[0], **columns))
-    return sorted(together, key=lambda check: order[check.name])
+    parts: dict[str, list[tuple[NDArray[Any], CheckColumn]]] = {}
+    for rows, one in found:
+        for check in one.checks:
+            parts.setdefault(check.name, []).append((rows, check))
+    return [_one_check(parts[name], count) for name in sorted(parts, key=order.__getitem__)]
+
+
+def _one_check(parts: list[tuple[NDArray[Any], CheckColumn]], count: int) -> CheckColumn:
+    """One check of some rows at a time as one column."""
+    first, rest = parts[0][1], np.setdiff1d(np.arange(count), np.concatenate([rows for rows, _ in parts]))
+    columns: dict[str, Any] = {
+        name: _scattered([(rest, _IDLE[name]), *((rows, getattr(check, name)) for rows, check in parts)], count, kind)
+        for name, kind in _COLUMNS.items()
+        if getattr(first, name) is not None
+    }
+    if isinstance(first.zero, np.ndarray):  # the ambient of the worst case
+        columns["zero"] = _scattered(
+            [(rest, np.asarray(0.0)), *((rows, np.asarray(c.zero)) for rows, c in parts)], count
+        )
+    return replace(first, **columns)

@@ -388,4 +388,5 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
 def _usable_voltage(spec: RobotSpec, controller: Any, required: Array) -> Array:
     """The usable voltage; where it is unknown, the bound that decides, as far as one does."""
     feed = spec.feed(controller)
-    return np.where(np.isnan(feed.usable), feed.usable_for(required), feed.usable)
+    usable: Array = np.where(np.isnan(feed.usable), feed.usable_for(required), feed.usable)
+    return usable
