@@ -116,7 +116,7 @@ def moment(given: Any) -> Any:
     """Inertia of a figure, a body, or several together [kg*m^2].
 
     >>> moment([Solid(diameter="40 mm", length="1 m", density="7800 kg/m^3"), 1e-4])
-    0.0020603...
+    0.0020603
     """
     if isinstance(given, list):
         return sum(moment(one) for one in given)

@@ -121,7 +121,7 @@ def hold(motion: Hold) -> Profile:
     """At rest all the time.
 
     >>> hold(Hold(profile="hold", time="1 min"))
-    Profile(name='hold', time=(0.0, 60.0), speed=(0.0, 0.0), acceleration=None)
+    Profile(name='hold', time=(0.0, 60.0), speed=(0.0, 0.0), acceleration=None, payload=None, ends=None)
     """
     return straight("hold", [("time", motion.time, 0.0)])
 

@@ -122,7 +122,7 @@ def _of_the_drive(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> 
     mean = {name: drive.mean(getattr(drive, name)) for name in _MEANS}
     drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
     released = sets * drive_set.released_power
-    lost = mean["drawn"] - mean["resisted"] - drawn + returned - share * mean["returned"] - released
+    lost = mean["bus_drawn"] - drawn + returned - share * mean["returned"] - released
     assumed = bool(spec.feed_of(drive_set.controller).stage.assumed)
     found: tuple[Consumption, ...] = (
         Consumption("drive", sets, drawn, peak, nan, False),
@@ -135,7 +135,7 @@ def _of_the_drive(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> 
     return found if spec.supply.resistance is None else (*found, cables)
 
 
-_MEANS = ("drawn", "returned", "resisted", "motor_drawn", "motor_returned")
+_MEANS = ("bus_drawn", "returned", "resisted", "motor_drawn", "motor_returned")
 
 
 def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[Consumption, ...]:

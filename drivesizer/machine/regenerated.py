@@ -134,7 +134,7 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
 def _of_powers(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
     """Sum of drives that act at the same time; of several what one draws of another's return goes no further."""
     power, share = together(powers), 1.0 - spec.supply.regeneration
-    drawn, returned = (power.drawn - power.resisted) * power.duration, share * power.returned * power.duration
+    drawn, returned = power.bus_drawn * power.duration, share * power.returned * power.duration
     if len(powers) > 1:
         net: Any = drawn - returned
         drawn, returned = np.maximum(net, 0.0), np.maximum(-net, 0.0)

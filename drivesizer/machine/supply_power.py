@@ -38,6 +38,7 @@ class DrivePower(NamedTuple):
 
     duration: Array  # s
     drawn: Array  # W, mean of what is drawn of the source: losses of controllers and supply included
+    bus_drawn: Array  # W, of these at the input of the controllers: known where no current of the source gives them
     returned: Array  # W, mean of regenerated power, at the input of the controllers
     peak: Array  # W, largest out of the source at one moment
     returned_peak: Array  # W
@@ -94,6 +95,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
     return DrivePower(
         duration=duration,
         drawn=(sums.drawn + standby + heat) * sets,
+        bus_drawn=(sums.drawn + standby) * sets,
         returned=sums.returned * sets,
         peak=peak * sets,
         returned_peak=np.maximum(back, 0.0) * sets,
@@ -121,6 +123,7 @@ def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePow
     return DrivePower(
         duration=duration,
         drawn=sets * drawn,
+        bus_drawn=sets * drawn,
         returned=sets * returned,
         peak=sets * peak,
         returned_peak=sets * back,

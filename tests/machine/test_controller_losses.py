@@ -79,9 +79,11 @@ def test_a_source_that_sags_below_what_the_motor_needs_fails(
     peak = next(f.value for f in best.figures if f.name == "peak_current")
     room = 0.9 * (hoist.supply.lowest - 1.0) - demand(best, "supply_voltage")
     per_ohm = hoist.load.motors * 0.81 * peak
+    regenerated = {f.name: f.value for f in again(hoist, best, catalog).braking.figures}
     for share, status in ((0.3, "pass"), (3.0, "fail")):
         one = again(given(hoist, "supply", resistance=share * room / per_ohm), best, catalog)
         assert next(c.status for c in one.checks if c.name == "supply_voltage") == status
+        assert {f.name: f.value for f in one.braking.figures} == regenerated  # no matter of the source
 
 
 def test_no_resistance_changes_nothing(hoist: RobotSpec, best: DriveSet, catalog: Catalog) -> None:
