@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.catalog.view.own_brake import OWN
 from drivesizer.commands.common import DEFAULT, Chosen, Json, More, Spec, load, print_notes, progress, working
 from drivesizer.errors import InputError
 
@@ -94,6 +93,8 @@ def _on_the_path(robot: Any, on_path: Any, chosen: str | None) -> Any:
 
 def _with_its(best: Any, on_path: Any) -> Any:
     """The spec of the path, with encoder, controller and brake of a drive as the only ones to choose from."""
+    from drivesizer.catalog.view.own_brake import OWN
+
     parts = {role: getattr(best, role) for role in ("encoder", "controller", "brake")}
     pinned = {
         role: getattr(on_path.select, role).model_copy(update={"family": None, "part": [part.part]})

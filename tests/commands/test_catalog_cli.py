@@ -183,7 +183,7 @@ def test_nothing_found_is_status_1(run, small):
         (["list", "motors", "--sort", "weight"], "--sort"),
         (["list", "encoders", "--power", ">1 W"], "--power: encoders has no such figure"),
         (["list", "motors", "--limit", "0"], "--limit"),
-        (["list", "--catalog", "nix"], 'no catalogue is called "nix"; expected'),
+        (["list", "--catalog", "qqqqq"], 'no catalogue is called "qqqqq"; expected'),
         (["list", "--catalog", "nix.yaml"], "cannot be read"),
         (["list", "--sort", "mass", "--csv", "all.csv"], "one section"),
         (["show", "11875"], "the nearest"),

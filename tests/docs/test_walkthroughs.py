@@ -63,10 +63,11 @@ def test_the_agv_gets_brushless_motors_with_controllers_and_totals_of_four_wheel
     assert {line.quantity for line in lines} == {4}
     mass, price = totals(lines)
     assert price.value == pytest.approx(4 * (best.motor.price + best.gearhead.price)) and not math.isnan(price.value)
-    weights = [part.mass for part in (best.motor, best.gearhead, best.controller)]
-    assert mass.value == pytest.approx(4 * (sum(weights) + 0.020)) and mass.estimated == ("encoder",)
+    weights = [part.mass for part in (best.motor, best.gearhead)]
+    assert mass.value == pytest.approx(4 * (sum(weights) + 0.020 + 0.045))
+    assert mass.estimated == ("encoder", "controller")
     screen = "\n".join(first_screen(page))
-    assert "4 ×   motor        maxon EC 40" in screen and f"at least {price.value:.2f} EUR" in screen
+    assert "4 ×   motor        maxon EC-i 40" in screen and f"at least {price.value:.2f} EUR" in screen
 
 
 @pytest.mark.slow

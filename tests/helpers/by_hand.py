@@ -606,6 +606,15 @@ def voltage_of(spec: Any, controller: Any) -> float:
     return given if math.isnan(given) else max(given, 0.0)
 
 
+def deciding_voltage(spec: Any, controller: Any, volts: float) -> float:
+    """The same where the drop is printed; else with 0.5 or 1.1 V of it what decides, or that of the supply."""
+    duty, drop = (NAN, NAN) if controller is None else (controller.max_duty, controller.voltage_drop)
+    least, most = (max(duty * (spec.supply.lowest - (x if math.isnan(drop) else drop)), 0.0) if duty == duty else NAN
+                   for x in (1.1, 0.5))  # fmt: skip
+    bound = spec.supply.lowest if math.isnan(most) else most
+    return least if volts <= least or not math.isnan(drop + duty) else bound if volts > bound else NAN
+
+
 def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -> Any | None:
     """Of those with counts enough one that is known to bear the speed, else one that may; of them the fewest counts."""
     required = max(spec.needs.encoder_counts or 0, spec.select.encoder.min_counts or 0)
@@ -686,9 +695,7 @@ def checks(
     _wishes(spec, cycle, motor, head, encoder, belt, out)
     controller, held = _controller(spec, pieces, found, (motor, encoder), offered)
     out["controller_available"] = Verdict(NAN, NAN, "fail" if controller is None else "pass", NAN)
-    usable = NAN if controller is None else voltage_of(spec, controller)
-    limits = [spec.supply.lowest if math.isnan(usable) and V * (1 + fast) > spec.supply.lowest else usable
-              for V in found.V_peak]  # fmt: skip
+    limits = [deciding_voltage(spec, controller, V * (1 + fast)) for V in found.V_peak]
     out["supply_voltage"] = bounded(at_most(V, limit, fast) for V, limit in zip(found.V_peak, limits, strict=True))
     out["controller_continuous_current"] = at_most(found.I_rms, figure(controller, "continuous_current"), more)
     out["controller_peak_current"] = at_most(found.I_peak, figure(controller, "peak_current"), more)

@@ -150,12 +150,3 @@ def test_a_battery_with_few_figures_has_one_line_that_names_the_fields(more, tmp
     assert ("chemistry or discharge" in line) == (not more)
     assert ("resistance" in line) == (not more)
     assert printed.count("unknown of each: ") == 1
-
-
-def test_a_quiet_answer_has_its_probability_and_no_table_of_it(capsys, monkeypatch, tmp_path):
-    path = tmp_path / "robot.yaml"
-    path.write_text(CART.replace("80 kg", "80 kg +- 2 kg").partition("battery")[0], encoding="utf-8")
-    sampled = size(load_spec(path), top=1)
-    assert "with a probability of" in told(sampled, capsys, monkeypatch, quiet=True)
-    assert "Probability that all checks pass" not in told(sampled, capsys, monkeypatch, quiet=True)
-    assert "Probability that all checks pass" in told(sampled, capsys, monkeypatch)

@@ -329,7 +329,7 @@ def test_margins_move_the_status_exactly_at_the_limit(margin, names, catalog):
 
 # --- objectives ---
 
-NARROW = "select: {motor: {family: [RE 30, RE 25, EC-max 30, A-max 32]}, UNKNOWN objective: mass}\n"
+NARROW = "select: {motor: {family: [RE 30, RE 25, RE 40, EC-max 30, A-max 32]}, UNKNOWN objective: mass}\n"
 BOTH = LIFT + NARROW.replace("UNKNOWN ", "")
 
 

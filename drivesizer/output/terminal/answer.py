@@ -142,7 +142,7 @@ def _certainty(best: DriveSet, result: SizingResult) -> Iterator[Text]:
     }
     doubts = [f"{role} {_counted(found)}" for role, found in counts.items() if found]
     if doubts:
-        yield Text(f"figures not out of the maker's own document: {'; '.join(doubts)}", style="dim")
+        yield Text(f"not out of the maker's own document: {'; '.join(doubts)}", style="dim")
 
 
 def _undecided(best: DriveSet, result: SizingResult) -> Iterator[Text]:

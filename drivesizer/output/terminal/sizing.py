@@ -66,8 +66,7 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
         console.print(_front(result))
     elif result.pareto:
         console.print(f"No Pareto front: no drive that passes has known values of {', '.join(result.pareto)}.")
-    if "checks" in details or not quiet:
-        tolerances(console, result, quiet="checks" not in details)
+    tolerances(console, result, quiet="checks" not in details)
     if result.misses and ("rejected" in details or best is None):
         console.print(_rejected(result.misses))
     _tally(console, result, whole="rejected" in details or best is None)
