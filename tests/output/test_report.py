@@ -209,7 +209,13 @@ cases:
   - {name: weak battery, supply: {nominal: 20 V, min: 18 V}}
 """
     weighted = "objective: [{objective: mass, weight: 2}, {objective: price, weight: 1}]"
-    spec = starter("hoist", tmp_path_factory.mktemp("cases"), ("objective: mass", weighted), ("hold_unpowered: true", "hold_unpowered: false"), more=more)
+    spec = starter(
+        "hoist",
+        tmp_path_factory.mktemp("cases"),
+        ("objective: mass", weighted),
+        ("hold_unpowered: true", "hold_unpowered: false"),
+        more=more,
+    )
     return size(spec, catalog=catalog, top=2, pareto=("mass", "price", "energy"))
 
 
