@@ -85,9 +85,10 @@ class Feed(NamedTuple):
     def usable_for(self, required: Any) -> Any:
         """The usable voltage as it judges a required one; NaN where a figure that decides is unknown [V].
 
-        An unprinted voltage drop is one of ``ASSUMED_BAND``: what is met with the largest is met, and what is not met
-        with the smallest is not. Without a largest duty the supply's voltage is the bound.
+        A printed one is what it is. An unprinted voltage drop is one of ``ASSUMED_BAND``: what is met with the largest
+        is met, and what is not met with the smallest is not. Without a largest duty the supply's voltage is the bound.
         """
+        printed = self.usable
         most, least = (
             usable_voltage(
                 self.voltage, self.stage.max_duty, np.where(np.isnan(self.stage.drop), drop, self.stage.drop)
@@ -95,7 +96,8 @@ class Feed(NamedTuple):
             for drop in ASSUMED_BAND
         )
         bound = np.where(np.isnan(most), self.voltage, most)
-        return np.where(required <= least, least, np.where(required > bound, bound, np.nan))
+        decides = np.where(required <= least, least, np.where(required > bound, bound, np.nan))
+        return np.where(np.isnan(printed), decides, printed)
 
     @property
     def leads(self) -> Any:

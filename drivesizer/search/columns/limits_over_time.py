@@ -341,7 +341,7 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     supply, sets, controller = spec.supply, spec.load.motors, parts.controller
     torque, speed, power = spec.margins.torque, spec.margins.speed, found.power * sets
     bus = _bus_voltage(spec, found, controller)
-    usable = _usable_voltage(spec, controller, found.voltage * (1.0 + speed))
+    usable = spec.feed(controller).usable_for(found.voltage * (1.0 + speed))
     held = _HELD if spec.battery and spec.accepts_all else ""
     checks = [
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
@@ -383,10 +383,3 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
         bound = bus_voltage(supply.highest, found.stored, least)  # each controller stores its own motor's return
     bound = np.where(found.stored == 0.0, supply.highest, bound)
     return np.where((bound <= controller["supply_max"]) | (found.stored == 0.0), bound, np.nan)
-
-
-def _usable_voltage(spec: RobotSpec, controller: Any, required: Array) -> Array:
-    """The usable voltage; where it is unknown, the bound that decides, as far as one does."""
-    feed = spec.feed(controller)
-    usable: Array = np.where(np.isnan(feed.usable), feed.usable_for(required), feed.usable)
-    return usable
