@@ -41,7 +41,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "equipment": {"Consumer": "Each of the list"},
     "environment": {"Environment": ""},
     "margins": {"Margins": ""},
-    "needs": {"Needs": ""},
+    "needs": {"Needs": "", "Lives": "`life` by part"},
     "shaft": {"Shaft": ""},
     "select": {
         "Select": "", "MotorChoice": "`motor`", "Choice": "`gearhead` and `brake`", "EncoderChoice": "`encoder`",

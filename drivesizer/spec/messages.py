@@ -89,11 +89,25 @@ def _path(fault: dict[str, Any], data: Any) -> Path_:
                 continue
         path.append(step)
     if fault["type"] == "value_error" and not path:  # an error of several fields names one of them
-        named = str(fault["ctx"]["error"]).partition(":")[0]
-        path = [named] if isinstance(data, dict) and named in data else []
+        path = _named(str(fault["ctx"]["error"]).partition(":")[0], data)
     if fault["type"] == "union_tag_invalid":
         path.append(fault["ctx"]["discriminator"].strip("'"))
     return tuple(path)
+
+
+def _named(field: str, data: Any) -> list[str | int]:
+    """The place of a field that a message names, where the data has it.
+
+    >>> _named("needs.life", {"needs": {"life": "2 h"}}), _named("needs.life", {"needs": {}}), _named("give a or b", {})
+    (['needs', 'life'], [], [])
+    """
+    path: list[str | int] = []
+    for step in field.split("."):
+        if not isinstance(data, dict) or step not in data:
+            return []
+        path.append(step)
+        data = data[step]
+    return path
 
 
 def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseModel]) -> str:
@@ -114,7 +128,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return f"{found} is too short; expected at least {fault['ctx']['min_length']}{_default(model, path, data)}"
         case "value_error":
             text = str(fault["ctx"]["error"])
-            own = text.removeprefix(f"{path[-1]}: ") if len(path) == 1 else text
+            own = text.removeprefix(f"{'.'.join(map(str, path))}: ")
             return own if own != text or own.startswith(_ALONE) else f"{found} {own}"
         case "literal_error":
             return f"{found} is not known; expected {fault['ctx']['expected']}"

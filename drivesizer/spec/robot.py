@@ -22,6 +22,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.fields import Section, default
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES, Load
+from drivesizer.loads.screw import Screw
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.elements.braking import released_power
 from drivesizer.physics.power_stage import Feed, power_stage
@@ -29,6 +30,7 @@ from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.brake import OwnBrake
 from drivesizer.spec.brake_resistor import BrakeResistor, or_any
 from drivesizer.spec.control import Control, Plant
+from drivesizer.spec.lives import Lives
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
 from drivesizer.spec.platform import Budget, Platform
@@ -218,6 +220,21 @@ class RobotSpec(Section):
             raise ValueError("shaft: expected wheel_load, for loads on the wheels of a platform differ")
         if not carries and len(stages) == 1 and needs.radial_load is needs.axial_load is needs.tilting_moment is None:
             raise ValueError("shaft: nothing acts on it; expected carries_load, a belt or gear, or needs.radial_load")
+        return self
+
+    @model_validator(mode="after")
+    def _lasting(self) -> RobotSpec:
+        lives, load = self.needs.life, self.load
+        if not isinstance(lives, Lives):
+            return self
+        if lives.screw is not None and not isinstance(load, Screw):
+            raise ValueError(f"needs.life.screw: a {load.kind} has no screw; leave it out")
+        if lives.screw is not None and isinstance(load, Screw) and load.screw is None and load.dynamic_load is None:
+            raise ValueError("needs.life.screw: it follows from a ball screw's rating; expected load.dynamic_load")
+        if self.is_direct and (lives.gearhead or lives.output_bearing) is not None:
+            raise ValueError(f"needs.life: with kind: {DIRECT} as transmission there is no gearhead; leave it out")
+        if lives.output_bearing is not None and self.shaft is None:
+            raise ValueError("needs.life.output_bearing: nothing is known to load it; expected a section shaft")
         return self
 
     @model_validator(mode="after")

@@ -35,6 +35,7 @@ from drivesizer.files.fields import (
     Voltage,
     default,
 )
+from drivesizer.spec.lives import Life
 
 __all__ = ["Case", "Environment", "Margins", "Mission", "Needs", "PaperFactors", "PowerStage", "Supply", "TitleBlock"]
 
@@ -174,8 +175,9 @@ class Needs(Section):
     )
     resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
     hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
-    life: Duration | None = Field(
-        default=None, description="of gearhead, its output bearing and ball screw: hours of the cycle, rests included"
+    life: Life | None = Field(
+        default=None,
+        description="of gearhead, its output bearing and ball screw: hours of the cycle, rests included; or of some",
     )
     shock_torque: TorqueAbove | None = Field(
         default=None, description="at the load's shaft, in an emergency stop or a collision"

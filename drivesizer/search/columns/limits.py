@@ -30,6 +30,7 @@ from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_li
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads
 from drivesizer.search.columns.shaft_loads import THRUST
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
+from drivesizer.spec.lives import required_life
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import BeltStage
 
@@ -90,7 +91,8 @@ def own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn | None:
     if own.name == THRUST:
         return None
     if own.name == _LIFE:
-        return None if spec.needs.life is None else at_most(own.name, spec.needs.life, own.limit)
+        required = required_life(spec.needs.life, "screw")
+        return None if required is None else at_most(own.name, required, own.limit)
     needed = spec.margins.speed if own.name in _OF_SPEED else spec.margins.torque
     return at_most(own.name, own.demand, own.limit, needed=needed, time=np.array(own.time))
 
@@ -178,8 +180,9 @@ def gearhead_limits(
         )
     if needs.shock_torque is not None:
         found += shock_limits(spec, needs.shock_torque, cycle, gearhead)
-    if needs.life is not None:
-        found.append(at_most("gearhead_life", needs.life, life_of_gearheads(cycle, gearhead)))
+    required = required_life(needs.life, "gearhead")
+    if required is not None:
+        found.append(at_most("gearhead_life", required, life_of_gearheads(cycle, gearhead)))
     return found + loads_on_gearheads(spec, cycle, drive, gearhead)
 
 

@@ -13,6 +13,7 @@ from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.elements.shaft_load import bearing_life, dynamic_load, permissible_radial, static_load
 from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.search.columns.shaft_loads import ShaftLoads, shaft_loads
+from drivesizer.spec.lives import required_life
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.shaft import Shaft
 
@@ -119,11 +120,12 @@ def _bearing(spec: RobotSpec, shaft: Shaft, loads: ShaftLoads, gearhead: Any) ->
     static, dynamic = limit("bearing_static_load"), limit("bearing_dynamic_load")
     still = np.where(np.isposinf(static), 0.0, still)
     found = [_known(at_most("gearhead_bearing_static", still, static), loads)]
-    if spec.needs.life is not None:
+    required = required_life(spec.needs.life, "output_bearing")
+    if required is not None:
         radial, axial, moment = loads.means
         load = dynamic_load(radial, axial, _turned(radial, lever) + moment, diameter) * shaft.load_factor
         life = bearing_life(dynamic, np.where(np.isposinf(dynamic), 0.0, load), loads.mean_speed)
-        found.append(_known(at_most("gearhead_bearing_life", spec.needs.life, life), loads))
+        found.append(_known(at_most("gearhead_bearing_life", required, life), loads))
     return found
 
 

@@ -204,7 +204,7 @@ _COLUMNS = {
 
 def _has_column(path: Path_) -> bool:
     """Whether a figure enters checks beside the load cycle."""
-    field = path[1] if path[0] == "battery" else path[-1]
+    field = path[1] if path[0] in ("battery", "needs") else path[-1]  # of groups of fields in these the group
     return str(field) in _COLUMNS.get(str(path[0]), set()) or (path[0] == "transmission" and field in _BELT)
 
 
