@@ -45,6 +45,7 @@ __all__ = [
     "mass_without_drive",
     "of_the_platform",
     "regeneration",
+    "rows_of_drive",
 ]
 
 
@@ -182,10 +183,24 @@ def drive_mass(problem: Problem, one: DriveParts) -> float:
     float
         [kg], parts of unknown mass left out.
     """
-    return math.fsum(row.ends[1] for row in _drive_rows(problem, one) if not isnan(row.each))
+    return math.fsum(row.ends[1] for row in rows_of_drive(problem, one) if not isnan(row.each))
 
 
-def _drive_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
+def rows_of_drive(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
+    """Masses of all drives of a machine, by part.
+
+    Parameters
+    ----------
+    problem
+        The machine, and the catalogues with their estimates.
+    one
+        The drive.
+
+    Returns
+    -------
+    tuple[MassRow, ...]
+        A fixed gear of the spec among them.
+    """
     spec = problem.spec
     belt = spec.belt.mass if spec.belt else None
     rows = drive_rows(one, spec.load.motors, problem.catalog, belt, spec.wants_encoder)
@@ -222,7 +237,7 @@ def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
 def _mass(problem: Problem, budget: Budget, one: DriveParts) -> MechanicalBudget:
     spec, load = problem.spec, problem.machine.load
     battery = pack_of(spec.battery, problem.catalog).mass if spec.battery else None
-    found = machine_mass(budget, _drive_rows(problem, one), platform=spec.platform, battery=battery)
+    found = machine_mass(budget, rows_of_drive(problem, one), platform=spec.platform, battery=battery)
     return mass_part(found, load.mass if isinstance(load, WheeledVehicle) else None)
 
 

@@ -1,0 +1,216 @@
+"""Sizing of a machine: its axes from the outermost inward, each with the drives that ride on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import fsum, isnan
+from typing import Any
+
+from drivesizer.catalog import Catalog
+from drivesizer.machine.budgets import rows_of_drive
+from drivesizer.multi_axis.combinations import Choice, Combination, Cost, best_combination
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, of_all_drives
+from drivesizer.results.problem import Problem
+from drivesizer.results.sizing import SizingResult
+from drivesizer.search.ranking import Ranking, title_of
+from drivesizer.sizing import load_parts, size
+from drivesizer.spec.carried import carrying
+from drivesizer.spec.machine import MachineSpec
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import OBJECTIVES
+
+__all__ = ["size_machine"]
+
+_PER_AXIS = 3  # sizings of each axis at most, on the average
+Progress = Callable[[str, int], None]  # name of the axis that is sized, and how many sizings there were before
+
+
+class _Sizings:
+    """Sizings of the axes with drives of some masses on them, each made once."""
+
+    def __init__(self, machine: MachineSpec, options: Mapping[str, Any], progress: Progress | None) -> None:
+        self.machine, self.options, self.progress = machine, options, progress
+        self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
+        self.catalogs: dict[tuple[Any, ...], Catalog] = {}
+
+    def objective(self, axis: str) -> Ranking:
+        """Objective of the ranking of an axis' drives."""
+        own: Ranking = self.machine.axis(axis).spec.select.objective
+        return self.options.get("objective") or own
+
+    def result(self, axis: str, masses: tuple[float, ...]) -> SizingResult:
+        """The sizing of an axis with carried drives of these masses [kg]."""
+        if (axis, masses) not in self.made:
+            if self.progress:
+                self.progress(axis, len(self.made))
+            spec = _laden(self.machine, axis, masses)
+            front = self._front(axis)
+            self.made[axis, masses] = size(spec, catalog=self._parts(spec), pareto=front, **self.options)
+        return self.made[axis, masses]
+
+    def _front(self, axis: str) -> tuple[str, ...]:
+        """Objectives whose front is wanted: cost and mass of drives that ride on others."""
+        objective, wanted = self.objective(axis), self.options.get("pareto", ())
+        rides = any(axis in self.machine.carried(other.name) for other in self.machine.axes)
+        if wanted or not rides or not isinstance(objective, str) or objective not in SUMMED:
+            return tuple(wanted)
+        return tuple(dict.fromkeys((objective, "mass")))
+
+    def _parts(self, spec: RobotSpec) -> Catalog:
+        """The catalogues of an axis, those of the same choice once."""
+        key = tuple(spec.select.catalogs), spec.select.motor.kind, spec.select.estimates
+        if key not in self.catalogs:
+            self.catalogs[key] = load_parts(spec)
+        return self.catalogs[key]
+
+
+def _laden(machine: MachineSpec, axis: str, masses: tuple[float, ...]) -> RobotSpec:
+    """The spec of an axis with the drives of others on it."""
+    one = machine.axis(axis)
+    on_it = list(zip(masses, machine.carried(axis).values(), strict=True))
+    if not any(masses):
+        return one.spec
+    return one.spec.changed(lambda spec: spec.model_copy(update={"load": carrying(spec.load, on_it)}))
+
+
+def size_machine(machine: MachineSpec, *, progress: Progress | None = None, **options: Any) -> MachineSizing:
+    """Size all axes of a machine.
+
+    Parameters
+    ----------
+    machine
+        Its axes, and what they share.
+    progress
+        Called before each sizing of an axis.
+    **options
+        Of ``size``, for every axis: ``top``, ``objective``, ``sampling``.
+
+    Returns
+    -------
+    MachineSizing
+        Every axis with its best drives; where one has none, those that it would carry are still sized.
+
+    Raises
+    ------
+    InputError
+        As ``size`` does.
+    """
+    sizings = _Sizings(machine, {name: value for name, value in options.items() if value is not None}, progress)
+    carried = {axis.name: tuple(machine.carried(axis.name)) for axis in machine.axes}
+
+    def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
+        return _choices(sizings.result(axis, masses), sizings.objective(axis))
+
+    most = _PER_AXIS * len(machine.axes) if machine.whole else 0
+    found = best_combination(machine.order, carried, sized, most)
+    axes = tuple(_axis(sizings, carried, found, axis.name) for axis in machine.axes)
+    objectives = dict.fromkeys(title_of(sizings.objective(axis.name)) for axis in machine.axes)
+    return MachineSizing(
+        machine=machine,
+        axes=axes,
+        objective=", ".join(objectives),
+        searches=len(sizings.made),
+        certain=found.certain and all(_bounded(sizings, axis.name) for axis in machine.axes),
+        notes=tuple(_notes(machine, found, axes)),
+    )
+
+
+def _bounded(sizings: _Sizings, axis: str) -> bool:
+    """Whether the sum that is least is that of the objective, and more mass on the axis never lightens its load."""
+    objective, load = sizings.objective(axis), sizings.machine.axis(axis).spec.load
+    summed = isinstance(objective, str) and objective in SUMMED
+    balanced = sizings.machine.axis(axis).carries and getattr(load, "counterweight", 0.0) > 0.0
+    return summed and not balanced
+
+
+def _choices(result: SizingResult, objective: Ranking) -> list[Choice]:
+    """Drives that count for others: the best, and those on the front of cost and mass that are as certain as it."""
+    if not result.sets:
+        return []
+    best = result.sets[0]
+    found = [one for one in result.front if one.status == best.status]
+    drives = {one.label: one for one in [*found, best]}
+    choices = [
+        Choice(
+            name, _cost(one, objective, result.spec.load.motors, one.label == best.label), _mass(result.problem, one)[0]
+        )
+        for name, one in drives.items()
+    ]
+    kept = [one for one in choices if not any(_beats(other, one) for other in choices)]
+    return sorted(kept, key=lambda one: (one.cost, one.mass))
+
+
+def _beats(one: Choice, other: Choice) -> bool:
+    """Whether a drive is no worse in cost and mass, and better in one of them."""
+    same = one.cost <= other.cost and one.mass <= other.mass
+    return same and (one.cost < other.cost or one.mass < other.mass)
+
+
+def _cost(one: DriveSet, objective: Ranking, motors: int, best: bool) -> Cost:
+    """The objective of all drives of an axis; where it is no sum, the best one alone counts."""
+    if not isinstance(objective, str) or objective not in SUMMED:
+        return (0 if best else 1), 0.0
+    declared, value = OBJECTIVES[objective], one.objective
+    parts = [getattr(getattr(one, part), declared.figure) for part in declared.over]
+    missing = sum(map(isnan, parts)) if parts else int(isnan(value))
+    return missing, 0.0 if isnan(value) else of_all_drives(objective, one, motors)
+
+
+def _mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
+    """Mass of an axis' drives that ride on another, without their controllers [kg], and parts of unknown mass.
+
+    What is estimated counts at the upper end of its band, as for a vehicle that carries its own drive.
+    """
+    rows = [row for row in rows_of_drive(problem, one) if row.name != "controller"]
+    mass = fsum(row.ends[1] for row in rows if not isnan(row.each))
+    return mass, tuple(row.name for row in rows if isnan(row.each))
+
+
+def _axis(sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str) -> AxisSizing:
+    """An axis with the drive that was chosen for the whole as its best."""
+    known = {other: choice.mass for other, choice in found.chosen.items()}
+    masses = tuple(known.get(other, 0.0) for other in carried[name])
+    result = sizings.result(name, masses)
+    if name in found.chosen:
+        result = _first(result, found.chosen[name].name)
+    distances = sizings.machine.carried(name)
+    riding = tuple(
+        CarriedMass(other, mass, distances[other], _lacking(sizings, carried, found, other))
+        for other, mass in zip(carried[name], masses, strict=True)
+    )
+    return AxisSizing(name=name, result=result, carried=riding)
+
+
+def _lacking(
+    sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str
+) -> tuple[str, ...]:
+    """Parts of unknown mass of the drive that was chosen for an axis."""
+    if name not in found.chosen:
+        return ()
+    masses = tuple(found.chosen[other].mass for other in carried[name])
+    result = sizings.result(name, masses)
+    one = next(one for one in (*result.sets, *result.front) if one.label == found.chosen[name].name)
+    return _mass(result.problem, one)[1]
+
+
+def _first(result: SizingResult, label: str) -> SizingResult:
+    """The sizing with the drive of a label as its first."""
+    if result.sets[0].label == label:
+        return result
+    chosen = next(one for one in (*result.sets, *result.front) if one.label == label)
+    others = [one for one in result.sets if one.label != label][: len(result.sets) - 1]
+    return replace(result, sets=tuple(replace(one, rank=n) for n, one in enumerate((chosen, *others), 1)))
+
+
+def _notes(machine: MachineSpec, found: Combination, axes: tuple[AxisSizing, ...]) -> list[str]:
+    """Choice of the drives, as sentences."""
+    notes = []
+    if found.missing:
+        notes.append(f"{found.missing}: no drive meets all limits, even with the lightest drives on it")
+    for axis in axes:
+        lacking = [f"{part} of {one.of}" for one in axis.carried for part in one.lacking]
+        if lacking:
+            notes.append(f"{axis.name} carries drives of which the mass of {', '.join(lacking)} is unknown: left out")
+    return notes
