@@ -224,6 +224,9 @@ class Controller:
     encoder_inputs: str = text()
     choke: str = text()
     derating: str = text()
+    full_current_ambient: float = figure("temperature", "degC")  # up to which the continuous current holds
+    derating_slope: float = figure("current_per_temperature", "A/K")  # of that current above it
+    ambient_max: float = figure("temperature", "degC")
     inside: str = text()  # the actuator that it is built into
     dimensions: str = text()
     mass: float = figure("mass", "g")

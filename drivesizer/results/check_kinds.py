@@ -149,14 +149,15 @@ _PHYSICS = {
         on_inertia=True,
     ),
     "controller_continuous_current": CheckKind(
-        "Controller continuous current", *_AMPS, ("CURRENT", "controller.continuous_current"), on_inertia=True
+        "Controller continuous current", *_AMPS, ("CURRENT", "controller.continuous_current", "CONTROLLER_DERATING"),
+        on_inertia=True,
     ),
     "controller_peak_current": CheckKind(
         "Controller peak current", *_AMPS, ("CURRENT", "controller.peak_current"), on_inertia=True
     ),
     "controller_peak_time": CheckKind(
         "Time above continuous current", "time", "s",
-        ("CURRENT", "controller.continuous_current", "controller.peak_time"), on_inertia=True,
+        ("CURRENT", "controller.continuous_current", "CONTROLLER_DERATING", "controller.peak_time"), on_inertia=True,
     ),
     "controller_speed": CheckKind(
         "Controller electrical speed", *_SPEED, (*_RATIO, "motor.pole_pairs", "controller.max_speed_sine")
@@ -204,7 +205,7 @@ _PAPER = {
     "encoder_counts": CheckKind("Encoder counts per turn", rests_on=("COUNTS",)),
     "controller_available": CheckKind("Controller for bus, voltage and motor", rests_on=_SUPPLIES),
     "controller_continuous_current": CheckKind(
-        "Controller continuous current", *_AMPS, (*_BY_CURRENT, "controller.continuous_current")
+        "Controller continuous current", *_AMPS, (*_BY_CURRENT, "controller.continuous_current", "CONTROLLER_DERATING")
     ),
     "controller_peak_current": CheckKind(
         "Controller peak current", *_AMPS, (*_BY_CURRENT, "controller.peak_current")

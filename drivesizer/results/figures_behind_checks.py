@@ -19,6 +19,7 @@ from drivesizer.units import show
 
 __all__ = ["marked_figures", "rests_on", "unknown_figures"]
 
+_DERATING = ("full_current_ambient", "derating_slope", "ambient_max")
 _MODEL = ("holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", "pull_out_share")
 _GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rotor_inertia", "motor.torque_constant")
 
@@ -52,6 +53,10 @@ def _of(word: str, drive_set: DriveSet) -> list[str]:
         return [] if isnan(gearhead.max_radial_load) else ["gearhead.radial_load_distance"]
     if word == "DERATING":
         return ["motor.max_winding_temperature"]
+    if word == "CONTROLLER_DERATING":
+        controller = drive_set.controller
+        known = controller is not None and not isnan(controller.full_current_ambient)
+        return [f"controller.{name}" for name in _DERATING] if known else []
     if word == "PULL_OUT":
         return [f"motor.{name}" for name in _MODEL]
     if motor.kind == "stepper":  # whose current is the rated one, whatever the load

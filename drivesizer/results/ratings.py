@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 
-__all__ = ["continuous_speed_limit", "nominal_current_limit", "nominal_torque_limit", "unstated_temperature"]
+__all__ = [
+    "continuous_speed_limit",
+    "controller_current",
+    "nominal_current_limit",
+    "nominal_torque_limit",
+    "unstated_temperature",
+]
 
 Array = NDArray[np.float64]
 _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
@@ -40,6 +46,42 @@ def continuous_speed_limit(
     """
     speed = np.where(np.isin(gearhead["manufacturer"], _BY_THE_MEAN), mean_speed, sustained_speed)
     return at_most("gearhead_continuous_speed", speed * ratio, gearhead["continuous_input_speed"], needed=needed)
+
+
+def controller_current(controller: Any, ambient: Array | float) -> Any:
+    r"""Continuous current of controllers in an ambient, where their derating is printed.
+
+    .. math:: I = \max(I_N - s (T - T_N), 0) \text{ above } T_N, \quad I = 0 \text{ above } T_{max}
+
+    Parameters
+    ----------
+    controller
+        Figures by field name: the continuous current I_N, and ``full_current_ambient`` T_N up to which it holds,
+        ``derating_slope`` s and ``ambient_max``.
+    ambient
+        Temperature around the controllers [K].
+
+    Returns
+    -------
+    float or array
+        Current [A]; as printed where no derating is known, NaN above T_N where its slope is not.
+
+    Examples
+    --------
+    maxon EPOS2 24/5: 5 A up to 55 degC, from there to 83 degC 0.179 A/K less:
+
+    >>> epos2 = {"continuous_current": 5.0, "full_current_ambient": 328.15, "derating_slope": 0.179,
+    ...          "ambient_max": 356.15}
+    >>> [round(float(controller_current(epos2, 273.15 + t)), 3) for t in (55.0, 65.0, 82.0, 84.0)]
+    [5.0, 3.21, 0.167, 0.0]
+    """
+    printed, full = controller["continuous_current"], controller["full_current_ambient"]
+    hotter, too_hot = ambient > np.asarray(full), ambient > np.asarray(controller["ambient_max"])
+    if not (hotter.any() or too_hot.any()):
+        return printed
+    left = np.maximum(printed - controller["derating_slope"] * (ambient - np.asarray(full)), 0.0)
+    found: Array = np.where(too_hot, 0.0, np.where(hotter, left, printed))
+    return np.where(np.isnan(printed), np.nan, found)
 
 
 def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:

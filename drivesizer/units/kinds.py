@@ -53,6 +53,7 @@ speed_constant       | 408 rpm/V   | rad/s/V rad/(V*s) rad/(s*V); rpm/V 1/min/V 
 speed_torque_gradient | 40.5 rpm/mN*m | rad/s/(N*m); rpm/(mN*m) 1/min/mNm min-1/mNm; rpm/(N*m); rpm/(ozf*in) rpm/oz*in
 thermal_resistance   | 3.1 K/W     | K/W degC/W
 heat_capacity        | 12 J/K      | J/K
+current_per_temperature | 0.2 A/K  | A/K A/degC; mA/K
 temperature          | 25 degC     | K; degC C; degF F
 temperature_difference | 75 K      | K
 angle                | 2 deg       | rad; deg; arcmin '; arcsec "; turn rev

@@ -41,6 +41,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "speed_torque_gradient": (1e-9, 1e15),
     "thermal_resistance": (1e-5, 1e6),
     "heat_capacity": (1e-7, 1e9),
+    "current_per_temperature": (1e-9, 1e6),
     "temperature": (1.0, 3e3),
     "temperature_difference": (1e-6, 3e3),
     "angle": (1e-9, 1e9),

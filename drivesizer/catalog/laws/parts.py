@@ -175,7 +175,7 @@ _ORDERS = {
     "controllers": (
         "supply_min < supply_max", "supply_max <= absolute_max", "supply_min >= absolute_min",
         "peak_current >= continuous_current", "speed_loop <= current_loop", "position_loop <= speed_loop",
-        "max_speed_sine <= max_speed_block",
+        "max_speed_sine <= max_speed_block", "full_current_ambient < ambient_max",
     ),
 }  # fmt: skip
 
@@ -192,6 +192,10 @@ _BESIDE: list[Beside] = [
 _RATE = "francs for a euro from 2010 on, and what the shop rounds"
 
 _BANDS: list[Band] = [
+    ("controllers", "continuous current beside its derating", "continuous_current",
+     lambda c: c["derating_slope"] * (c["ambient_max"] - c["full_current_ambient"]), 0.98, 1e3,
+     ("derating_slope", "ambient_max", "full_current_ambient"),
+     "no more is taken off up to the largest ambient than there is: 3 of maxon lose all of it"),
     ("motors", "assigned power beside M_N w_N", "assigned_power",
      lambda m: m["nominal_torque"] * m["nominal_speed"], 0.4, 4.0, ("nominal_torque", "nominal_speed"),
      "a class of the type and not a figure of the winding: 0.55 to 3.2 of 641 maxon motors"),

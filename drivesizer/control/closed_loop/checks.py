@@ -33,7 +33,7 @@ from drivesizer.physics.thermal import (
     two_bodies,
 )
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
-from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit
+from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit
 from drivesizer.results.sizing import Check
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 
@@ -177,7 +177,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
             lambda x: at_most(
                 "controller_continuous_current",
                 x,
-                controller.continuous_current,
+                _lasting_current(case),
                 needed=controller_needed(case.spec, 0.0),
             ),
         )
@@ -190,10 +190,15 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
         )
 
 
+def _lasting_current(case: ClosedLoop) -> float:
+    """Continuous current of the controller in the case's ambient [A]."""
+    return float(controller_current(asdict(_controller(case)), case.spec.environment.ambient))
+
+
 def _peak_share(case: ClosedLoop) -> float:
     """Highest state of the I²t sum; 0 where the continuous current is never exceeded, NaN where a figure is unknown."""
     controller, peak = _controller(case), case.figure("current")
-    if case.allowance("current") * peak <= controller.continuous_current:
+    if case.allowance("current") * peak <= _lasting_current(case):
         return 0.0
     return case.figure("i2t_share") if controller.peak_time > 0.0 else math.nan
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drivesizer.catalog.parts import Controller
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, within_reach
 from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
@@ -23,6 +24,7 @@ from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.ratings import controller_current
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["FOLLOWS", "Prepared", "prepared"]
@@ -123,9 +125,10 @@ def _drive(
     """The drive as the engine takes it; an unknown limit is none there, and unknown in its check."""
     controller, known, stage = drive_set.controller, not math.isnan(feed.usable), feed.stage
 
-    def limit(name: str) -> float:
-        value = getattr(controller, name) if controller else math.nan
+    def limit(value: float) -> float:
         return math.inf if math.isnan(value) else float(value)
+
+    figures = asdict(controller or Controller())
 
     return Drive(
         train=train,
@@ -137,7 +140,9 @@ def _drive(
             leads=float(feed.leads),
         ),
         current=CurrentLimit(
-            peak=limit("peak_current"), continuous=limit("continuous_current"), peak_time=limit("peak_time")
+            peak=limit(figures["peak_current"]),
+            continuous=limit(controller_current(figures, spec.environment.ambient)),
+            peak_time=limit(figures["peak_time"]),
         ),
         encoder=Resolution(edges=edges_of(spec, drive_set), periods=max(own.counted_over, 1)),
         heat=heat,

@@ -33,6 +33,7 @@ from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.ratings import controller_current
 from drivesizer.results.screws import for_drive
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
@@ -190,7 +191,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         voltage=voltage,
         voltage_known=not isnan(usable),
         peak_current=own.peak_current if own else float("nan"),
-        continuous_current=own.continuous_current if own else float("nan"),
+        continuous_current=float(controller_current(asdict(own), spec.environment.ambient)) if own else float("nan"),
         limits=limits(spec, found, train, voltage),
         heat=bodies if bodies.known else None,
         housing=_housing(spec, found, bodies),

@@ -16,6 +16,7 @@ from typing import NamedTuple
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.ratings import controller_current
 from drivesizer.spec.altitude import rise_left
 from drivesizer.spec.robot import RobotSpec
 
@@ -87,9 +88,10 @@ def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
     derating = float(current_derating(spec.environment.ambient, motor.max_winding_temperature, rated))
     left = rise_left(spec.environment)
     derating *= sqrt(left)
+    lasting = float(controller_current(asdict(controller), spec.environment.ambient)) if controller else nan
     return {
         "motor, nominal current": motor.nominal_current * derating,
-        "controller, continuous current": controller.continuous_current * left if controller else nan,
+        "controller, continuous current": lasting * left,
     }
 
 

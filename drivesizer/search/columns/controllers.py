@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog, Table
 from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
+from drivesizer.results.ratings import controller_current
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice
 
@@ -121,9 +122,12 @@ class Usable(NamedTuple):
     order: NDArray[np.int64]  # their rows
     allowed: NDArray[np.bool_]  # which of them may drive which motor: (motors, controllers)
     lowest: float  # V, of the supply
+    ambient: float  # K, the hottest
 
 
-def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, float] | None = None) -> Usable:
+def usable_controllers(
+    spec: RobotSpec, catalog: Catalog, supply: tuple[float, float] | None = None, ambient: float | None = None
+) -> Usable:
     """Controllers that fit each motor, whatever its load.
 
     Parameters
@@ -132,6 +136,8 @@ def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, f
         The requirements, and the parts to choose from.
     supply
         Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
+    ambient
+        Hottest of all load cases [K]; the spec's own when not given.
 
     Returns
     -------
@@ -145,7 +151,8 @@ def usable_controllers(spec: RobotSpec, catalog: Catalog, supply: tuple[float, f
     drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
     can = np.vstack([drives, drives.any(0), texts == "stepper"])  # rows: brushed, brushless, kind unknown, stepper
     allowed = can[np.select([kind == "brushed", kind == "brushless", kind == "stepper"], [0, 1, 3], 2)]
-    return Usable(order, allowed & _belongs(catalog, order).T, lowest)
+    hottest = spec.environment.ambient if ambient is None else ambient
+    return Usable(order, allowed & _belongs(catalog, order).T, lowest, hottest)
 
 
 def controllers(
@@ -181,10 +188,12 @@ def controllers(
         Row of each candidate's controller, shape (rows,), -1 where there is none, and its checks.
     """
     table = catalog.controllers
-    order, allowed, lowest = usable or usable_controllers(spec, catalog)
+    order, allowed, lowest, ambient = usable or usable_controllers(spec, catalog)
     allowed = allowed[motor]
-    names = ("continuous_current", "peak_current", "peak_time")
-    figure = {name: table[name][order] for name in names}
+    lasting = controller_current(table, ambient)
+    figure = {name: table[name][order] for name in ("peak_current", "peak_time")} | {
+        "continuous_current": lasting[order]
+    }
     enough = allowed & ~(figure["continuous_current"] < rms_current[:, None])
     enough &= ~(figure["peak_current"] < peak_current[:, None])
     lacking = np.isnan(figure["continuous_current"]).astype(np.int8) + np.isnan(figure["peak_current"])
@@ -199,11 +208,11 @@ def controllers(
             enough &= ~(limit < demand)
             lacking = lacking + (np.isnan(limit) & (demand != 0.0))
     row = _first(order, enough, lacking, _last(allowed, order))
-    found = {name: np.append(table[name], np.nan)[row] for name in ("continuous_current", "peak_current")}
+    continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
     return Chosen(row, [
         fits("controller_available", row >= 0, len(table) > 0),  # unknown with catalogues that list no controllers
-        at_most("controller_continuous_current", rms_current, found["continuous_current"]),
-        at_most("controller_peak_current", peak_current, found["peak_current"]),
+        at_most("controller_continuous_current", rms_current, continuous),
+        at_most("controller_peak_current", peak_current, peak),
     ])  # fmt: skip
 
 

@@ -148,7 +148,7 @@ def decided(
     """
     case = _Case(spec, cycle, demand, heating, stresses, parts, each)
     if before and not case.controlled:
-        shortest, longest = behind_each(cycle, waveform_bounds.above_bounds, demand, stresses, parts)
+        shortest, longest = behind_each(cycle, partial(waveform_bounds.above_bounds, spec), demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
         found = behind_each(cycle, partial(waveform_bounds.bounds, spec), demand, heating, stresses, case.bounding)
@@ -222,13 +222,13 @@ def _closer(
             left = case.open(found, alive)
     mask = left[_WINDING]
     if mask.any():
-        _, cycle, demand, _, stresses, parts = case.some(mask)
-        times = waveform_bounds.above_bounds(cycle, demand, stresses, parts, _PIECES)
+        spec, cycle, demand, _, stresses, parts = case.some(mask)
+        times = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts, _PIECES)
         found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
         left = case.open(found, alive)
     if (mask := left[_WINDING]).any():  # the current alone decides
-        _, cycle, demand, _, _, parts = case.some(mask)
-        above = time_above(cycle, demand, parts)
+        spec, cycle, demand, _, _, parts = case.some(mask)
+        above = time_above(spec, cycle, demand, parts)
         found = _replaced(found, mask, [on(m, mask)._replace(above=above) for m in found])
         left = case.open(found, alive)
     return found, left

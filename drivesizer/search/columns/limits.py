@@ -23,7 +23,12 @@ from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
-from drivesizer.results.ratings import continuous_speed_limit, nominal_current_limit, nominal_torque_limit
+from drivesizer.results.ratings import (
+    continuous_speed_limit,
+    controller_current,
+    nominal_current_limit,
+    nominal_torque_limit,
+)
 from drivesizer.search.columns.brakes import at_motor, own_figure
 from drivesizer.search.columns.encoders import angle_per_edge
 from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_limits
@@ -362,8 +367,8 @@ def electrical_limits(
     controller, torque = parts.controller, spec.margins.torque
     return [
         _peak_torque(demand, stresses, parts.motor, torque),
-        at_most("controller_continuous_current", demand.rms_current, controller["continuous_current"],
-                needed=controller_needed(spec)),
+        at_most("controller_continuous_current", demand.rms_current,
+                controller_current(controller, spec.environment.ambient), needed=controller_needed(spec)),
         at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
                 needed=torque, time=stresses.current.time),
         *_counting(spec, cycle.belt, demand, parts),

@@ -23,6 +23,7 @@ from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import Wave, balanced, longest_above, mean_square, wave
 from drivesizer.physics.winding_course import current_and_winding
 from drivesizer.results.check_columns import CheckColumn, at_most, between
+from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.limits import winding_limit
 from drivesizer.spec.robot import RobotSpec
 
@@ -254,7 +255,7 @@ def _moments(
     if what == "winding":
         return found
     power, power_time = source_power(balanced(at_ends, *turning), feed)
-    above = longest_above(flows, parts.controller["continuous_current"])
+    above = longest_above(flows, controller_current(parts.controller, spec.environment.ambient))
     found = found._replace(power=power, power_time=power_time, above=above)
     if what == "power":
         return found
@@ -266,11 +267,13 @@ def _moments(
     return found._replace(**(sums._asdict() | ({} if kept > 0.0 else {"stored": np.zeros_like(power)})))
 
 
-def time_above(cycle: AtGearhead, demand: Demands, parts: Parts) -> Array:
+def time_above(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> Array:
     """Longest uninterrupted time above the controller's continuous current.
 
     Parameters
     ----------
+    spec
+        The machine, or one of its load cases.
     cycle
         The load cycle at the gearhead's output.
     demand
@@ -283,7 +286,7 @@ def time_above(cycle: AtGearhead, demand: Demands, parts: Parts) -> Array:
     Array
         [s], shape (rows,).
     """
-    figures = parts.motor["torque_constant"], parts.controller["continuous_current"]
+    figures = parts.motor["torque_constant"], controller_current(parts.controller, spec.environment.ambient)
     found: Array = behind_each(cycle, _time_above, demand.coefficients, *figures)
     return found
 

@@ -33,8 +33,9 @@ def offers(problem: Problem) -> Offers:
     """The encoders, controllers, brakes and own limits of every motor, at the supply and ambient of all load cases."""
     spec, catalog = problem.spec, problem.catalog
     own = worst_of_all(problem, lambda k: motor_limits(problem.cases[k].spec, catalog.motors))
-    return Offers(offered_encoders(spec, catalog), usable_controllers(spec, catalog, problem.supply), own,
-                  offered_brakes(spec, catalog))  # fmt: skip
+    hottest = max(case.spec.environment.ambient for case in problem.cases)
+    controllers = usable_controllers(spec, catalog, problem.supply, hottest)
+    return Offers(offered_encoders(spec, catalog), controllers, own, offered_brakes(spec, catalog))
 
 
 def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) -> list[CheckColumn]:

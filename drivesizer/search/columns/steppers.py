@@ -26,6 +26,7 @@ from drivesizer.physics.stepper.starting import natural_frequency, start_speed_w
 from drivesizer.physics.stress import Parts
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most, fits
 from drivesizer.results.problem import Problem
+from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
@@ -111,7 +112,10 @@ def stepped(
     row = chosen.row if given is None else np.where(given == FREE, chosen.row, given)
     parts = parts._replace(controller=Rows(catalog.controllers, row))
     listed = bool((catalog.controllers["drives"] == STEPPER).any())
-    of_driver = [fits("controller_available", row >= 0, listed), *_driver_limits(current, parts.controller, thin)]
+    of_driver = [
+        fits("controller_available", row >= 0, listed),
+        *_driver_limits(current, parts.controller, thin, offered.controllers.ambient),
+    ]
 
     def moving(k: int) -> list[CheckColumn]:
         spec = problem.cases[k].spec
@@ -130,10 +134,10 @@ def stepped(
     return Stepped(row, [*first, *of_driver, *last], _figures(problem, draws, motor))
 
 
-def _driver_limits(current: Array, controller: Any, needed: float) -> list[CheckColumn]:
+def _driver_limits(current: Array, controller: Any, needed: float, ambient: float) -> list[CheckColumn]:
     """The rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's."""
     return [
-        at_most("controller_continuous_current", current, controller["continuous_current"], needed=needed),
+        at_most("controller_continuous_current", current, controller_current(controller, ambient), needed=needed),
         at_most("controller_peak_current", amplitude(current), controller["peak_current"]),
     ]
 

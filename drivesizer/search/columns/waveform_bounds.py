@@ -23,6 +23,7 @@ from drivesizer.physics.products import product
 from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import longest_run
+from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.bus_bounds import most_kept
 from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_passing
 from drivesizer.spec.robot import RobotSpec
@@ -57,7 +58,7 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
     nothing = np.full_like(demand.rms_current, np.nan)
     none = Moments(*[nothing] * len(Moments._fields))
     T_low, T_high = winding_limits(spec, cycle, demand, heating, stresses, parts.motor)
-    shortest, longest = above_bounds(cycle, demand, stresses, parts)
+    shortest, longest = above_bounds(spec, cycle, demand, stresses, parts)
     low, high = none._replace(winding=T_low, above=shortest), none._replace(winding=T_high, above=longest)
     coolest = coolest_winding(
         two_bodies(parts.motor),
@@ -272,7 +273,7 @@ def winding_limits(
 
 
 def above_bounds(
-    cycle: AtGearhead, demand: Demands, stresses: Stress, parts: Parts, pieces: int = _PIECES
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, stresses: Stress, parts: Parts, pieces: int = _PIECES
 ) -> tuple[Array, Array]:
     """Bounds of the uninterrupted time above the continuous current, from a cycle in so many pieces at most [s].
 
@@ -280,6 +281,8 @@ def above_bounds(
 
     Parameters
     ----------
+    spec
+        The machine, or one of its load cases.
     cycle
         The load cycle at the gearhead's output.
     demand, stresses
@@ -296,7 +299,7 @@ def above_bounds(
     """
     found = cycle.envelope(pieces)
     peak = stresses.current.value
-    k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
+    k_t, limit = parts.motor["torque_constant"], controller_current(parts.controller, spec.environment.ambient)
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
     high = low.copy()
     rows = np.flatnonzero(peak > limit)

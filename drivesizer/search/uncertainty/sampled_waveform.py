@@ -20,6 +20,7 @@ from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_mo
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.waveform import Wave, balanced, longest_above, mean_square
 from drivesizer.physics.winding_course import winding_rises
+from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.limits_over_time import Moments, Pair, between_bounds, hottest, kept_on_the_bus
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 
@@ -60,7 +61,7 @@ def moments(
     pair of Moments
         Columns over the samples: lower and upper bounds, the same where the winding's heat is known.
     """
-    k_t, limit = parts.motor["torque_constant"], parts.controller["continuous_current"]
+    k_t, limit = parts.motor["torque_constant"], controller_current(parts.controller, spec.environment.ambient)
     current = cycles.line(demands.coefficients) / k_t
     induced = cycles.speeds * (demands.back_emf * demands.total_ratio)
     kept, count = kept_on_the_bus(spec), current.shape[-1]

@@ -23,6 +23,7 @@ from drivesizer.physics.stepper.drawn import copper_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
+from drivesizer.results.ratings import controller_current
 from drivesizer.spec.altitude import rise_left
 from drivesizer.units import show
 
@@ -96,7 +97,8 @@ class Behaviour:
         left = rise_left(self.spec.environment)
         currents = [("motor, nominal", float(derated) * sqrt(left))]
         if controller:
-            currents += [("controller, continuous", controller.continuous_current * left)]
+            lasting = float(controller_current(asdict(controller), self.spec.environment.ambient))
+            currents += [("controller, continuous", lasting * left)]
             currents += [("controller, peak", controller.peak_current)]
         return current_and_voltage(
             self.cycles, currents, [("usable", float(self.spec.feed_of(controller).usable))], form
