@@ -5,15 +5,17 @@ What no catalogue gives is left open: an order number, a price, a cable.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isnan, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from drivesizer.catalog import Belt, Catalog, Note, Pulley, Source, columns_of
+from drivesizer.catalog import Catalog, Note, Source, columns_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
 from drivesizer.machine.mass_budget import drive_rows
+from drivesizer.output.part_words import SAID
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.mass import MassRow
 from drivesizer.results.problem import Problem
@@ -21,9 +23,12 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import GearStage
 from drivesizer.units import show
 
+if TYPE_CHECKING:
+    from drivesizer.results.machine import AxisSizing, MachineSizing
+
 __all__ = [
-    "HEADS", "LEAST", "PartLine", "Total", "machine_parts", "mass_text", "money_text", "ordered_as", "parts_list",
-    "total_text", "totals",
+    "HEADS", "LEAST", "PartLine", "SharedLine", "Total", "machine_parts", "machine_parts_of_axes", "mass_text",
+    "money_text", "ordered_as", "parts_by_axis", "parts_list", "total_text", "totals",
 ]  # fmt: skip
 
 LEAST = "at least "
@@ -129,6 +134,93 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
     return [*lines, *_of_the_supply(found, problem)]
 
 
+class SharedLine(NamedTuple):
+    """A line of the parts list of a machine of several axes."""
+
+    line: PartLine  # its quantity and its price are those of all axes
+    axes: tuple[str, ...]  # names of those that need the part
+
+
+def machine_parts_of_axes(sizing: MachineSizing) -> list[SharedLine]:
+    """The parts list of a machine of several axes: equal parts of several axes are one line.
+
+    Parameters
+    ----------
+    sizing
+        The machine; an axis without a drive that meets all limits has no parts.
+
+    Returns
+    -------
+    list of SharedLine
+        By role, motors first; in a role by the order of the axes.
+    """
+    found: dict[str, list[tuple[str, PartLine]]] = {}
+    for name, lines in parts_by_axis(sizing).items():
+        for line in lines:  # NaN is not equal to itself, its text is
+            found.setdefault(repr(replace(line, quantity=0)), []).append((name, line))
+    shared = map(_together, found.values())
+    return sorted([*shared, *_common_supply(sizing)], key=lambda one: _place(one.line.role))
+
+
+def _together(equal: Sequence[tuple[str, PartLine]]) -> SharedLine:
+    """Equal lines of several axes as one."""
+    count = sum(line.quantity for _, line in equal)
+    return SharedLine(replace(equal[0][1], quantity=count), tuple(name for name, _ in equal))
+
+
+def _common_supply(sizing: MachineSizing) -> Iterator[SharedLine]:
+    """The power supply of all axes; that of a single one is in its own list."""
+    part = sizing.machine.supply.part
+    on_it = tuple(axis.name for axis in sizing.machine.axes if not axis.own_supply)
+    catalogs = (axis.result.problem.catalog for axis in sizing.axes)
+    listed = next((one for one in catalogs if part in one.power_supplies.rows), None) if len(sizing.axes) > 1 else None
+    if part is not None and listed is not None:
+        unit = listed.power_supplies.record(listed.power_supplies.rows[part])
+        yield SharedLine(_line("power supply", unit, listed, 1, {"mass": unit.mass}), on_it)
+
+
+def _place(role: str) -> int:
+    """Place of a role in the list; a gear of fixed ratio, which is named by its kind, stands with the gearheads."""
+    return list(SAID).index(role if role in SAID else "gearhead")
+
+
+def parts_by_axis(sizing: MachineSizing) -> dict[str, list[PartLine]]:
+    """The parts lists of all axes of a machine, at the prices of the quantity of all of them.
+
+    Parameters
+    ----------
+    sizing
+        The machine.
+
+    Returns
+    -------
+    dict
+        Of :func:`machine_parts` by name of the axis, in the order of the file; of one without a drive an empty list.
+    """
+    found = {one.name: machine_parts(one.best, one.result.problem) if one.best else [] for one in sizing.axes}
+    count = Counter[tuple[str, str, str]]()
+    for line in (line for lines in found.values() for line in lines):
+        count[line.role, line.maker, line.part] += line.quantity
+    return {
+        one.name: [_at_quantity(line, one, count[line.role, line.maker, line.part]) for line in found[one.name]]
+        for one in sizing.axes
+    }
+
+
+def _at_quantity(line: PartLine, axis: AxisSizing, pieces: int) -> PartLine:
+    """A line with the price for so many pieces."""
+    if not line.part or axis.best is None or pieces == line.quantity:
+        return line
+    catalog = axis.result.problem.catalog
+    section = _SUPPLY_SECTIONS.get(line.role) or section_of(axis.best.parts[line.role])
+    row = catalog.table(section).rows[line.part]
+    known = origins(Hit("", catalog, section, row))
+    return replace(line, **_priced(catalog.table(section).record(row), pieces, known))
+
+
+_SUPPLY_SECTIONS = {"power supply": "power_supplies", "brake resistor": "brake_resistors"}
+
+
 def _of_the_supply(found: DriveSet, problem: Problem) -> Iterator[PartLine]:
     """Power supply and brake resistor: one each for the whole machine."""
     unit, catalog = problem.machine.supply.part, problem.catalog
@@ -138,7 +230,7 @@ def _of_the_supply(found: DriveSet, problem: Problem) -> Iterator[PartLine]:
     resistor = found.braking.resistor if found.braking else None
     if resistor is not None:
         listed = resistor.part != ""
-        said = _SAID["brake resistor"](resistor)
+        said = SAID["brake resistor"](resistor)
         yield (
             _line("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
             if listed
@@ -175,7 +267,7 @@ def _line(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[str,
     return PartLine(
         role=role, maker=part.manufacturer, family=part.family, part=part.part,
         order_number=_number(catalog, part),
-        said=_SAID[role](part), quantity=quantity, **mass, **_priced(part, quantity, known),
+        said=SAID[role](part), quantity=quantity, **mass, **_priced(part, quantity, known),
         document=source.document, date=source.date, confidence=source.confidence, url=source.url,
         note="; ".join(dict.fromkeys(map(_said_of, notes))),
     )  # fmt: skip
@@ -247,23 +339,27 @@ def totals(lines: Sequence[PartLine]) -> list[Total]:
     list of Total
         Mass [kg], then prices.
     """
-    masses = {x.role: (x.quantity * x.mass, x.quantity * x.mass_low, x.quantity * x.mass_high) for x in lines}
+    masses = [(x.role, (x.quantity * x.mass, x.quantity * x.mass_low, x.quantity * x.mass_high)) for x in lines]
     found = [_total("mass", "kg", masses)]
     for currency in dict.fromkeys(line.currency for line in lines if line.currency):
-        prices = {x.role: (x.quantity * x.price if x.currency == currency else nan, nan, nan) for x in lines}
+        prices = [(x.role, (x.quantity * x.price if x.currency == currency else nan, nan, nan)) for x in lines]
         found.append(_total("price", currency, prices))
     return [total for total in found if total.over]
 
 
-def _total(name: str, unit: str, values: dict[str, tuple[float, float, float]]) -> Total:
-    """Sum of value, low and high end of each role; what has no band counts at its value at both ends."""
-    over = tuple(role for role, (value, _, _) in values.items() if not isnan(value))
-    low, high = (sum(v[0] if isnan(v[end]) else v[end] for role, v in values.items() if role in over) for end in (1, 2))
+def _total(name: str, unit: str, values: Sequence[tuple[str, tuple[float, float, float]]]) -> Total:
+    """Sum of value, low and high end of each line; what has no band counts at its value at both ends."""
+    known = [(role, value) for role, value in values if not isnan(value[0])]
+    low, high = (sum(v[0] if isnan(v[end]) else v[end] for _, v in known) for end in (1, 2))
     return Total(
-        name=name, value=sum(values[role][0] for role in over), unit=unit, over=over,
-        lacks=tuple(role for role in values if role not in over), low=low, high=high,
-        estimated=tuple(role for role in over if not isnan(values[role][1])),
+        name=name, value=sum(value[0] for _, value in known), unit=unit, over=_roles(role for role, _ in known),
+        lacks=_roles(role for role, value in values if isnan(value[0])), low=low, high=high,
+        estimated=_roles(role for role, value in known if not isnan(value[1])),
     )  # fmt: skip
+
+
+def _roles(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(names))
 
 
 def money_text(price: float, currency: str) -> str:
@@ -322,37 +418,3 @@ def _behind_gearhead(found: DriveSet) -> int:
 
 def _ratio(found: DriveSet) -> str:
     return f"{found.belt_ratio:g} : 1, efficiency {100 * found.belt_efficiency:.4g} %"
-
-
-def _figures_of(*names: str) -> Callable[[Any], str]:
-    def said(part: Any) -> str:
-        columns = columns_of(section_of(part))
-        return ", ".join(show(getattr(part, name), columns[name].unit, columns[name].kind) for name in names)
-
-    return said
-
-
-def _toothed(part: Belt | Pulley) -> str:
-    return f"{part.profile} {show(part.pitch, 'mm', 'length')}, {part.teeth:.0f} teeth"
-
-
-def _pulley(part: Pulley) -> str:
-    return _toothed(part) + (f", bore {part.bore}" if part.bore else "")
-
-
-_MOTOR = _figures_of("assigned_power", "nominal_voltage")
-_STEPPER = _figures_of("holding_torque", "nominal_current")
-_SAID: dict[str, Callable[[Any], str]] = {
-    "motor": lambda part: (_STEPPER if part.kind == "stepper" else _MOTOR)(part),
-    "gearhead": lambda part: f"{part.reduction}, exactly {part.ratio:.5g}".removeprefix(", "),
-    "driving pulley": _pulley,
-    "belt": lambda part: f"{_toothed(part)}, {show(part.width, 'mm', 'length')} wide",
-    "driven pulley": _pulley,
-    "screw": lambda part: f"{part.kind} screw",
-    "brake": _figures_of("static_torque", "supply"),
-    "encoder": lambda part: part.resolution,
-    "controller": lambda part: part.buses.replace(";", ","),
-    "actuator": _figures_of("nominal_voltage", "nominal_torque"),
-    "power supply": _figures_of("nominal_voltage", "continuous_current"),
-    "brake resistor": _figures_of("resistance", "power"),
-}
