@@ -90,11 +90,12 @@ class Solid(Section):
         if self.mass is not None:
             return self.mass
         density = self.density if self.material is None else DENSITIES[self.material]
+        length, width, thickness = (0.0 if x is None else x for x in (self.length, self.width, self.thickness))
         if self.diameter is not None:
-            area, along = math.pi / 4 * (self.diameter**2 - self.inner_diameter**2), self.length
+            area, along = math.pi / 4 * (self.diameter**2 - self.inner_diameter**2), length
         else:
-            area, along = (self.length or 0.0) * (self.width or 0.0), self.thickness
-        return (density or 0.0) * area * (along or 0.0)
+            area, along = length * width, thickness
+        return (0.0 if density is None else density) * area * along
 
 
 class OfSolids(float):

@@ -135,10 +135,10 @@ def shortlist(
         others=0 if pool else others,
     )  # fmt: skip
     rows: Sequence[int] = range(found.passing)
-    sampled = _sampled(found, rows[:pool], sampling) if sampling and pool else None
+    sampled = _sampled(found, rows[:pool], sampling, brief) if sampling and pool else None
     best, _ = divided(found, weigh, top, sampled.good if sampled else rows)
     if sampling and not sampled and best:
-        sampled = _sampled(found, best, sampling)
+        sampled = _sampled(found, best, sampling, brief)
     unsure = divided(found, weigh, top, sampled.bad)[0] if sampled else []
     finalists = {} if brief else {row: drive_parts(found.evaluation, row) for row in best[:FINALISTS]}
     return Shortlist(
@@ -162,14 +162,15 @@ def _of_other_families(found: Found, best: list[int]) -> list[int]:
     return [best[n] for n in first_of_each(family)[1:]]
 
 
-def _sampled(found: Found, rows: Sequence[int], how: Sampling) -> SampledDrives:
+def _sampled(found: Found, rows: Sequence[int], how: Sampling, brief: bool) -> SampledDrives:
     """Some drives over samples, with their checks by physics whatever the method."""
     from drivesizer.search.uncertainty.run import sample_drives, subject  # where nothing is sampled it need not load
 
     evaluation, problem = found.evaluation, found.evaluation.problem
     paper = problem.spec.method == "paper"
     beside = {row: other_checks(problem, drive_parts(evaluation, row)) if paper else () for row in rows}
-    return sample_drives(problem, {row: subject(evaluation, row, beside[row]) for row in rows}, how)
+    subjects = {row: subject(evaluation, row, beside[row]) for row in rows}
+    return sample_drives(problem, subjects, how, brief=brief)
 
 
 def _reliability(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -54,8 +54,8 @@ class OwnBrake(Section):
         return self
 
     @property
-    def figures(self) -> dict[str, float | str]:
-        """Columns of the catalogue, as far as given [SI]."""
+    def figures(self) -> dict[str, Any]:
+        """Columns of the catalogue, as far as given [SI]; arrays over samples."""
         given = {_FIGURES.get(name, name): getattr(self, name) for name in type(self).model_fields if name != "at"}
-        known: dict[str, float | str] = {name: float(value) for name, value in given.items() if value is not None}
+        known = {name: value for name, value in given.items() if value is not None}
         return known | {"shaft": "load" if self.at == "load" else ""}

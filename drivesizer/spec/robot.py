@@ -289,7 +289,7 @@ class RobotSpec(Section):
     def wants_encoder(self) -> bool:
         """Whether counts, resolution, family or part of an encoder are required; else the encoder is a proposal."""
         needs, choice = self.needs, self.select.encoder
-        return any((needs.encoder_counts, needs.resolution_at_load, choice.min_counts, choice.named))
+        return bool(needs.encoder_counts or needs.resolution_at_load is not None or choice.min_counts or choice.named)
 
     @property
     def accepts_all(self) -> bool:

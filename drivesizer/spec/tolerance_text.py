@@ -85,13 +85,15 @@ def taken(source: YamlSource) -> tuple[Any, tuple[Toleranced, ...]]:
     Raises
     ------
     InputError
-        One line with file, line and field, where a tolerance is malformed.
+        One line with file, line and field, where a tolerance is malformed, or on a figure that takes none.
     """
     places = [(path, text) for path, text in _texts(source.data, ()) if has_tolerance(text)]
     if not places:
         return source.data, ()
     data, found = deepcopy(source.data), []
     for path, text in places:
+        if why := _refused(path, data):
+            raise InputError(f"{source.where(path)}: {why}; expected it without a tolerance")
         try:
             one = tolerance(text, path)
         except InputError as error:
@@ -102,6 +104,23 @@ def taken(source: YamlSource) -> tuple[Any, tuple[Toleranced, ...]]:
             place = place[step]
         place[path[-1]] = one.nominal
     return data, tuple(found)
+
+
+def _refused(path: Path_, data: Any) -> str:
+    """Reason for which a figure takes no tolerance; empty where it may have one."""
+    section, *rest = path[2:] if path[0] == "cases" else path
+    select = data.get("select")
+    motor = select.get("motor") if isinstance(select, dict) else None
+    if isinstance(motor, dict) and motor.get("kind") == "stepper":
+        return "drives of steppers are not sampled"
+    if section == "load" and rest[:1] == ["screw"]:
+        return "it chooses among screws of the catalogues"
+    if section != "transmission" or len(rest) < 2:
+        return ""
+    if rest[1] == "pulleys":
+        return "it chooses among pulleys of the catalogues"
+    of_belt = rest[1] == "ratio" and data["transmission"][rest[0]].get("kind") == "belt"
+    return "ratios of a belt are searched as they are" if of_belt or rest[1] == "ratios" else ""
 
 
 def _texts(data: Any, path: Path_) -> Iterator[tuple[Path_, str]]:

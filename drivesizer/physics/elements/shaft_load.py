@@ -59,7 +59,7 @@ def pulley_load(effective: Any, pretension: Any, angle: Any = 0.0) -> Any:
     return np.sqrt(tight**2 + slack**2 + 2.0 * tight * slack * np.cos(angle))
 
 
-def tooth_shares(pressure: float, helix: float = 0.0) -> tuple[float, float]:
+def tooth_shares(pressure: Any, helix: Any = 0.0) -> tuple[Any, Any]:
     r"""Radial and axial force of a spur or helical pinion per tangential force.
 
     .. math:: \frac{F_r}{F_t} = \sqrt{1 + \left( \frac{\tan α}{\cos β} \right)^2}, \qquad \frac{F_a}{F_t} = \tan β
@@ -78,13 +78,13 @@ def tooth_shares(pressure: float, helix: float = 0.0) -> tuple[float, float]:
 
     Examples
     --------
-    >>> round(tooth_shares(np.radians(20.0))[0], 4)  # 1 / cos 20°
+    >>> round(float(tooth_shares(np.radians(20.0))[0]), 4)  # 1 / cos 20°
     1.0642
     """
-    return float(np.hypot(1.0, np.tan(pressure) / np.cos(helix))), float(np.tan(helix))
+    return np.hypot(1.0, np.tan(pressure) / np.cos(helix)), np.tan(helix)
 
 
-def bevel_share(pressure: float, ratio: float) -> tuple[float, float]:
+def bevel_share(pressure: Any, ratio: Any) -> tuple[Any, Any]:
     r"""Radial and axial force of a straight bevel pinion per tangential force at its mean diameter, shafts at 90°.
 
     .. math:: \frac{F_r}{F_t} = \sqrt{1 + (\tan α \cos δ)^2}, \quad \frac{F_a}{F_t} = \tan α \sin δ, \quad
@@ -103,7 +103,7 @@ def bevel_share(pressure: float, ratio: float) -> tuple[float, float]:
         As ``tooth_shares``.
     """
     cone = np.arctan(1.0 / ratio)
-    return float(np.hypot(1.0, np.tan(pressure) * np.cos(cone))), float(np.tan(pressure) * np.sin(cone))
+    return np.hypot(1.0, np.tan(pressure) * np.cos(cone)), np.tan(pressure) * np.sin(cone)
 
 
 def permissible_radial(limit: Any, printed_at: Any, distance: Any, bearing: Any) -> Any:

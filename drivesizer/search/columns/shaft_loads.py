@@ -43,9 +43,9 @@ class Carried(NamedTuple):
     """Forces of what a shaft carries, by the tangential force [N] that its torque makes."""
 
     diameter: Any  # m, on which that force acts; NaN unknown
-    back: float = 1.0  # efficiency between torque and force where the load drives
+    back: Any = 1.0  # efficiency between torque and force where the load drives
     radial: Force = np.abs
-    axial_share: float = 0.0  # of the tangential force
+    axial_share: Any = 0.0  # of the tangential force
     thrust: Any = 0.0  # N, at any torque
     least: bool = False  # the radial force is at least this, not known
 
@@ -122,15 +122,15 @@ def _pulley(shaft: Shaft, belt: BeltStage, ratio: Any, drive: BeltDrive | None) 
     return Carried(float(pitch_diameter(teeth[0], pitch)), belt.efficiency, **_strands(shaft, angle))
 
 
-def _teeth(shaft: Shaft, diameter: Any, back: float, shares: tuple[float, float] | None = None) -> Carried:
+def _teeth(shaft: Shaft, diameter: Any, back: Any, shares: tuple[Any, Any] | None = None) -> Carried:
     radial, axial = shares or tooth_shares(shaft.pressure_angle, shaft.helix_angle)
     return Carried(diameter, back, lambda tangential: radial * tangential, axial)
 
 
 def _pinion(shaft: Shaft, gear: GearStage) -> Carried:
     diameter = math.nan if gear.pinion_diameter is None else gear.pinion_diameter
-    back = gear.fixed_gear().back_efficiency
-    back = back if back > 0.0 else 1.0
+    back: Any = gear.fixed_gear().back_efficiency
+    back = np.where(np.asarray(back) > 0.0, back, 1.0)
     if gear.kind == "bevel":
         return _teeth(shaft, diameter, back, bevel_share(shaft.pressure_angle, gear.ratio))
     return Carried(diameter, back) if gear.kind == "chain" else _teeth(shaft, diameter, back)
@@ -194,7 +194,7 @@ def _tangential(cycle: AtGearhead, one: Carried) -> Any:
 
 def _forces(one: Carried, radial: Any, axial: Any, moment: Any) -> tuple[Force, ...]:
     """Radial and axial force, and moment beside the radial force's, by the tangential force and what is added."""
-    share, arm = one.axial_share, one.axial_share * one.diameter / 2.0 if one.axial_share else 0.0
+    share, arm = one.axial_share, one.axial_share * one.diameter / 2.0 if np.any(one.axial_share) else 0.0
     return (
         lambda along: one.radial(along) + radial,
         lambda along: share * along + one.thrust + axial,

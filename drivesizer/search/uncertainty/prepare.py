@@ -18,6 +18,7 @@ from drivesizer.load_cases.wheel import WheelLoad, wheel_load
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.problem import Problem
+from drivesizer.search.uncertainty.counted_figures import enters_checks
 from drivesizer.search.uncertainty.sampled_battery import Feeding, feeding
 from drivesizer.search.uncertainty.sampled_checks import Block
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
@@ -26,7 +27,7 @@ from drivesizer.search.uncertainty.sampling import first_of_each
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Prepared", "blocks", "prepared", "unused"]
+__all__ = ["Prepared", "blocks", "prepared"]
 
 Array = NDArray[np.float64]
 _CELLS = 400_000  # segments times samples of a block
@@ -176,46 +177,6 @@ def _moves(paths: Mapping[int, Path_], values: Mapping[int, float], given: Seque
     return {path: difference for path, difference in moved.items() if difference}
 
 
-def unused(one: Prepared) -> list[Assumption]:
-    """Figures of the spec whose tolerance has no effect on a sampled check."""
-    idle = []
-    for k, given in enumerate(one.given):
-        if given.given is None:
-            continue
-        used = any(k in case.paths and (_has_column(case.paths[k]) or _shapes(case, k, one)) for case in one.cases)
-        if not used:
-            idle.append(given)
-    return idle
-
-
-_COLUMNS = {
-    "supply": {"nominal", "min", "max", "resistance", "current", "power", "regeneration", "capacitance"},
-    "power_stage": {"voltage_drop", "resistance", "standby"},
-    "environment": {"ambient"},
-    "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load", "life",
-              "shock_torque", "axial_load", "tilting_moment"},
-    "shaft": {"distance", "wheel_load", "belt_pretension", "load_factor", "static_safety"},
-    "battery": {"nominal_voltage", "capacity", "rated_time", "peukert_exponent", "resistance", "open_circuit",
-                "peak_current", "start", "usable", "health", "autonomy", "range"},
-    "mission": {"duration"},
-    "equipment": {"power", "peak_power", "efficiency", "duty", "time"},
-}  # fmt: skip
-
-
-def _has_column(path: Path_) -> bool:
-    """Whether a figure enters checks beside the load cycle."""
-    field = path[1] if path[0] in ("battery", "needs") else path[-1]  # of groups of fields in these the group
-    return str(field) in _COLUMNS.get(str(path[0]), set()) or (path[0] == "transmission" and field in _BELT)
-
-
-_BELT = {"efficiency", "stiffness", "max_tension", "max_speed"}
-
-
-def _shapes(case: _Case, k: int, one: Prepared) -> bool:
-    """Whether a figure is one that shapes the load cycle."""
-    return case.cycles.size > 1 and case.paths[k][0] in ("load", "motion", "environment", "transmission", "platform")
-
-
 # --- blocks
 
 
@@ -288,5 +249,5 @@ def _some(cycles: Cycles, rows: NDArray[np.int64]) -> Cycles:
 
 def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> RobotSpec:
     """A load case with columns in place of the figures that enter checks."""
-    columns = {k: path for k, path in case.paths.items() if _has_column(path)}
+    columns = {k: path for k, path in case.paths.items() if enters_checks(path)}
     return applied(case.spec, {path: one.values[rows, k] - one.given[k].nominal for k, path in columns.items()})

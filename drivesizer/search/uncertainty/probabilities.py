@@ -23,7 +23,7 @@ from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlat
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Examined", "Subject", "at_ends", "counting", "drivers", "examined", "quantiles"]
+__all__ = ["Examined", "Subject", "at_ends", "counting", "drivers", "examined", "quantiles", "without_effect"]
 
 Array = NDArray[np.float64]
 _QUANTILES = (0.05, 0.5, 0.95)
@@ -294,3 +294,32 @@ def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
         tight |= {name: found[name].tightness for name in found if name in tight or name in BATTERY_SAMPLED}
         parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
     return np.concatenate(parts)
+
+
+def without_effect(drives: Sequence[Subject], catalog: Catalog, ends: Prepared) -> list[Assumption]:
+    """Figures of the spec that leave every sampled check of some drives as it is.
+
+    Parameters
+    ----------
+    drives, catalog
+        The drives, and the parts.
+    ends
+        The machine with one assumption varied at a time.
+
+    Returns
+    -------
+    list of Assumption
+        In their order.
+    """
+    changed = np.zeros(len(ends.values), bool)
+    for one in drives:
+        first: dict[str, tuple[Array, Array]] = {}
+        row = 0
+        for block in blocks(ends, catalog, [one.rows.belt]):
+            for name, check in checks_of(catalog, one.rows, block).items():
+                columns = _as_many(check.demand, block.size), _as_many(check.limit, block.size)
+                nominal = first.setdefault(name, (columns[0][:1], columns[1][:1]))
+                for column, figure in zip(columns, nominal, strict=True):
+                    changed[row : row + block.size] |= (column != figure) & ~(np.isnan(column) & np.isnan(figure))
+            row += block.size
+    return [one for k, one in enumerate(ends.given) if one.given is not None and not changed[_ends(k)].any()]

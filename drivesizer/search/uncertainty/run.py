@@ -14,9 +14,18 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertain, Uncertainty
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.uncertainty.class_of_part import used
+from drivesizer.search.uncertainty.counted_figures import reason
 from drivesizer.search.uncertainty.options import POOL, Sampling
-from drivesizer.search.uncertainty.prepare import Prepared, prepared, unused
-from drivesizer.search.uncertainty.probabilities import Examined, Subject, at_ends, counting, drivers, examined
+from drivesizer.search.uncertainty.prepare import Prepared, prepared
+from drivesizer.search.uncertainty.probabilities import (
+    Examined,
+    Subject,
+    at_ends,
+    counting,
+    drivers,
+    examined,
+    without_effect,
+)
 from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.sampled_figures import figure_spreads
 from drivesizer.search.uncertainty.sampling import Sample, sample
@@ -34,9 +43,12 @@ class SampledDrives(NamedTuple):
     ready: Prepared
     drawn: Sample
     how: Sampling
+    ends: Prepared | None  # one figure varied at a time; None where the probabilities are all that is wanted
 
 
-def sample_drives(problem: Problem, subjects: Mapping[int, Subject], how: Sampling) -> SampledDrives:
+def sample_drives(
+    problem: Problem, subjects: Mapping[int, Subject], how: Sampling, *, brief: bool = False
+) -> SampledDrives:
     """Reliability of drives.
 
     Parameters
@@ -47,6 +59,8 @@ def sample_drives(problem: Problem, subjects: Mapping[int, Subject], how: Sampli
         Drives that meet all limits at nominal figures, in order, by their rows.
     how
         Samples, seed, and the required confidence.
+    brief
+        The probabilities alone, not what they depend on.
 
     Returns
     -------
@@ -63,7 +77,8 @@ def sample_drives(problem: Problem, subjects: Mapping[int, Subject], how: Sampli
     chance = {row: one.reliability.probability for row, (_, one) in found.items()}
     good = [row for row in found if how.confidence is None or chance[row] >= how.confidence]
     bad = sorted((row for row in found if row not in good), key=lambda row: -chance[row])
-    return SampledDrives(good, bad, found, ready, drawn._replace(values=ready.values), how)
+    ends = None if brief else at_ends(problem, given)
+    return SampledDrives(good, bad, found, ready, drawn._replace(values=ready.values), how, ends)
 
 
 def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:
@@ -110,7 +125,8 @@ def reliabilities(
     dict
         By row.
     """
-    ends, described = at_ends(sampled.ready.problem, sampled.ready.given), {}
+    ends, described = sampled.ends, {}
+    assert ends is not None, "of drives that are sampled in brief the probabilities are all"
     for row in rows:
         examined_, found = sampled.found[row]
         matters = drivers(examined_, sampled.ready.problem.catalog, ends, sampled.drawn, found.smallest)
@@ -144,7 +160,7 @@ def uncertainty(one: SampledDrives) -> Uncertainty:
         confidence=one.how.confidence,
         examined=len(one.found),
         reached=len(one.good),
-        notes=_notes(one.ready, one.how, len(one.found)),
+        notes=(*_notes(one.ready, one.how, len(one.found)), *_idle(one)),
     )
 
 
@@ -170,9 +186,27 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
         notes.append(f"each sample's load cycle is computed by itself: {len(ready.values)} samples, not {how.samples}")
     if isinstance(ready.spec.load, WheelLoad):
         notes.append("platforms on a path are not sampled in closed loop; peaks and voltage of the battery are nominal")
-    idle = [one.name for one in unused(ready)]
-    if idle:
-        notes.append(f"no sampled check depends on {', '.join(idle)}: that tolerance has no effect here")
     if how.confidence is not None and examined_ >= POOL:
         notes.append(f"only the best {POOL} drives that meet all limits at nominal figures were sampled")
     return tuple(notes)
+
+
+_LOOKED_AT = 3  # drives
+
+
+def _idle(one: SampledDrives) -> list[str]:
+    """Notes on tolerances of the spec that change no sampled check of the first drives, each reason once."""
+    if one.ends is None:
+        return []
+    drives = [subject for subject, _ in list(one.found.values())[:_LOOKED_AT]]
+    by_reason: dict[str, list[str]] = {}
+    for figure in without_effect(drives, one.ready.problem.catalog, one.ends):
+        looped = (
+            one.how.confidence is not None and one.how.loop > 0 and figure.given and figure.given.path[0] == "plant"
+        )
+        if figure.given and not looped:
+            by_reason.setdefault(reason(figure.given.path), []).append(figure.name)
+    return [
+        f"no sampled check depends on {', '.join(names)}: that tolerance has no effect here{f'; {why}' if why else ''}"
+        for why, names in by_reason.items()
+    ]

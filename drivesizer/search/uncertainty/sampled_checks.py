@@ -17,6 +17,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances.classes import Class
+from drivesizer.catalog.view.own_brake import OWN
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import Demands, demands, friction
 from drivesizer.physics.power_stage import with_stage_losses
@@ -216,6 +217,14 @@ def _controller(catalog: Catalog, row: int, block: Block) -> _Figures:
     return _Figures(catalog.controllers, row, block.size, changed)
 
 
+def _brake(catalog: Catalog, row: int, block: Block) -> _Figures:
+    """A brake's figures; of one that is the spec's own with its tolerances."""
+    own, changed = block.specs[0].brake, dict[str, Array]()
+    if own is not None and row >= 0 and catalog.brakes["family"][row] == OWN:
+        changed = {name: x for name, x in own.figures.items() if np.ndim(x)}
+    return _Figures(catalog.brakes, row, block.size, changed)
+
+
 def parts_of(catalog: Catalog, one: SetRows, block: Block) -> tuple[Parts, dict[str, Array]]:
     """The parts of a drive over samples, and the factors of its motor.
 
@@ -233,7 +242,7 @@ def parts_of(catalog: Catalog, one: SetRows, block: Block) -> tuple[Parts, dict[
     return Parts(
         _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block),
         _Figures(catalog.encoders, one.encoder, block.size, {}), _controller(catalog, one.controller, block),
-        _Figures(catalog.brakes, one.brake, block.size, {}) if block.specs[0].wants_brake else None,
+        _brake(catalog, one.brake, block) if block.specs[0].wants_brake else None,
     ), factors  # fmt: skip
 
 

@@ -125,22 +125,22 @@ def applied(spec: RobotSpec, changes: Mapping[Path_, Any]) -> RobotSpec:
     RobotSpec
         The spec with these figures.
     """
-    changed: Any = spec
-    for path, difference in changes.items():
-        changed = _moved(changed, path, difference)
-    return changed  # type: ignore[no-any-return]
+    changed: RobotSpec = _moved(spec, changes) if changes else spec
+    return changed
 
 
-def _moved(place: Any, path: Sequence[str | int], difference: Any) -> Any:
-    if not path:
-        return place + difference
+def _moved(place: Any, changes: Mapping[Path_, Any]) -> Any:
+    """A section, list or figure with what is in it moved; places count from it."""
+    if () in changes:
+        return place + changes[()]
     if isinstance(place, OfSolids):
-        solids = _moved(place.solids, path, difference)  # kept: another of their figures may be moved too
-        return moment(solids) if np.ndim(difference) else OfSolids(solids)
-    first, rest = path[0], path[1:]
+        solids = _moved(place.solids, changes)
+        return moment(solids) if any(np.ndim(x) for x in changes.values()) else OfSolids(solids)
+    within: dict[Any, dict[Path_, Any]] = {}
+    for path, difference in changes.items():
+        within.setdefault(path[0], {})[path[1:]] = difference
     if isinstance(place, list):
-        return [_moved(one, rest, difference) if n == first else one for n, one in enumerate(place)]
-    inner = getattr(place, str(first)) if not isinstance(place, dict) else place[first]
+        return [_moved(one, within[n]) if n in within else one for n, one in enumerate(place)]
     if isinstance(place, dict):
-        return place | {first: _moved(inner, rest, difference)}
-    return place.model_copy(update={str(first): _moved(inner, rest, difference)})
+        return place | {name: _moved(place[name], some) for name, some in within.items()}
+    return place.model_copy(update={name: _moved(getattr(place, name), some) for name, some in within.items()})
