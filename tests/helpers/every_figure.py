@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 PARTS = """catalog: 1
 manufacturer: Example
 sources: {sheet: {document: "sheet", confidence: quoted}}
@@ -13,8 +11,10 @@ motors:
   common: {kind: brushless, nominal_voltage: 48 V, no_load_speed: 4546 rpm, no_load_current: 0.2 A, resistance: 1 ohm,
     torque_constant: 100 mN*m/A, speed_constant: 95.493 rpm/V, nominal_current: 6 A, nominal_speed: 3800 rpm,
     max_speed: 6000 rpm, thermal_resistance_winding: 1 K/W, thermal_resistance_housing: 3 K/W, pole_pairs: 4,
-    winding_time_constant: 20 s, motor_time_constant: 900 s, max_winding_temperature: 125 degC, rotor_inertia: 300 g*cm^2,
-    ambient_min: -30 degC, ambient_max: 85 degC, max_radial_load: 100 N, radial_load_distance: 10 mm, max_axial_load: 40 N}
+    winding_time_constant: 20 s, motor_time_constant: 900 s, max_winding_temperature: 125 degC,
+  rotor_inertia: 300 g*cm^2,
+    ambient_min: -30 degC, ambient_max: 85 degC, max_radial_load: 100 N, radial_load_distance: 10 mm,
+  max_axial_load: 40 N}
   columns: [part]
   rows: [[M]]
 gearheads:
@@ -69,16 +69,20 @@ _TURN = "motion: {profile: move, distance: 90 deg, time: 1 s, acceleration_time:
     "rest_time: 0.5 s, there_and_back: true}"  # fmt: skip
 
 SPECS: dict[str, str] = {
-    "vehicle": f"""{_VEHICLE}, driven_share: 0.9, slope: 5 deg, drag_area: 0.3 m^2, headwind: 1 m/s, air_density: 1.2 kg/m^3}}
+    "vehicle": f"""{_VEHICLE}, driven_share: 0.9, slope: 5 deg, drag_area: 0.3 m^2, headwind: 1 m/s,
+  air_density: 1.2 kg/m^3}}
 motion: {{speed: 1.5 m/s, acceleration_time: 2 s, deceleration_time: 1.5 s, cruise_time: 20 s, rest_time: 3 s}}
-transmission: [{{kind: gearhead}}, {{kind: belt, ratio: 1.1, efficiency: 0.95, inertia: 1 kg*cm^2, friction_torque: 0.02 N*m,
+transmission: [{{kind: gearhead}}, {{kind: belt, ratio: 1.1, efficiency: 0.95, inertia: 1 kg*cm^2,
+  friction_torque: 0.02 N*m,
   stiffness: 900 N*m/rad, mass: 1 kg, pulley_diameter: 60 mm, max_tension: 900 N, max_speed: 20 m/s}}]
 supply: {{nominal: 24 V, min: 22 V, max: 29 V, resistance: 0.05 ohm, current: 60 A, power: 2 kW, regeneration: 0.7}}
 battery: {{series: 2, parallel: 2, nominal_voltage: 12 V, capacity: 7 A*h, rated_time: 20 h, peukert_exponent: 1.22,
   cutoff_voltage: 10.5 V, charge_voltage: 14.4 V, resistance: 25 mohm, open_circuit: {{full: 12.9 V, empty: 11.7 V}},
   polarisation: {{resistance: 20 mohm, time_constant: 30 s}}, continuous_current: 21 A, peak_current: 100 A,
-  max_charge_current: 2.1 A, mass: 2 kg, start: 0.95, usable: 0.8, health: 0.9, autonomy: 3 h, range: 5 km, reserve: 0.1}}
-equipment: [{{name: a, power: 15 W, duty: 0.5, peak_power: 30 W, efficiency: 0.9}}, {{name: b, power: 9 W, time: 10 min}}]
+  max_charge_current: 2.1 A, mass: 2 kg, start: 0.95, usable: 0.8, health: 0.9, autonomy: 3 h, range: 5 km,
+  reserve: 0.1}}
+equipment: [{{name: a, power: 15 W, duty: 0.5, peak_power: 30 W, efficiency: 0.9}}, {{name: b, power: 9 W,
+  time: 10 min}}]
 mission: {{duration: 2 h}}
 power_stage: {{voltage_drop: 0.5 V, resistance: 0.05 ohm, standby: 2 W}}
 environment: {{ambient: 30 degC, altitude: 1500 m, gravity: 9.81 m/s^2}}
@@ -92,12 +96,14 @@ plant: {{model: two_mass, stiffness: 9000 N*m/rad, damping_ratio: 0.02, backlash
 """,
     "sunk": f"""load: {{kind: wheeled_vehicle, mass: 60 kg, driven_wheels: 4, wheel_diameter: 152 mm, sinkage: 2 mm,
   cylinders: {{wheel: {{density: 1100 kg/m^3, outer_diameter: 152 mm, inner_diameter: 60 mm, width: 50 mm}}}}}}
-motion: {{profile: triangle, distance: 5 m, time: 6 s, rest_time: 1 s, there_and_back: true, payload: 2 kg, payload_back: 1 kg}}
+motion: {{profile: triangle, distance: 5 m, time: 6 s, rest_time: 1 s, there_and_back: true, payload: 2 kg,
+  payload_back: 1 kg}}
 shaft: {{carries_load: true, distance: 25 mm, wheel_load: 140 N, load_factor: 1.5, static_safety: 1.5}}
 {_SUPPLY}
 needs: {{life: 20000 h, shock_torque: 40 N*m, radial_load: 20 N, axial_load: 9 N, tilting_moment: 1 N*m}}
 """,
-    "conveyor": f"""load: {{kind: conveyor, mass: 20 kg, belt_mass: 4 kg, drum_diameter: 90 mm, friction_coefficient: 0.3,
+    "conveyor": f"""load: {{kind: conveyor, mass: 20 kg, belt_mass: 4 kg, drum_diameter: 90 mm,
+  friction_coefficient: 0.3,
   friction_force: 5 N, efficiency: 0.9, incline: 10 deg, force: 9 N, inertia: {_SOLID}}}
 motion: {{profile: s_curve, distance: 2 m, speed: 0.5 m/s, acceleration: 1 m/s^2, jerk: 4 m/s^3, rest_time: 1 s,
   there_and_back: true, payload: 2 kg, payload_back: 1 kg}}
@@ -105,9 +111,11 @@ transmission: [{{kind: gearhead}}, {_GEAR}]
 shaft: {{distance: 25 mm, pressure_angle: 20 deg, helix_angle: 15 deg}}
 supply: {{nominal: 48 V, current: 20 A, peak_current: 30 A, peak_time: 5 s, overvoltage_trip: 60 V,
   capacitance: 1 mF}}
-needs: {{life: {{gearhead: 9000 h, output_bearing: 8000 h}}, backlash_at_load: 1 deg, shock_torque: 40 N*m, inertia_ratio: 9}}
+needs: {{life: {{gearhead: 9000 h, output_bearing: 8000 h}}, backlash_at_load: 1 deg, shock_torque: 40 N*m,
+  inertia_ratio: 9}}
 """,
-    "hoist": f"""load: {{kind: hoist, mass: 40 kg, counterweight: 15 kg, drum_diameter: 120 mm, falls: 2, rope_efficiency: 0.95,
+    "hoist": f"""load: {{kind: hoist, mass: 40 kg, counterweight: 15 kg, drum_diameter: 120 mm, falls: 2,
+  rope_efficiency: 0.95,
   friction_force: 9 N, inertia: 30 kg*cm^2}}
 {_SLOW}
 shaft: {{carries_load: true, distance: 25 mm}}
@@ -125,16 +133,20 @@ brake_resistor: {{resistance: 10 ohm, power: 100 W, peak_power: 600 W, pulse_ene
   chopper_current: 20 A, averaging_time: 30 s}}
 needs: {{life: {{screw: 20000 h}}, axial_load: 10 N}}
 """,
-    "lead_screw": f"""load: {{kind: lead_screw, mass: 9 kg, lead: 4 mm, thread_friction: 0.15, incline: 80 deg, diameter: 20 mm,
+    "lead_screw": f"""load: {{kind: lead_screw, mass: 9 kg, lead: 4 mm, thread_friction: 0.15, incline: 80 deg,
+  diameter: 20 mm,
   root_diameter: 15.5 mm, pitch_diameter: 18 mm, length: 500 mm, permissible_thrust: 2 kN}}
-motion: {{profile: segments, segments: [{{time: 0.3 s, to: 60 mm/s, payload: 2 kg}}, {{time: 1 s}}, {{time: 0.4 s, to: 0 m/s}},
+motion: {{profile: segments, segments: [{{time: 0.3 s, to: 60 mm/s, payload: 2 kg}}, {{time: 1 s}}, {{time: 0.4 s,
+  to: 0 m/s}},
   {{time: 0.5 s, payload: 1 kg}}, {{time: 0.3 s, to: -60 mm/s}}, {{time: 1 s}}, {{time: 0.4 s, to: 0 m/s}}]}}
 {_SUPPLY}
 """,
     "rack_pinion": f"""{_RACK}
-motion: {{profile: move, distance: 400 mm, time: 1 s, acceleration_time: 0.3 s, deceleration_time: 0.4 s, rest_time: 0.5 s,
+motion: {{profile: move, distance: 400 mm, time: 1 s, acceleration_time: 0.3 s, deceleration_time: 0.4 s,
+  rest_time: 0.5 s,
   there_and_back: true, payload: 2 kg, payload_back: 1 kg}}
-shaft: {{carries_load: true, distance: 25 mm, pressure_angle: 20 deg, helix_angle: 15 deg, static_safety: 2, load_factor: 1.2}}
+shaft: {{carries_load: true, distance: 25 mm, pressure_angle: 20 deg, helix_angle: 15 deg, static_safety: 2,
+  load_factor: 1.2}}
 {_SUPPLY}
 needs: {{life: {{output_bearing: 9000 h}}, radial_load: 10 N, tilting_moment: 2 N*m}}
 """,
@@ -151,7 +163,8 @@ brake: {{torque: 20 N*m, at: load, power: 12 W, total_energy: 20 kJ, engage_time
 {_SUPPLY}
 needs: {{emergency_stops: 10}}
 """,
-    "rotary_table": f"""load: {{kind: rotary_table, inertia: 0.3 kg*m^2, friction_torque: 0.2 N*m, torque: 1 N*m, mass: 3 kg,
+    "rotary_table": f"""load: {{kind: rotary_table, inertia: 0.3 kg*m^2, friction_torque: 0.2 N*m, torque: 1 N*m,
+  mass: 3 kg,
   eccentricity: 100 mm, tilt: 30 deg, start_angle: 20 deg}}
 {_TURN}
 transmission: [{{kind: gearhead}}, {{kind: worm, ratio: 10, efficiency: 0.7, back_efficiency: 0.3}}]
@@ -176,8 +189,10 @@ motion: {{profile: cam, file: cam.csv, master_speed: 30 rpm, smoothing: 0.5 s}}
 motion: {{profile: hold, time: 9 s}}
 {_SUPPLY}
 """,
-    "flywheel": f"""load: {{kind: flywheel, inertia: [{_SOLID}, {{shape: block, length: 100 mm, width: 80 mm, thickness: 20 mm,
-  density: 2700 kg/m^3}}, {{shape: point, mass: 1 kg, offset: 50 mm}}], rated_torque: 2 N*m, rated_speed: 100 rpm, exponent: 2, friction_torque: 0.1 N*m}}
+    "flywheel": f"""load: {{kind: flywheel, inertia: [{_SOLID}, {{shape: block, length: 100 mm, width: 80 mm,
+  thickness: 20 mm,
+  density: 2700 kg/m^3}}, {{shape: point, mass: 1 kg, offset: 50 mm}}], rated_torque: 2 N*m, rated_speed: 100 rpm,
+  exponent: 2, friction_torque: 0.1 N*m}}
 motion: {{profile: segments, segments: [{{time: 1 s, to: 90 rpm}}, {{time: 1 s, to: 0 rpm}}]}}
 {_SUPPLY}
 """,

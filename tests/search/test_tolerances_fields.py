@@ -15,7 +15,6 @@ from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.search.uncertainty.counted_figures import COLUMNS, NOT_SAMPLED, reason
-from drivesizer.search.uncertainty.prepare import prepared
 from drivesizer.search.uncertainty.probabilities import Subject, at_ends, without_effect
 from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
@@ -147,7 +146,7 @@ PULLEYS = (
     ("load", "more", "said"),
     [
         (SCREW, "", "load.screw.lead_min: it chooses among screws of the catalogues; expected it without a tolerance"),
-        (RACK, BELT % "ratio: 1.5 +- 0.1", "transmission[2].ratio: ratios of a belt are searched as they are; expected"),
+        (RACK, BELT % "ratio: 1.5 +- 0.1", "transmission[2].ratio: ratios of a belt are searched as they are; ex"),
         (RACK, BELT % "ratios: [2, 1.5 +- 0.1]", "transmission[2].ratios[2]: ratios of a belt are searched as they"),
         (RACK, BELT % PULLEYS, "transmission[2].pulleys.centre_distance: it chooses among pulleys of the catalogues"),
         (RACK, "select: {motor: {kind: stepper}}\nneeds: {start_speed: 9 rpm +- 1 rpm}",

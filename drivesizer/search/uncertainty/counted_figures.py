@@ -1,4 +1,4 @@
-"""Figures of a spec and their tolerances: which enter checks beside the load cycle, which have no effect on any, and why.
+"""Figures of a spec with tolerances: which enter checks beside the load cycle, and which have no effect on any.
 
 A figure shapes the load cycle of each sample, or enters checks as a column, or neither. Whether it has an effect on a
 machine is seen from its checks, with that figure alone at either end (``without_effect``).
