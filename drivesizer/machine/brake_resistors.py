@@ -6,16 +6,15 @@ Symbols: U_ch voltage of the chopper [V], R resistance [ohm], P power [W].
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import inf, isnan, nan
-from typing import Any
 
 import numpy as np
 
 from drivesizer.catalog import BrakeResistor, Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.machine.regenerated import Regenerated
+from drivesizer.machine.regenerated import OnTheBus
 from drivesizer.physics.elements.brake_resistor import (
     derated_power,
     largest_resistance,
@@ -117,7 +116,7 @@ def _is_one_of(one: BrakeResistor, section: Section, highest: float) -> bool:
     return one.kind == kind and known and not one.chopper_voltage_min < highest
 
 
-def suited(one: BrakeResistor, cases: list[Regenerated]) -> BrakeResistor:
+def suited(one: BrakeResistor, cases: Sequence[OnTheBus]) -> BrakeResistor:
     """A size that is made in any resistance with the one to order: the largest of E24 that burns enough in every case.
 
     Parameters
@@ -139,18 +138,18 @@ def suited(one: BrakeResistor, cases: list[Regenerated]) -> BrakeResistor:
     return replace(one, resistance=nan if isnan(most) else preferred_resistance(most, ends))
 
 
-def _capacity(one: BrakeResistor, case: Regenerated) -> float:
+def _capacity(one: BrakeResistor, case: OnTheBus) -> float:
     """Energy that the bus stores before the chopper switches on [J]."""
     own = 0.0 if isnan(one.capacitance) else one.capacitance
     capacitance = (case.spec.supply.capacitance or 0.0) + own
     return float(storable_energy(capacitance, one.chopper_voltage_min, case.spec.supply.highest))
 
 
-def _peak(one: BrakeResistor, case: Regenerated) -> float:
+def _peak(one: BrakeResistor, case: OnTheBus) -> float:
     return case.burnt(_capacity(one, case), 1.0).peak
 
 
-def resistor_columns(section: Section, one: BrakeResistor, case: Regenerated, controller: Any) -> list[CheckColumn]:
+def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withstood: float) -> list[CheckColumn]:
     """Limits of a brake resistor and its chopper in a load case.
 
     Parameters
@@ -161,8 +160,8 @@ def resistor_columns(section: Section, one: BrakeResistor, case: Regenerated, co
         The resistor with its chopper.
     case
         What is regenerated.
-    controller
-        Of the drives; None where there is none.
+    withstood
+        Highest voltage that the controllers withstand [V]; NaN unknown.
 
     Returns
     -------
@@ -172,11 +171,11 @@ def resistor_columns(section: Section, one: BrakeResistor, case: Regenerated, co
     spec, volts = case.spec, (one.chopper_voltage_min, one.chopper_voltage_max)
     power = derated_power(one.power, spec.environment.ambient, one.rated_ambient, one.zero_power_ambient)
     burnt = case.burnt(_capacity(one, case), section.averaging_time, power)
-    withstood = float(np.fmin(controller.supply_max if controller else nan, one.max_voltage))
+    bus = float(np.fmin(withstood, one.max_voltage))
     idle = burnt.peak == 0.0
     return [
         at_least("chopper_voltage", spec.supply.highest, volts[0], by_choice=True),
-        at_most("chopper_bus_voltage", volts[1], withstood),
+        at_most("chopper_bus_voltage", volts[1], bus),
         at_most("resistor_resistance", one.resistance, largest_resistance(volts[0], burnt.peak)),
         *_of_the_chopper(one, burnt.peak, spec.margins.torque),
         at_most("resistor_peak_power", 0.0 if idle else _while_on(one, burnt.peak), _short_time(one, power),

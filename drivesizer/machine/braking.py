@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from drivesizer.catalog import BrakeResistor
+from drivesizer.catalog import BrakeResistor, Catalog
 from drivesizer.machine.brake_resistors import offered, resistor_columns, suited
-from drivesizer.machine.regenerated import Burnt, Regenerated, regenerated
+from drivesizer.machine.regenerated import Burnt, OnTheBus, regenerated
 from drivesizer.physics.elements.brake_resistor import (
     largest_resistance,
     least_bus_capacitance,
@@ -29,7 +29,7 @@ from drivesizer.spec.brake_resistor import BrakeResistor as Section
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["braking_budget"]
+__all__ = ["braking_budget", "bus_budget"]
 
 ByCase = list[tuple[str, tuple[Check, ...]]]
 Worst = Callable[[Sequence[tuple[str, Sequence[Check]]]], tuple[Check, ...]]
@@ -57,19 +57,45 @@ def braking_budget(problem: Problem, one: DriveParts, worst: Worst) -> BrakingBu
     spec = problem.machine
     if spec.battery is not None or spec.supply.kind == "battery":
         return None
-    cases = regenerated(problem, one)
+    withstood = one.controller.supply_max if one.controller else nan
+    return bus_budget(spec, problem.catalog, regenerated(problem, one), withstood, worst)
+
+
+def bus_budget(
+    spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float, worst: Worst
+) -> BrakingBudget | None:
+    """Limits of a bus to which energies go and from which they come.
+
+    Parameters
+    ----------
+    spec
+        The machine: brake resistor and supply.
+    catalog
+        Where brake resistors are listed.
+    cases
+        What is regenerated in each load case.
+    withstood
+        Highest voltage that the controllers withstand [V]; NaN unknown.
+    worst
+        As ``braking_budget`` takes it.
+
+    Returns
+    -------
+    BrakingBudget or None
+        None where nothing is regenerated and the spec limits nothing.
+    """
     if not spec.limits_the_bus and not any(case.energy > 0.0 for case in cases):
         return None
     section, resistor, checks = spec.brake_resistor, None, tuple[Check, ...]()
-    if section is not None and not _needless(section, cases, one):
-        resistor, checks = _chosen(problem, section, cases, one.controller, worst)
+    if section is not None and not _needless(section, cases, withstood):
+        resistor, checks = _chosen(spec, catalog, cases, withstood, worst)
     checks = (*checks, *worst([(case.case, _records(_of_the_supply(case, resistor))) for case in cases]))
-    volts = _threshold(spec, resistor, one)
+    volts = _threshold(spec, resistor, withstood)
     main = max(cases, key=lambda case: _most(case.burnt(_capacity(case, resistor, volts), _WINDOW).mean))
     return BrakingBudget(
         resistor=resistor,
         checks=checks,
-        figures=tuple(_figures(main, resistor, volts, one)),
+        figures=tuple(_figures(main, resistor, volts, withstood)),
         assumptions=tuple(_assumptions(main, section, resistor, volts)),
     )
 
@@ -85,12 +111,11 @@ def _records(columns: Iterable[CheckColumn]) -> tuple[Check, ...]:
 # --- the resistor -----------------------------------------------------------------------------------------------------
 
 
-def _needless(section: Section, cases: Sequence[Regenerated], one: DriveParts) -> bool:
+def _needless(section: Section, cases: Sequence[OnTheBus], withstood: float) -> bool:
     """Whether none need be chosen: the capacitors keep all below every limit."""
     if not section.may_be_none:
         return False
-    limit = one.controller.supply_max if one.controller else nan
-    return all(case.highest_voltage() <= np.fmin(limit, _trip(case.spec)) for case in cases)
+    return all(case.highest_voltage() <= np.fmin(withstood, _trip(case.spec)) for case in cases)
 
 
 def _trip(spec: RobotSpec) -> float:
@@ -98,15 +123,17 @@ def _trip(spec: RobotSpec) -> float:
 
 
 def _chosen(
-    problem: Problem, section: Section, cases: list[Regenerated], controller: Any, worst: Worst
+    spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float, worst: Worst
 ) -> tuple[BrakeResistor | None, tuple[Check, ...]]:
     """The smallest resistor that holds, with its checks; else the one that comes closest."""
-    every = [suited(one, cases) for one in offered(problem.machine, problem.catalog)]
+    section = spec.brake_resistor
+    assert section is not None
+    every = [suited(one, cases) for one in offered(spec, catalog)]
     if not every:
         return None, _records([fits("resistor_available", False, True)])
 
     def judged(one: BrakeResistor) -> tuple[Check, ...]:
-        found = [(case.case, _records(resistor_columns(section, one, case, controller))) for case in cases]
+        found = [(case.case, _records(resistor_columns(section, one, case, withstood))) for case in cases]
         tripped = [(case.case, _records(_over_voltage(case, one))) for case in cases]
         return (*worst(found), *worst(tripped))
 
@@ -127,7 +154,7 @@ def _rank(one: BrakeResistor, checks: tuple[Check, ...]) -> tuple[Any, ...]:
 # --- the power supply -------------------------------------------------------------------------------------------------
 
 
-def _of_the_supply(case: Regenerated, resistor: BrakeResistor | None) -> Iterator[CheckColumn]:
+def _of_the_supply(case: OnTheBus, resistor: BrakeResistor | None) -> Iterator[CheckColumn]:
     """Peak current and its time, continuous current, over-voltage protection; as far as they are limited."""
     yield from _over_voltage(case, resistor)
     supply, margin = case.spec.supply, case.spec.margins.torque
@@ -138,7 +165,7 @@ def _of_the_supply(case: Regenerated, resistor: BrakeResistor | None) -> Iterato
     yield at_most("supply_peak_time", long, nan if supply.peak_time is None else supply.peak_time)
 
 
-def _over_voltage(case: Regenerated, resistor: BrakeResistor | None) -> list[CheckColumn]:
+def _over_voltage(case: OnTheBus, resistor: BrakeResistor | None) -> list[CheckColumn]:
     """The highest voltage of the bus against the trip of the power supply."""
     trip = case.spec.supply.overvoltage_trip
     if trip is None:
@@ -156,30 +183,30 @@ def _over_voltage(case: Regenerated, resistor: BrakeResistor | None) -> list[Che
 # --- figures ----------------------------------------------------------------------------------------------------------
 
 
-def _threshold(spec: RobotSpec, resistor: BrakeResistor | None, one: DriveParts) -> float:
+def _threshold(spec: RobotSpec, resistor: BrakeResistor | None, withstood: float) -> float:
     """Voltage at which a chopper switches on, or below which the bus has to stay [V]."""
     if resistor is not None:
         return resistor.chopper_voltage_min
     if spec.chopper_voltage is not None:
         return spec.chopper_voltage
-    return float(np.fmin(one.controller.supply_max if one.controller else nan, _trip(spec)))
+    return float(np.fmin(withstood, _trip(spec)))
 
 
-def _capacity(case: Regenerated, resistor: BrakeResistor | None, volts: float) -> float:
+def _capacity(case: OnTheBus, resistor: BrakeResistor | None, volts: float) -> float:
     """Energy that the bus stores below a voltage [J]; 0 where its capacitance or the voltage is unknown."""
     own = 0.0 if resistor is None or isnan(resistor.capacitance) else resistor.capacitance
     capacitance = (case.spec.supply.capacitance or 0.0) + own
     return 0.0 if isnan(volts) else float(storable_energy(capacitance, volts, case.spec.supply.highest))
 
 
-def _figures(case: Regenerated, resistor: BrakeResistor | None, volts: float, one: DriveParts) -> Iterator[Figure]:
+def _figures(case: OnTheBus, resistor: BrakeResistor | None, volts: float, withstood: float) -> Iterator[Figure]:
     """Figures that decide the choice of a resistor, or of capacitors in its place."""
     section, highest = case.spec.brake_resistor, case.spec.supply.highest
     window = section.averaging_time if section else _WINDOW
     worst = f"Braking power, mean of the worst {show(window, 's', 'time')}"
     stores = _capacity(case, resistor, volts)
     burnt: Burnt = case.burnt(stores, window)
-    limit = float(np.fmin(one.controller.supply_max if one.controller else nan, _trip(case.spec)))
+    limit = float(np.fmin(withstood, _trip(case.spec)))
     at = f", at {show(volts, 'V', 'voltage')}"
     rows = [
         ("energy_regenerated", "Regenerated energy per cycle, not stored by the supply", case.energy, "energy", "J"),
@@ -206,7 +233,7 @@ def _figures(case: Regenerated, resistor: BrakeResistor | None, volts: float, on
 
 
 def _assumptions(
-    case: Regenerated, section: Section | None, resistor: BrakeResistor | None, volts: float
+    case: OnTheBus, section: Section | None, resistor: BrakeResistor | None, volts: float
 ) -> Iterator[str]:
     if case.spec.supply.capacitance is None:
         yield "capacitance of the bus unknown: its capacitors store nothing"

@@ -7,7 +7,6 @@ cases the worst of them counts.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from math import isnan, nan
 from typing import NamedTuple
@@ -27,7 +26,7 @@ from drivesizer.machine.platform_budget import MechanicalBudget, mass_part, plat
 from drivesizer.machine.platform_checks import PlatformOnFloor, machine_mass
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.results.braking import BrakingBudget
-from drivesizer.results.check import GRAVEST, Check, Figure
+from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.mass import MassRow
@@ -93,7 +92,7 @@ def of_the_platform(spec: RobotSpec) -> MechanicalBudget | None:
     if spec.platform is None:
         return None
     found = [(name, platform_part(_on_floor(case, spec.margins.torque))) for name, case in spec.load_cases]
-    checks = _worst([(name, part.checks) for name, part in found])
+    checks = worst_of_cases([(name, part.checks) for name, part in found])
     return replace(found[0][1], checks=checks, status=verdict(checks))
 
 
@@ -131,7 +130,7 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MechanicalBudget 
     checks, energy = [check for part in parts for check in part.checks], None
     if spec.battery:
         found = _of_the_battery(problem, spec.battery, one)
-        checks += _worst([(name, budget.checks) for name, budget in found])
+        checks += worst_of_cases([(name, budget.checks) for name, budget in found])
         energy = min((budget for _, budget in found), key=_lasting)
     braking = regeneration(problem, one) if problem.machine.limits_the_bus else None
     if braking:
@@ -154,7 +153,7 @@ def regeneration(problem: Problem, one: DriveParts) -> BrakingBudget | None:
     BrakingBudget or None
         None where a battery takes all, or there is nothing.
     """
-    return braking_budget(problem, one, _worst)
+    return braking_budget(problem, one, worst_of_cases)
 
 
 def _of_the_battery(problem: Problem, battery: Battery, one: DriveParts) -> list[tuple[str, EnergyBudget]]:
@@ -239,20 +238,6 @@ def _mass(problem: Problem, budget: Budget, one: DriveParts) -> MechanicalBudget
     battery = pack_of(spec.battery, problem.catalog).mass if spec.battery else None
     found = machine_mass(budget, rows_of_drive(problem, one), platform=spec.platform, battery=battery)
     return mass_part(found, load.mass if isinstance(load, WheeledVehicle) else None)
-
-
-def _worst(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Check, ...]:
-    """Of checks in several load cases each where it is worst; those of a passage, which is their case, each alone."""
-    alike: dict[tuple[str, str], list[Check]] = {}
-    for name, checks in by_case:
-        for check in checks:
-            one = check if check.case else replace(check, case=name)
-            alike.setdefault((check.name, check.case), []).append(one)
-    return tuple(min(several, key=_how_bad) for several in alike.values())
-
-
-def _how_bad(check: Check) -> tuple[int, float]:
-    return GRAVEST.index(check.status), 1e99 if isnan(check.margin) else check.margin
 
 
 def _lasting(budget: EnergyBudget) -> tuple[bool, float]:

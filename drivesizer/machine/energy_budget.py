@@ -36,7 +36,7 @@ from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["charge_over_mission", "energy_budget"]
+__all__ = ["budget_of_consumers", "charge_over_mission", "consumers_of", "energy_budget"]
 
 Array = NDArray[np.float64]
 _POINTS = 2000  # of the state of charge over a mission
@@ -75,9 +75,45 @@ def energy_budget(
     InputError
         When the battery's part is not listed, or a consumer's time has no mission.
     """
+    drawing, assumed = consumers_of(spec, drive_set, drive), tuple(loss_assumptions(spec, drive_set.controller))
+    return budget_of_consumers(spec, drawing, battery, equipment, catalog, drive, assumed)
+
+
+def budget_of_consumers(
+    spec: RobotSpec,
+    drawing: Sequence[Consumption],
+    battery: Battery,
+    equipment: Sequence[Consumer],
+    catalog: Catalog,
+    drive: DrivePower,
+    assumed: Sequence[str] = (),
+) -> EnergyBudget:
+    """Consumers, autonomy and checks of a machine whose drives are known by what they draw.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drawing
+        Lines of its drives.
+    battery, equipment, catalog, drive
+        As for ``energy_budget``.
+    assumed
+        Assumptions of the losses of the drives.
+
+    Returns
+    -------
+    EnergyBudget
+        Figures that are not known are NaN.
+
+    Raises
+    ------
+    InputError
+        As of ``energy_budget``.
+    """
     pack = pack_of(battery, catalog)
     others = _of_the_equipment(spec, equipment)
-    consumers = (*_of_the_drive(spec, drive_set, drive), *others)
+    consumers = (*drawing, *others)
     power = _at_the_battery(spec, drive, sum(c.mean for c in others))
     load = _load(spec, drive, others, power)
     load = _lasting(spec, battery, pack, load)
@@ -102,7 +138,7 @@ def energy_budget(
         status=verdict(checks),
         checks=checks,
         figures=_figures(spec, battery, pack, load, _worn(drive.duration, run_time(pack, power)) * pack.available),
-        assumptions=_assumptions(spec, drive_set, pack, equipment),
+        assumptions=_assumptions(spec, pack, equipment, assumed),
     )
 
 
@@ -117,7 +153,23 @@ def _at_the_battery(spec: RobotSpec, drive: DrivePower, lasting: float, share: f
     return np.asarray(drive.drawn - (spec.supply.regeneration if share is None else share) * drive.returned + lasting)
 
 
-def _of_the_drive(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> tuple[Consumption, ...]:
+def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> tuple[Consumption, ...]:
+    """Lines of a drive in the table of consumers.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drive_set
+        What drives it.
+    drive
+        Power that all its drives take together.
+
+    Returns
+    -------
+    tuple of Consumption
+        What its motors draw and regenerate, losses of controllers, brakes and cables.
+    """
     share, sets = spec.supply.regeneration, spec.load.motors
     mean = {name: drive.mean(getattr(drive, name)) for name in _MEANS}
     drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
@@ -271,7 +323,7 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
 # --- what was taken for granted --------------------------------------------------------------------------------------
 
 
-def _assumptions(spec: RobotSpec, drive_set: DriveParts, pack: Pack, equipment: Sequence[Consumer]) -> tuple[str, ...]:
+def _assumptions(spec: RobotSpec, pack: Pack, equipment: Sequence[Consumer], assumed: Sequence[str]) -> tuple[str, ...]:
     unknown = "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known"
     found = [
         f"run time by {pack.rule}, at the mean power" if pack.rule else unknown,
@@ -281,7 +333,7 @@ def _assumptions(spec: RobotSpec, drive_set: DriveParts, pack: Pack, equipment: 
     guessed = [one.name for one in equipment if one.assumed]
     if guessed:
         found.append(f"power of {', '.join(guessed)} assumed")
-    found += loss_assumptions(spec, drive_set.controller)
+    found += assumed
     if not pack.rests:
         found.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")
     if spec.supply.regeneration == 0.0:

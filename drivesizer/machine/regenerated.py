@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf, isnan, nan
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Burnt", "Regenerated", "regenerated"]
+__all__ = ["Burnt", "OnTheBus", "Regenerated", "raised_voltage", "regenerated", "regenerated_of"]
 
 Array = NDArray[np.float64]
 
@@ -32,6 +32,43 @@ class Burnt(NamedTuple):
     peak: float  # W, largest regenerated power while the bus is full
     mean: float  # W, over the worst window
     pulse: float  # J, of the largest uninterrupted braking
+
+
+class OnTheBus(Protocol):
+    """Energies to and from a bus that limits are held against: of one course over time, or of courses at any phase."""
+
+    @property
+    def case(self) -> str:
+        """Name of the load case."""
+
+    @property
+    def spec(self) -> RobotSpec:
+        """The machine in it, with its supply."""
+
+    @property
+    def known(self) -> bool:
+        """Whether the energies are."""
+
+    @property
+    def energy(self) -> float:
+        """Regenerated energy per cycle that the supply does not store [J]."""
+
+    @property
+    def stored(self) -> float:
+        """Largest energy that is regenerated and not drawn again [J]."""
+
+    @property
+    def mean_drawn(self) -> float:
+        """Mean power out of the source [W]."""
+
+    def highest_voltage(self, more: float = 0.0) -> float:
+        """Highest voltage of the bus without a brake resistor [V]."""
+
+    def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
+        """Load of a brake resistor beside a bus that stores so much."""
+
+    def longest_above(self, power: float) -> float:
+        """Longest uninterrupted time in which the power out of the source exceeds one [s]."""
 
 
 class Regenerated(NamedTuple):
@@ -71,11 +108,7 @@ class Regenerated(NamedTuple):
 
         ``more``: capacitance beside that of the spec [F].
         """
-        supply, stored = self.spec.supply, self.stored
-        if stored == 0.0:
-            return supply.highest
-        capacitance = (supply.capacitance or nan) + more
-        return float(bus_voltage(supply.highest, stored, capacitance))
+        return raised_voltage(self.spec, self.stored, more)
 
     def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
         """Load of a brake resistor beside a bus that stores so much.
@@ -108,6 +141,29 @@ class Regenerated(NamedTuple):
         return largest_pulse(self.duration, np.where(self.drawn_peak > power, self.duration, 0.0))
 
 
+def raised_voltage(spec: RobotSpec, stored: float, more: float = 0.0) -> float:
+    """Voltage to which a bus rises by an energy.
+
+    Parameters
+    ----------
+    spec
+        The machine, with its supply.
+    stored
+        Energy that stays on the bus [J].
+    more
+        Capacitance beside that of the spec [F].
+
+    Returns
+    -------
+    float
+        [V]; NaN where the capacitance is unknown.
+    """
+    if stored == 0.0:
+        return spec.supply.highest
+    capacitance = (spec.supply.capacitance or nan) + more
+    return float(bus_voltage(spec.supply.highest, stored, capacitance))
+
+
 def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
     """Energies to and from the bus in each load case of a machine.
 
@@ -133,17 +189,37 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
 
 def _of_powers(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
     """Sum of drives that act at the same time; of several what one draws of another's return goes no further."""
-    power, share = together(powers), 1.0 - spec.supply.regeneration
-    drawn, returned = power.bus_drawn * power.duration, share * power.returned * power.duration
-    if len(powers) > 1:
-        net: Any = drawn - returned
-        drawn, returned = np.maximum(net, 0.0), np.maximum(-net, 0.0)
+    found = regenerated_of(case, spec, together(powers))
+    if len(powers) == 1:
+        return found
+    net: Any = found.drawn - found.returned
+    return found._replace(drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0))
+
+
+def regenerated_of(case: str, spec: RobotSpec, power: DrivePower) -> Regenerated:
+    """Energies to and from the bus of a machine whose power is known.
+
+    Parameters
+    ----------
+    case
+        Name of the load case.
+    spec
+        The machine in it, with its supply.
+    power
+        Of all drives together.
+
+    Returns
+    -------
+    Regenerated
+        Piece by piece.
+    """
+    share = 1.0 - spec.supply.regeneration
     return Regenerated(
         case=case,
         spec=spec,
         duration=power.duration,
-        drawn=drawn,
-        returned=returned,
+        drawn=power.bus_drawn * power.duration,
+        returned=share * power.returned * power.duration,
         returned_peak=share * power.returned_peak,
         drawn_peak=power.peak,
         mean_drawn=power.mean(power.drawn),

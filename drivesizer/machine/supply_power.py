@@ -25,7 +25,7 @@ from drivesizer.physics.waveform import Wave, energy, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["DrivePower", "distance_of", "drive_power", "together"]
+__all__ = ["DrivePower", "distance_of", "drive_power", "side_by_side", "together"]
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
@@ -45,6 +45,8 @@ class DrivePower(NamedTuple):
     motor_drawn: Array  # W, of these the motors'
     motor_returned: Array  # W
     resisted: Array  # W, heat of the supply's resistance
+    most: Array  # W, largest and least net power at the input of the controllers: below 0 what is regenerated
+    least: Array  # W
     distance: float  # m that a vehicle goes in the cycle, there and back; unknown of what does not travel
 
     @property
@@ -55,6 +57,16 @@ class DrivePower(NamedTuple):
     def mean(self, column: Array) -> float:
         """Mean of one of the columns over the cycle."""
         return float(self.duration @ column) / self.total
+
+    def times(self, factor: float) -> DrivePower:
+        """All powers times a factor; NaN makes them unknown."""
+        columns = {n: factor * getattr(self, n) for n in self._fields if n not in ("duration", "distance")}
+        return self._replace(**columns)
+
+    def at(self, duration: Array, pieces: Any) -> DrivePower:
+        """Some of its pieces in an order, with other durations [s]."""
+        columns = {name: getattr(self, name)[pieces] for name in self._fields if name not in ("duration", "distance")}
+        return self._replace(duration=duration, **columns)
 
 
 def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> DrivePower:
@@ -90,7 +102,8 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
     heat = lost_in_source(inner, feed).sum(axis=1)
     one = at_input(Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:])), feed.stage)
     back = largest_power(one._replace(voltage=-one.voltage))[0]
-    peak = of_the_source(np.maximum(largest_power(one)[0], 0.0) + standby, feed)
+    out = largest_power(one)[0]
+    peak = of_the_source(np.maximum(out, 0.0) + standby, feed)
     sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
     return DrivePower(
         duration=duration,
@@ -102,6 +115,8 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
         motor_drawn=own.drawn * sets,
         motor_returned=own.returned * sets,
         resisted=heat * sets,
+        most=(out + standby) * sets,
+        least=(standby - back) * sets,
         distance=distance_of(spec, found.cycle.load_cycle),
     )
 
@@ -119,6 +134,8 @@ def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePow
     drawn, returned, peak = electrical_energy(piece, torque, speed, loss + standby)
     own_drawn, own_returned, _ = electrical_energy(piece, torque, speed, loss)
     back = electrical_energy(piece, -torque, speed, -loss - standby)[2]
+    turning = Wave(piece, torque, speed)  # its power is a product of two lines too
+    net = (largest_power(x)[0] for x in (turning, turning._replace(voltage=-speed)))
     sets = spec.load.alike if demand.complete.all() else np.nan
     return DrivePower(
         duration=duration,
@@ -130,6 +147,8 @@ def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePow
         motor_drawn=sets * own_drawn,
         motor_returned=sets * own_returned,
         resisted=np.zeros_like(drawn),
+        most=sets * (next(net) + loss + standby),
+        least=sets * (loss + standby - next(net)),
         distance=distance_of(spec, cycle.load_cycle),
     )
 
@@ -163,17 +182,34 @@ def together(powers: Sequence[DrivePower]) -> DrivePower:
     """
     if len(powers) == 1:
         return powers[0]
+    cut = side_by_side(powers)
+    summed = {
+        name: np.sum([getattr(p, name) for p in cut], axis=0)
+        for name in DrivePower._fields
+        if name not in ("duration", "distance")
+    }
+    return DrivePower(duration=cut[0].duration, distance=powers[0].distance, **summed)
+
+
+def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
+    """Powers over cycles of the same length, all in the same pieces: cut where any of them is.
+
+    Parameters
+    ----------
+    powers
+        At least one.
+
+    Returns
+    -------
+    list of DrivePower
+        In their order.
+    """
     ends = [np.concatenate([[0.0], np.cumsum(p.duration)]) for p in powers]
     edges = np.unique(np.concatenate(ends))
     edges = edges[np.concatenate([[True], np.diff(edges) > _NO_TIME * edges[-1]])]
     middle, duration = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
     place = [np.clip(np.searchsorted(e, middle) - 1, 0, len(e) - 2) for e in ends]
-    summed = {
-        name: np.sum([getattr(p, name)[at] for p, at in zip(powers, place, strict=True)], axis=0)
-        for name in DrivePower._fields
-        if name not in ("duration", "distance")
-    }
-    return DrivePower(duration=duration, distance=powers[0].distance, **summed)
+    return [p.at(duration, some) for p, some in zip(powers, place, strict=True)]
 
 
 def _pieces(found: Wave) -> tuple[Array, Array, Array]:

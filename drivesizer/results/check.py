@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import isnan, nan
 from typing import Literal, NamedTuple
 
 from drivesizer.units import show
 
-__all__ = ["GRAVEST", "Band", "Check", "Figure", "Status", "in_a_sentence", "tightest", "verdict", "worst"]
+__all__ = [
+    "GRAVEST",
+    "Band",
+    "Check",
+    "Figure",
+    "Status",
+    "in_a_sentence",
+    "tightest",
+    "verdict",
+    "worst",
+    "worst_of_cases",
+]
 
 Status = Literal["pass", "fail", "open", "unknown"]  # open: estimated figures decide
 
@@ -113,3 +125,28 @@ def tightest(checks: tuple[Check, ...], count: int) -> list[Check]:
     """
     failed = [c for c in checks if c.status == "fail" and isnan(c.margin)]
     return [*failed, *sorted((c for c in checks if c.is_comparable), key=lambda c: c.margin)][:count]
+
+
+def worst_of_cases(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Check, ...]:
+    """Of checks in several load cases each where it is worst; those of a passage, which is their case, each alone.
+
+    Parameters
+    ----------
+    by_case
+        Names of the load cases, and the checks in each.
+
+    Returns
+    -------
+    tuple of Check
+        In the order in which they first appear.
+    """
+    alike: dict[tuple[str, str], list[Check]] = {}
+    for name, checks in by_case:
+        for check in checks:
+            one = check if check.case else replace(check, case=name)
+            alike.setdefault((check.name, check.case), []).append(one)
+    return tuple(min(several, key=_how_bad) for several in alike.values())
+
+
+def _how_bad(check: Check) -> tuple[int, float]:
+    return GRAVEST.index(check.status), 1e99 if isnan(check.margin) else check.margin

@@ -1,0 +1,296 @@
+"""Several axes on one supply: what they draw, what becomes of regenerated energy, and the limits of the supply.
+
+At random phases limits are held against what no phase exceeds. Brake resistor, power supply and battery are judged as
+those of one drive are, by the sum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import fsum, isnan, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.machine.braking import bus_budget
+from drivesizer.machine.energy_budget import budget_of_consumers, consumers_of
+from drivesizer.machine.supply_power import DrivePower, side_by_side
+from drivesizer.machine.supply_unit import with_parts_of_supply
+from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus
+from drivesizer.multi_axis.waiting import unknown_at_rest
+from drivesizer.physics.power_stage import bus_voltage, least_capacitance
+from drivesizer.results.braking import BrakingBudget
+from drivesizer.results.check import Check, Figure, worst_of_cases
+from drivesizer.results.check_columns import CheckColumn, at_most
+from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.energy import Consumption, EnergyBudget
+from drivesizer.results.losses import loss_assumptions
+from drivesizer.results.machine_power import MachinePower
+from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
+from drivesizer.units import show
+
+__all__ = ["AxisPower", "common_supply"]
+
+Array = NDArray[np.float64]
+_STAYS = "unknown: how far regenerated energy raises the voltage: give brake_resistor or supply.capacitance"
+
+
+def common_supply(
+    shared: RobotSpec,
+    catalog: Catalog,
+    axes: Sequence[AxisPower],
+    *,
+    synchronised: bool = True,
+    cycle_time: float | None = None,
+) -> MachinePower:
+    """Power of a machine's axes on their supply, and the limits of supply, brake resistor and battery.
+
+    Parameters
+    ----------
+    shared
+        What the axes share: supply, brake resistor, battery, equipment, environment, margins, mission.
+    catalog
+        Where power supplies, brake resistors and batteries are listed.
+    axes
+        At least one, with its drive.
+    synchronised
+        Whether the axes' motions start together, each at its offset; else at any time.
+    cycle_time
+        Of the machine [s]; that of its longest axis where not given.
+
+    Returns
+    -------
+    MachinePower
+        Of the load case with the largest peak; checks where each is worst.
+
+    Raises
+    ------
+    InputError
+        When a motion is longer than the cycle, or a part of the supply is not listed.
+    """
+    shared = with_parts_of_supply(shared, catalog)
+    buses = {name: common_bus(name, shared, axes, synchronised, cycle_time) for name in _cases(axes)}
+    controllers = [(one.one, one.problem.spec.load.motors) for one in axes]
+    withstood = _least([one.controller.supply_max if one.controller else nan for one, _ in controllers])
+    by_case = [(name, _supplied(bus)) for name, bus in buses.items()]
+    checks = worst_of_cases([(name, tuple(c.at((), "budget") for c in found)) for name, found in by_case])
+    braking, energy = None, dict[str, EnergyBudget]()
+    if shared.battery is None and shared.supply.kind != "battery":
+        found = [bus.on_bus for bus in buses.values()]
+        braking = bus_budget(shared, catalog, found, withstood, worst_of_cases)
+    voltage = [(name, (_voltage(bus, braking, controllers),)) for name, bus in buses.items()]
+    checks = (*checks, *worst_of_cases(voltage), *(braking.checks if braking else ()))
+    if shared.battery is not None:
+        energy = {name: _energy(name, bus, axes, catalog) for name, bus in buses.items()}
+        checks = (*checks, *worst_of_cases([(name, one.checks) for name, one in energy.items()]))
+    name = max(buses, key=lambda case: _most(float(buses[case].total.peak.max())))
+    return _record(name, buses[name], axes, checks, braking, energy)
+
+
+def _most(value: float) -> float:
+    return float("inf") if isnan(value) else value
+
+
+def _least(values: Sequence[float]) -> float:
+    return min((value for value in values if not isnan(value)), default=nan)
+
+
+def _cases(axes: Sequence[AxisPower]) -> list[str]:
+    """Load cases of the machine: that as specified, and all that any axis has besides."""
+    more = [name for axis in axes for name, _ in axis.problem.machine.load_cases[1:]]
+    return list(dict.fromkeys([AS_SPECIFIED, *more])) if more else [""]
+
+
+# --- limits -----------------------------------------------------------------------------------------------------------
+
+
+def _supplied(bus: CommonBus) -> list[CheckColumn]:
+    """Largest current and power out of the supply against what it delivers."""
+    supply, needed, total = bus.spec.supply, bus.spec.margins.torque, bus.total
+    peak, time = float(total.peak.max()), _peak_time(total)
+    found = []
+    for name, limit, scale in (
+        ("supply_current", supply.most_current, supply.lowest),
+        ("supply_power", supply.power, 1.0),
+    ):
+        if limit is not None:
+            note = _share_said(bus, name)
+            found.append(at_most(name, peak / scale, limit, needed=needed, time=np.asarray(time), note=note))
+    return found
+
+
+def _peak_time(total: DrivePower) -> float:
+    """Moment at which the peak's piece begins [s]; NaN where it is unknown."""
+    if isnan(float(total.peak.max())):
+        return nan
+    return float(total.duration[: int(total.peak.argmax())].sum())
+
+
+def _share_said(bus: CommonBus, name: str) -> str:
+    """Of axes at random phases: for how much of the time a limit is exceeded."""
+    one = next((one for one in bus.exceeded if one.check == name), None)
+    if one is None or isnan(one.most):
+        return ""
+    return f"at the worst phase; exceeded for {show(one.most, '%', 'dimensionless')} of the time at most"
+
+
+def _voltage(bus: CommonBus, braking: BrakingBudget | None, drives: Sequence[tuple[DriveParts, int]]) -> Check:
+    """Highest voltage of the bus against the controllers' limit; the smallest of those that are known may fail it."""
+    limits = [one.controller.supply_max if one.controller else nan for one, _ in drives]
+    known, highest = _least(limits), _highest(bus, braking, drives)
+    limit = known if highest > known or not any(map(isnan, limits)) else nan
+    return at_most("bus_voltage", highest, limit, undecided=_STAYS).at((), "budget")
+
+
+def _highest(bus: CommonBus, braking: BrakingBudget | None, drives: Sequence[tuple[DriveParts, int]]) -> float:
+    """Highest voltage of the bus [V]; of an unknown capacitance what the controllers' own keep below their limit."""
+    supply, resistor = bus.spec.supply, braking.resistor if braking else None
+    chopper = resistor.chopper_voltage_max if resistor else bus.spec.chopper_voltage
+    stored = bus.on_bus.stored
+    if bus.spec.brake_resistor is None and bus.spec.accepts_all:
+        return supply.highest
+    if supply.capacitance is not None or stored == 0.0:
+        more = 0.0 if resistor is None or isnan(resistor.capacitance) else resistor.capacitance
+        free = bus.on_bus.highest_voltage(more)
+        return free if chopper is None else min(free, max(chopper, supply.highest))
+    if chopper is not None:
+        return nan if isnan(stored) else max(chopper, supply.highest)
+    own = fsum(
+        float(least_capacitance(one.controller.continuous_current, supply.highest)) * number if one.controller else nan
+        for one, number in drives
+    )
+    bound = float(bus_voltage(supply.highest, stored, own))
+    limits = [one.controller.supply_max for one, _ in drives if one.controller]
+    return bound if bound <= min(limits, default=nan) else nan
+
+
+# --- the battery ------------------------------------------------------------------------------------------------------
+
+
+def _energy(name: str, bus: CommonBus, axes: Sequence[AxisPower], catalog: Catalog) -> EnergyBudget:
+    """The battery with all axes on it, each a few lines of its table."""
+    spec, lines = bus.spec, list[Consumption]()
+    assert spec.battery is not None
+    for axis, power in zip(axes, bus.axes, strict=True):
+        own = consumers_of(axis.case(name)[0].spec, axis.one, power)
+        lines += [one._replace(name=f"{axis.name}: {one.name}") for one in own if one.name != _CABLES]
+    kept = fsum(power.mean(power.returned) for power in bus.axes) - bus.total.mean(bus.total.returned)
+    if kept > 0.0:
+        share = 1.0 - spec.supply.regeneration
+        lines.append(Consumption("exchanged between axes", len(axes), -share * kept, 0.0, nan, False))
+    if spec.supply.resistance is not None:
+        lines.append(Consumption(_CABLES, 1, bus.total.mean(bus.total.resisted), 0.0, nan, False))
+    return budget_of_consumers(
+        spec, lines, spec.battery, spec.equipment, catalog, bus.total, tuple(dict.fromkeys(_losses(axes)))
+    )
+
+
+_CABLES = "resistance of the supply"
+
+
+def _losses(axes: Sequence[AxisPower]) -> Iterator[str]:
+    for axis in axes:
+        yield from (f"{axis.name}: {text}" for text in loss_assumptions(axis.problem.spec, axis.one.controller))
+
+
+# --- the record -------------------------------------------------------------------------------------------------------
+
+
+def _record(
+    name: str,
+    bus: CommonBus,
+    axes: Sequence[AxisPower],
+    checks: tuple[Check, ...],
+    braking: BrakingBudget | None,
+    energy: dict[str, EnergyBudget],
+) -> MachinePower:
+    total, cut = bus.total, side_by_side(bus.axes)
+    single = len(bus.together) == 1
+    exchanged_energy = fsum(float(one.returned @ one.duration) for one in cut) - float(total.returned @ total.duration)
+    peak, time = float(total.peak.max()), _peak_time(total)
+    return MachinePower(
+        axes=tuple(axis.name for axis in axes),
+        case=name,
+        synchronised=single,
+        time=np.concatenate([[0.0], np.cumsum(cut[0].duration)]),
+        drawn=np.array([one.bus_drawn for one in cut]),
+        returned=np.array([one.returned for one in cut]),
+        total=total.drawn,
+        left=total.returned,
+        peak=peak,
+        peak_time=time,
+        peak_axis="" if isnan(peak) else axes[_largest(cut, time)].name,
+        mean=bus.on_bus.mean_drawn,
+        energy_left=bus.on_bus.energy,
+        exchanged=max(exchanged_energy, 0.0) if single else 0.0,
+        phases=bus.phases,
+        exceeded=bus.exceeded,
+        unknown=tuple(_unknown(axes, bus, name)),
+        braking=braking,
+        energy=min(energy.values(), key=lambda one: (not isnan(one.autonomy), one.autonomy), default=None),
+        checks=checks,
+        figures=tuple(_figures(bus, time)),
+        assumptions=tuple(_assumptions(axes, bus, name)),
+    )
+
+
+def _largest(cut: Sequence[DrivePower], time: float) -> int:
+    """The axis that draws most in the piece that begins at a moment."""
+    starts = np.cumsum(cut[0].duration) - cut[0].duration
+    piece = int(np.abs(starts - time).argmin())
+    return int(np.argmax([one.most[piece] for one in cut]))
+
+
+def _unknown(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:
+    for axis, power in zip(axes, bus.axes, strict=True):
+        if isnan(float(power.most.sum() + power.returned.sum() + power.bus_drawn.sum())):
+            why = unknown_at_rest(axis.case(name)) if not bus.phases and axis.waits(axis.case(name)) else ""
+            yield f"{axis.name}: {why or 'its drive has figures that no data sheet gives'}"
+
+
+def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
+    total, powers = bus.total, bus.axes
+    at = None if bus.phases or isnan(time) else time
+    single = fsum(float(one.peak.max()) for one in powers)
+    shared = fsum(float(one.returned @ one.duration) for one in powers) - float(total.returned @ total.duration)
+    cycle = total.total if not bus.phases else max(one.total for one in bus.together)
+    rows = [
+        ("machine_cycle", "Cycle of all axes", cycle, "time", "s", None),
+        ("supply_peak", "Power out of the supply, largest", float(total.peak.max()), "power", "W", at),
+        ("supply_peak_summed", "Sum of the axes' own largest", single, "power", "W", None),
+        ("supply_mean", "Power out of the supply, mean", bus.on_bus.mean_drawn, "power", "W", None),
+        ("energy_left", "Regenerated energy per cycle that no axis draws", bus.on_bus.energy, "energy", "J", None),
+    ]
+    if not bus.phases:
+        rows.append(("exchanged", "Energy per cycle from axis to axis", max(shared, 0.0), "energy", "J", None))
+    yield from (Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=a) for n, t, v, k, u, a in rows)
+    for one in bus.exceeded:
+        title = f"Share of the time above {show(one.limit, 'W', 'power')}, at most"
+        yield Figure(name=f"{one.check}_exceeded", title=title, value=one.most, kind="dimensionless", unit="%")
+
+
+def _assumptions(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:
+    if len(axes) > 1:
+        yield from _timing(axes, bus, name)
+    if bus.feed.resistance:
+        yield "voltage of each axis judged with its own current in the resistance of the supply"
+
+
+def _timing(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:
+    waits = [axis.name for axis in axes if axis.waits(axis.case(name))]
+    if not bus.phases:
+        yield "what one axis regenerates another draws at the same moment"
+    else:
+        yield "axes at any phase: largest power is the sum of the largest, and no axis draws what another regenerates"
+    if not bus.synchronised:
+        return
+    cycle = show(bus.cycle, "s", "time")
+    if waits:
+        yield f"{', '.join(waits)}: at rest after the motion until the machine's cycle of {cycle} is over"
+    for axis in axes:
+        if axis.name not in waits:
+            own = show(axis.case(name)[0].cycle.total, "s", "time")
+            yield f"{axis.name}: repeats its cycle of {own}"
+    if bus.phases:
+        yield "periods have no common multiple: those that repeat run at any phase"

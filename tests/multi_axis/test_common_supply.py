@@ -1,0 +1,209 @@
+"""Axes with their drives on one supply: one axis is what it was, several are judged by their sum."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivesizer.catalog import load
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.braking import braking_budget
+from drivesizer.machine.energy_budget import energy_budget
+from drivesizer.machine.problem import problem
+from drivesizer.machine.supply_power import drive_power
+from drivesizer.multi_axis.common_supply import AxisPower, common_supply
+from drivesizer.multi_axis.waiting import held_torque
+from drivesizer.results.check import worst_of_cases
+from drivesizer.results.machine_power import MachinePower
+from drivesizer.sizing import explain, load_parts
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
+AXIS = """
+name: a wheel
+load: {kind: flywheel, inertia: %s, friction_torque: 1 mN*m}
+motion: {speed: 600 rpm, acceleration_time: %s, cruise_time: 1 s, deceleration_time: %s, rest_time: %s}
+supply: {nominal: 24 V, %s}
+power_stage: {voltage_drop: 0 V}
+select: {controller: {part: "541718"}}
+"""
+LIMITS = "current: 0.5 A, peak_current: 1 A, peak_time: 2 s, part: SDR-240-24"
+RESISTOR = "brake_resistor: {family: [HS, DSR*], chopper_voltage: 28 V, chopper_current: 5 A}\n"
+BATTERY = """
+battery: {chemistry: LiFePO4, series: 8, nominal_voltage: 3.2 V, capacity: 5 A*h, resistance: 20 mohm, autonomy: 2 h}
+equipment: [{name: computer, power: 5 W}]
+"""
+
+
+@pytest.fixture(scope="module")
+def shelf():
+    return load(["maxon", "mean_well", "te_connectivity"])
+
+
+@pytest.fixture(scope="module")
+def drive(shelf):
+    (one,) = explain(wheel(), "110940", "406764", catalog=shelf)
+    return one
+
+
+def wheel(inertia="3e-4 kg*m^2", up="1 s", down="100 ms", rest="1 s", supply="accepts: all", more="") -> RobotSpec:
+    return read_spec(YamlSource(AXIS % (inertia, up, down, rest, supply) + more, "wheel.yaml"))
+
+
+def axis(shelf, drive, name, start=0.0, repeats=None, **given) -> AxisPower:
+    spec = wheel(**given)
+    return AxisPower(name, problem(spec, load_parts(spec, shelf)), drive, start, repeats)
+
+
+def shared(more=RESISTOR, supply=LIMITS) -> RobotSpec:
+    return wheel(supply=supply, more=more).alone()
+
+
+def status(power: MachinePower) -> dict[str, str]:
+    return {check.name: check.status for check in power.checks}
+
+
+def check(power: MachinePower, name: str):
+    return next(one for one in power.checks if one.name == name)
+
+
+def test_one_axis_is_that_of_its_own_spec_to_the_bit(shelf, drive):
+    one = axis(shelf, drive, "x")
+    own = problem(shared(), one.problem.catalog)
+    budget = braking_budget(own, drive, worst_of_cases)
+    power = common_supply(shared(), shelf, [one])
+    assert power.braking is not None and budget is not None
+    assert repr(power.braking) == repr(budget)
+    found = drive_power(one.problem.spec, drive, one.problem.cases[0].at_belt)
+    assert (power.drawn[0] == found.bus_drawn).all() and (power.total == found.drawn).all()
+    assert power.peak == float(found.peak.max()) and power.mean == found.mean(found.drawn)
+    assert power.exchanged == 0.0 and power.peak_axis == "x" and not power.unknown
+    (explained,) = explain(wheel(supply=f"accepts: all, {LIMITS}"), "110940", "406764", catalog=shelf)
+    peak = next(c for c in explained.every_check if c.name == "supply_current")
+    assert check(power, "supply_current").demand == pytest.approx(peak.demand, rel=1e-9)
+
+
+def test_one_battery_is_that_of_its_own_spec_to_the_bit(shelf, drive):
+    one, machine = axis(shelf, drive, "x"), shared(BATTERY, "max: 30 V, min: 20 V")
+    power = common_supply(machine, shelf, [one._replace(problem=problem(machine, one.problem.catalog))])
+    found = drive_power(machine, drive, one.problem.cases[0].at_belt)
+    assert machine.battery is not None and power.energy is not None
+    budget = energy_budget(machine, drive, machine.battery, machine.equipment, shelf, found)
+    assert repr(power.energy.checks) == repr(budget.checks) and repr(power.energy.figures) == repr(budget.figures)
+    assert power.braking is None and check(power, "bus_voltage").demand == 30.0
+
+
+def test_two_axes_exchange_energy_and_share_a_resistor(shelf, drive):
+    x = axis(shelf, drive, "x", up="0.5 s", rest="2 s")
+    y = axis(shelf, drive, "y", start=1.45, inertia="5e-4 kg*m^2", down="300 ms")  # accelerates while x brakes
+    single = [common_supply(shared(), shelf, [one._replace(start=0.0)]) for one in (x, y)]
+    both = common_supply(shared(), shelf, [x, y])
+    assert both.synchronised and both.axes == ("x", "y") and both.time[-1] == pytest.approx(1.45 + 3.3)
+    assert both.drawn.shape == both.returned.shape == (2, len(both.total)) and len(both.time) == len(both.total) + 1
+    assert 0.0 < both.exchanged < sum(one.energy_left for one in single)
+    assert both.energy_left < sum(one.energy_left for one in single)
+    assert max(one.peak for one in single) * 0.99 <= both.peak <= sum(one.peak for one in single)
+    drawn, back = (rows.sum(axis=0) @ np.diff(both.time) for rows in (both.drawn, both.returned))
+    assert drawn - back == pytest.approx((both.total - both.left) @ np.diff(both.time))
+    figures = {
+        f.name: f.value for one in (both,) for f in (*one.figures, *(one.braking.figures if one.braking else ()))
+    }
+    assert figures["energy_regenerated"] == pytest.approx(both.energy_left)
+    assert both.braking is not None and both.braking.resistor is not None
+    assert status(both)["bus_voltage"] == "pass" and check(both, "bus_voltage").demand == 28.0
+    swapped = common_supply(shared(), shelf, [y, x])
+    assert swapped.energy_left == pytest.approx(both.energy_left) and swapped.peak == pytest.approx(both.peak)
+    assert swapped.peak_axis == both.peak_axis and swapped.status == both.status
+
+
+def test_an_axis_that_is_done_waits_at_rest(shelf, drive):
+    """The same energies in a longer cycle, standby alone while it waits; a lift goes on to hold its load."""
+    short, long = axis(shelf, drive, "x", rest="0 s"), axis(shelf, drive, "y", up="3 s")
+    power = common_supply(shared(), shelf, [short, long])
+    waits = power.time[:-1] > 2.2
+    assert power.time[-1] == pytest.approx(5.1) and (power.drawn[0][waits] == power.drawn[0][waits][0]).all()
+    resting = common_supply(shared(), shelf, [axis(shelf, drive, "x", rest="3 s")])
+    drawn, own = (one.drawn[0] @ np.diff(one.time) for one in (power, resting))
+    assert own <= drawn == pytest.approx(own, rel=1e-4)  # without a rest of its own friction is held too
+    lift = "name: x\nload: {kind: hoist, mass: 2 kg, drum_diameter: 20 mm}\nsupply: {nominal: 24 V}\nmotion: "
+    motion = "{speed: 0.1 m/s, acceleration_time: 0.1 s, cruise_time: 1 s, rest_time: %s}"
+    for rest in ("0 s", "1 s"):
+        spec = read_spec(YamlSource(lift + motion % rest, "x.yaml"))
+        held = held_torque(problem(spec, load_parts(spec, shelf)).cases[0].cycle)
+        assert held == pytest.approx(2.0 * 9.80665 * 0.01, rel=1e-6)
+
+
+def test_an_axis_that_repeats_is_in_step_with_the_others_or_at_any_phase(shelf, drive):
+    x, y = axis(shelf, drive, "x", rest="1.9 s"), axis(shelf, drive, "y", up="0.5 s", down="200 ms", rest="300 ms")
+    power = common_supply(shared(), shelf, [x, y._replace(repeats=True)])
+    assert power.synchronised and power.time[-1] == pytest.approx(4.0)  # of 4 s and twice 2 s
+    odd = common_supply(shared(), shelf, [x, axis(shelf, drive, "y", up="0.50123 s", repeats=True)])
+    assert not odd.synchronised and "no common multiple" in " ".join(odd.assumptions)
+
+
+def test_at_random_phases_the_peaks_add_up_and_the_share_of_time_is_told(shelf, drive):
+    axes = [axis(shelf, drive, "x"), axis(shelf, drive, "y", up="0.5 s", rest="1.5 s")]
+    single = [common_supply(shared(), shelf, [one]) for one in axes]
+    power = common_supply(shared(), shelf, axes, synchronised=False)
+    assert not power.synchronised and power.peak == pytest.approx(sum(one.peak for one in single))
+    assert power.energy_left <= sum(one.energy_left for one in single) * (1 + 1e-9)
+    assert len(power.phases) == 2 and power.peak == pytest.approx(float(_at_moment(power)), rel=0.1)
+    one = next(one for one in power.exceeded if one.check == "supply_continuous_current")
+    assert one.limit == 12.0 and 0.0 < one.least <= one.most < 0.2
+    assert "at the worst phase; exceeded for" in check(power, "supply_current").note
+    names = {figure.name for figure in power.figures}
+    assert {"supply_current_exceeded", "supply_continuous_current_exceeded"} <= names
+
+
+def _at_moment(power: MachinePower) -> float:
+    """Sum of the axes' means where the peak is: the moment to which the phases bring all of them."""
+    return power.drawn[:, np.searchsorted(power.time, power.peak_time + 1e-9) - 1].sum()
+
+
+def test_a_battery_feeds_all_axes(shelf, drive):
+    axes = [axis(shelf, drive, "x"), axis(shelf, drive, "y", start=1.0)]
+    power = common_supply(shared(BATTERY, "max: 30 V, min: 20 V"), shelf, axes)
+    assert power.energy is not None
+    names = [line.name for line in power.energy.consumers]
+    assert {"x: drive", "y: drive", "computer"} <= set(names)
+    assert sum(line.mean for line in power.energy.consumers) == pytest.approx(power.energy.mean_power)
+    assert power.energy.mean_power == pytest.approx(power.mean + 5.0)
+    assert status(power)["battery_autonomy"] == "pass"
+
+
+def test_what_is_unknown_of_one_axis_is_unknown_of_all(shelf, drive):
+    lacking = replace(drive, motor=replace(drive.motor, rotor_inertia=math.nan))
+    power = common_supply(shared(), shelf, [axis(shelf, drive, "x"), axis(shelf, lacking, "y")])
+    assert [text.split(":")[0] for text in power.unknown] == ["y"] and math.isnan(power.peak) and power.peak_axis == ""
+    assert status(power)["supply_current"] == status(power)["resistor_mean_power"] == "unknown"
+    pair = [axis(shelf, drive, "x"), axis(shelf, drive, "y")]
+    bare = common_supply(shared("", "overvoltage_trip: 30 V"), shelf, pair)
+    assert status(bare)["bus_voltage"] == status(bare)["supply_overvoltage"] == "unknown"
+    large = common_supply(shared("", "capacitance: 100 mF"), shelf, pair)
+    stored = math.sqrt(24.0**2 + 2.0 * large.energy_left / 0.1)
+    assert check(large, "bus_voltage").status == "pass" and check(large, "bus_voltage").demand == pytest.approx(
+        stored, rel=1e-5
+    )
+    without = axis(shelf, replace(drive, controller=None), "y")
+    some = common_supply(shared("", "capacitance: 100 mF"), shelf, [axis(shelf, drive, "x"), without])
+    assert status(some)["bus_voltage"] == "unknown"
+
+
+def test_load_cases_go_together_by_name(shelf, drive):
+    case = "cases: [{name: heavy, load: {inertia: 6e-4 kg*m^2}}]\n"
+    x = axis(shelf, drive, "x", more=case)
+    power = common_supply(shared(), shelf, [x, axis(shelf, drive, "y")])
+    assert power.case == "heavy" and {one.case for one in power.checks if one.name == "supply_current"} == {"heavy"}
+    heavy = axis(shelf, drive, "x", inertia="6e-4 kg*m^2")
+    assert power.peak == pytest.approx(common_supply(shared(), shelf, [heavy, axis(shelf, drive, "y")]).peak)
+
+
+def test_a_motion_longer_than_the_cycle_is_refused_in_a_line(shelf, drive):
+    with pytest.raises(InputError) as refused:
+        common_supply(shared(), shelf, [axis(shelf, drive, "x")] * 2, cycle_time=2.0)
+    assert str(refused.value) == 'cycle_time: axis "x" moves for 3.1 s; expected no less, not 2 s'
