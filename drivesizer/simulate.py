@@ -8,6 +8,7 @@ checks and figures. This module makes the record, with assumptions and warnings.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from drivesizer.loads.arm import Arm
 from drivesizer.loads.course import Profile
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.machine.pull_out import torque_of_drive
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.losses import loss_assumptions
@@ -74,13 +76,14 @@ def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
 _MET_BY_THE_LOOP = {
     "gearhead_intermittent_torque", "motor_speed", "motor_nominal_current", "motor_peak_torque", "winding_temperature",
     "supply_voltage", "controller_peak_current", "controller_peak_time", "supply_current", "supply_power",
+    "pull_out_torque",
 }  # fmt: skip
 
 
 def validate(
     spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None, load_case: str | None = None
 ) -> Validation:
-    """Simulate a drive along a profile in closed loop.
+    """Simulate a drive along a profile in closed loop; a stepper behind its pulses.
 
     Parameters
     ----------
@@ -112,11 +115,16 @@ def validate(
         what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
         raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
     motion = motion_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
+    name = driven if len(cases) > 1 else ""
+    farther = () if profile is not None else starts_farther_on(name, spec)  # the spec's own motion repeats
+    more = (*_estimated(drive_set), *_one_of(len(cases) - 1, driven))
+    if drive_set.steps:
+        proof = _open_loop(spec, drive_set, motion, name)
+        assumptions, warnings = (*proof.assumptions, *more), (*proof.warnings, *farther)
+        return replace(proof, assumptions=assumptions, warnings=warnings)
     case = run(spec, drive_set, motion)
     found = checks(case)
     own, lacking = _own_units(case)
-    name = driven if len(cases) > 1 else ""
-    farther = () if profile is not None else starts_farther_on(name, spec)  # the spec's own motion repeats
     return Validation(
         spec=spec,
         drive_set=drive_set,
@@ -128,11 +136,20 @@ def validate(
         gains=case.controller,
         series=series(case),
         series_units=series_units(case),
-        assumptions=(*case.assumptions, *_assumptions(case), *_estimated(drive_set), *_one_of(len(cases) - 1, driven)),
+        assumptions=(*case.assumptions, *_assumptions(case), *more),
         warnings=(*_warnings(case, found), *lacking, *farther),
         controller_gains=own,
         loops=case.loops.all,
     )
+
+
+def _open_loop(spec: RobotSpec, drive_set: DriveSet, motion: Profile, name: str) -> Validation:
+    """A stepper behind its pulses, on the lowest supply voltage."""
+    from drivesizer.control.open_loop import record, run
+
+    lowest = spec.supply.lowest
+    case = run.run(spec, drive_set, motion, lambda speed: torque_of_drive(drive_set, speed, lowest))
+    return record.record(case, drive_set, name)
 
 
 def validate_all(

@@ -162,7 +162,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
     """
     if drive_set.steps:
         part = drive_set.motor.part
-        raise NoLoopError(f"motor {part} is a stepper, which runs open-loop: its lost steps are not simulated")
+        raise NoLoopError(f"motor {part} is a stepper, which runs open-loop: it has no closed loop")
     for name, needed in _NEEDED.items():
         part = getattr(drive_set, name)
         missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]

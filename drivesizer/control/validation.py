@@ -1,4 +1,4 @@
-"""The record of a closed-loop simulation: gains, checks, figures, loops."""
+"""The record of a simulation, in closed loop or of a stepper: gains, checks, figures, loops."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Gains", "Validation"]
+__all__ = ["Gains", "Stepping", "Validation"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,8 +31,19 @@ class Gains:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Stepping:
+    """Pulses of a stepper's driver, in the place of a controller's gains."""
+
+    microsteps: float  # per full step
+    pulse_rate: float  # Hz, largest
+    damping_ratio: float  # of the rotor's swings
+    rule: str
+    source: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Validation:
-    """A drive simulated along a profile in closed loop."""
+    """A drive simulated along a profile: in closed loop, or a stepper in open loop."""
 
     spec: RobotSpec
     drive_set: DriveSet
@@ -41,13 +52,23 @@ class Validation:
     status: Status  # verdict of the checks
     checks: tuple[Check, ...]  # with the time of the worst moment
     figures: tuple[Figure, ...]  # tracking error, bandwidth, margins of stability ...
-    gains: Gains | Cascade
+    gains: Gains | Cascade | Stepping
     series: dict[str, NDArray[np.float64]]  # SI columns over time, "time" first
     series_units: dict[str, tuple[str, str]]  # per column: kind and unit of the trade
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     controller_gains: tuple[ControllerGain, ...] = ()  # the same in the controller's own units, where known
     loops: tuple[Loop, ...] = ()  # linear analysis of each, from the inside out
+
+    @property
+    def loop(self) -> str:
+        """The kind of control in words."""
+        return "open loop" if isinstance(self.gains, Stepping) else "closed loop"
+
+    @property
+    def set_up(self) -> str:
+        """Settings of the controller in a word."""
+        return "Pulses" if isinstance(self.gains, Stepping) else "Gains"
 
     @property
     def over(self) -> str:

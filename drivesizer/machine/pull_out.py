@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.pull_outs import PullOuts
+from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.view.stepper_view import STEPPER
 from drivesizer.physics.stepper.pull_out import pull_out_torque, rescaled_torque
+from drivesizer.results.drive_set import DriveParts
 
-__all__ = ["available_torque", "torque_of_part"]
+__all__ = ["available_torque", "curves_of", "torque_of_drive", "torque_of_part"]
 
 Array = NDArray[np.float64]
+_FIGURES = ("holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", "pull_out_share")
 
 
 def torque_of_part(catalog: Catalog, part: str, speed: Array, voltage: float) -> Array:
@@ -39,6 +41,49 @@ def torque_of_part(catalog: Catalog, part: str, speed: Array, voltage: float) ->
     row = catalog.motors.rows[part]
     one = catalog.motors.taken(slice(row, row + 1))
     found: Array = available_torque(one, catalog.pull_outs, speed[None], voltage)[0]
+    return found
+
+
+def curves_of(catalog: Catalog, row: int) -> PullOuts:
+    """Printed curves of one stepper, as a record of its drive keeps them.
+
+    Parameters
+    ----------
+    catalog
+        As a search takes it.
+    row
+        Of the motor; one that is no stepper has no curves.
+
+    Returns
+    -------
+    PullOuts
+        As if the stepper were the only one.
+    """
+    if STEPPER not in catalog.motors.columns:
+        return NO_PULL_OUTS
+    own = catalog.pull_outs.on(catalog.pull_outs.stepper == catalog.motors[STEPPER][row])
+    return own._replace(stepper=np.zeros_like(own.stepper))
+
+
+def torque_of_drive(drive: DriveParts, speed: Array, voltage: float) -> Array:
+    """Pull-out torque of the stepper of a drive.
+
+    Parameters
+    ----------
+    drive
+        With the printed curves of its stepper.
+    speed
+        Of the motor, shape (points,) [rad/s].
+    voltage
+        Of the supply [V].
+
+    Returns
+    -------
+    array
+        [N*m], shape (points,).
+    """
+    one: dict[str, Any] = {name: np.array([getattr(drive.motor, name)]) for name in _FIGURES}
+    found: Array = available_torque(one | {STEPPER: np.zeros(1, int)}, drive.pull_outs, speed[None], voltage)[0]
     return found
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.loop_records import Loop
-from drivesizer.control.validation import Gains
+from drivesizer.control.validation import Gains, Stepping
 from drivesizer.results.sizing import Figure
 from drivesizer.units import label, show
 
@@ -123,14 +123,19 @@ _CASCADE = (
     ("position_period", "Period of the position loop", "s"),
     ("counted_over", "Velocity periods over which counts are taken for a speed", "1"),
 )
+_STEPPING = (
+    ("microsteps", "Microsteps of a full step", "1"),
+    ("pulse_rate", "Rate of the pulses, largest", "Hz"),
+    ("damping_ratio", "Damping ratio of the rotor's swings", "1"),
+)
+_TABLES = {Gains: _VOLTAGE, Cascade: _CASCADE, Stepping: _STEPPING}
 _MAY_BE_OFF: dict[type, set[str]] = {  # 0: the controller has no such path
     Gains: {"counted_over"},
     Cascade: {"velocity_kd", "filter_time", "position_kp", "position_period", "counted_over"},
 }
 
 
-def gain_rows(gains: Gains | Cascade) -> list[GainRow]:
-    """Gains and periods of a controller, without the paths that it does not have."""
-    table = _VOLTAGE if isinstance(gains, Gains) else _CASCADE
-    rows = [GainRow(name, title, float(getattr(gains, name)), unit) for name, title, unit in table]
-    return [row for row in rows if row.value or row.name not in _MAY_BE_OFF[type(gains)]]
+def gain_rows(gains: Gains | Cascade | Stepping) -> list[GainRow]:
+    """Gains and periods of a controller, without the paths that it does not have; pulses of a stepper's driver."""
+    rows = [GainRow(name, title, float(getattr(gains, name)), unit) for name, title, unit in _TABLES[type(gains)]]
+    return [row for row in rows if row.value or row.name not in _MAY_BE_OFF.get(type(gains), ())]

@@ -301,8 +301,17 @@ _CLOSED_LOOP = {  # of one drive that was simulated: missing figures are among t
     "traction": CheckKind("Traction per wheel", *_NEWTON),
 }
 
+_OPEN_LOOP = {  # of one drive with a stepper that was simulated
+    "lost_steps": CheckKind("No step is lost"),
+    "pull_out_share": CheckKind("Share of the pull-out torque that keeps step", *_SHARE),
+    "start_share": CheckKind("The same, of the start without a ramp", *_SHARE),
+    "load_angle": CheckKind("Load angle of the rotor", *_DEG),
+    "gearhead_intermittent_torque": CheckKind("Gearhead intermittent torque", *_NM),
+    "gearhead_intermittent_speed": CheckKind("Gearhead intermittent input speed", *_SPEED),
+}
+
 CHECKS: dict[str, dict[str, CheckKind]] = {
-    "paper": _PAPER, "physics": _PHYSICS, "budget": _BUDGET, "closed loop": _CLOSED_LOOP,
+    "paper": _PAPER, "physics": _PHYSICS, "budget": _BUDGET, "closed loop": _CLOSED_LOOP, "open loop": _OPEN_LOOP,
 }  # fmt: skip
 _NAMES = frozenset(name for declared in CHECKS.values() for name in declared)
 

@@ -9,7 +9,10 @@ from drivesizer.results.check import Check
 __all__ = ["PARTS", "by_part", "part_of"]
 
 _OF_PART = (  # part, and how the names of its checks begin
-    ("Motor", ("motor_", "winding_", "hottest_", "speed_constant", "pull_out_", "start_", "step_")),
+    (
+        "Motor",
+        ("motor_", "winding_", "hottest_", "speed_constant", "pull_out_", "start_", "step_", "lost_", "load_angle"),
+    ),
     ("Gearhead", ("gearhead_", "backlash_", "largest_reduction")),
     ("Brake", ("brake_", "holding")),
     ("Belt", ("belt_",)),

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from math import inf, nan
 from typing import Any
 
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 from drivesizer.physics.elements.braking import released_power
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, Status
@@ -64,6 +65,7 @@ class DriveParts:
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
     chosen_screw: ChosenScrew | None = None  # nut and shaft, where they are out of the catalogues
     quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
+    pull_outs: PullOuts = field(default=NO_PULL_OUTS, compare=False, repr=False)  # printed curves of a stepper, row 0
 
     @property
     def steps(self) -> bool:

@@ -12,6 +12,7 @@ from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.machine.budgets import MachineBudget, regeneration
 from drivesizer.machine.motor_pieces import motor_pieces
 from drivesizer.machine.problem import quickest_winding
+from drivesizer.machine.pull_out import curves_of
 from drivesizer.machine.set_cycle import set_cycle, turned, warming
 from drivesizer.machine.warm_up import warm_up
 from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
@@ -72,6 +73,7 @@ def drive_parts(evaluation: Evaluation, index: int) -> DriveParts:
         total_ratio=float(gearhead.ratio * candidates.belt[index]),
         actuator=catalog.actuators.record(catalog.actuators.rows[motor.inside]) if motor.inside else None,
         quickest=quickest_winding(catalog),
+        pull_outs=curves_of(catalog, int(candidates.motor[index])),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -71,6 +71,12 @@ class Control(Section):
     )
     count_time: Duration | None = Field(
         default=None, description="over which counts are taken for a speed; designed where not given"
+    )
+    microsteps: Annotated[int, Field(ge=1)] | None = Field(
+        default=None, description="of a stepper's driver, to a full step; its finest where not given"
+    )
+    damping_ratio: Part | None = Field(
+        default=None, description="of the swings of a stepper's rotor; 0.1 where not given"
     )
 
     @model_validator(mode="after")

@@ -162,6 +162,9 @@ class RobotSpec(Section):
             raise ValueError(f"motion: a {what} takes no payload that changes; expected load cases")
         if self.needs.start_speed is not None and not self.steps:
             raise ValueError("needs.start_speed: it is of steppers; expected select: {motor: {kind: stepper}}")
+        own = {"microsteps", "damping_ratio"} & self.control.model_fields_set
+        if own and not self.steps:
+            raise ValueError(f"control.{min(own)}: it is of steppers; expected select: {{motor: {{kind: stepper}}}}")
         if self.method == "paper" and self.steps:
             raise ValueError("method: the paper treats DC motors, no steppers; expected method: physics")
         if self.method == "paper" and not self.paper_applies:

@@ -10,11 +10,12 @@ from engine_tasks import figure, gains, machine
 
 from drivesizer.control.engine import Drive, Supply, Task, batch, simulate
 from drivesizer.control.engine import kernel as of_the_drive
+from drivesizer.control.open_loop import kernel as stepper
 from drivesizer.control.path_following import kernel as following
 from drivesizer.files import machine_code
 from drivesizer.files.machine_code import files_of, translated
 
-KERNELS = {"engine": (of_the_drive.KERNEL, 9), "platform": (following.KERNEL, 5)}
+KERNELS = {"engine": (of_the_drive.KERNEL, 9), "platform": (following.KERNEL, 5), "stepper": (stepper.KERNEL, 2)}
 
 
 @pytest.fixture(params=KERNELS)

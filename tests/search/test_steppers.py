@@ -290,7 +290,7 @@ def test_the_field_has_the_pull_out_torque(path: Path) -> None:
 
 def test_no_closed_loop_of_a_stepper(path: Path) -> None:
     found = sized(path)
-    with pytest.raises(NoLoopError, match="motor A1 is a stepper, which runs open-loop: its lost steps are not sim"):
+    with pytest.raises(NoLoopError, match="motor A1 is a stepper, which runs open-loop: it has no closed loop"):
         drive_train(found.problem.spec, next(one for one in found.sets if one.motor.part == "A1"), 1e-3)
 
 

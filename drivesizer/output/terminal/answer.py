@@ -278,7 +278,7 @@ def _compared(found: DriveSet) -> tuple[str | Text, ...]:
 # --- what next --------------------------------------------------------------------------------------------------------
 
 
-def next_commands(console: Console, spec: str, loop: bool = True) -> None:
+def next_commands(console: Console, spec: str, loop: str = "closed loop") -> None:
     """Print the commands that lead on.
 
     Parameters
@@ -288,10 +288,9 @@ def next_commands(console: Console, spec: str, loop: bool = True) -> None:
     spec
         The file as it was named at the command line; empty for the default.
     loop
-        Whether the drive runs in closed loop.
+        The kind of control in words.
     """
     behind = f" {spec}" if spec else ""
     console.print(f"\nnext: drivesizer size{behind} --checks, or -v for all", soft_wrap=True)
-    if loop:
-        console.print(f"      drivesizer validate{behind} simulates the drive in closed loop", soft_wrap=True)
+    console.print(f"      drivesizer validate{behind} simulates the drive in {loop}", soft_wrap=True)
     console.print(f"      drivesizer report{behind} -o report.pdf, or .html, .xlsx, .csv, .json", soft_wrap=True)

@@ -71,7 +71,7 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
         console.print(_rejected(result.misses))
     _tally(console, result, whole="rejected" in details or best is None)
     if best and not quiet:
-        next_commands(console, spec, loop=not best.steps)
+        next_commands(console, spec, loop="open loop" if best.steps else "closed loop")
 
 
 def _by_the_other(console: Console, result: SizingResult, best: DriveSet) -> None:
@@ -274,13 +274,13 @@ def _changes(console: Console, found: DriveSet) -> None:
 
 
 def validation(proof: Validation) -> None:
-    """Print a validation in closed loop."""
+    """Print a validation, in closed loop or of a stepper."""
     console = tables.console()
     tables.heading(console, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
     console.print(Text(proof.drive_set.label))
     console.print(tables.gains(proof))
-    console.print(tables.checks(proof.checks, "Checks in closed loop"))
-    console.print(tables.loose(proof.figures, "Figures of the closed loop"))
+    console.print(tables.checks(proof.checks, f"Checks in {proof.loop}"))
+    console.print(tables.loose(proof.figures, f"Figures of the {proof.loop}"))
     if proof.loops:
         console.print(loops(proof.loops, console.width))
 
@@ -297,7 +297,7 @@ def validations(proofs: Sequence[Validation], objective: str) -> None:
     """
     console = tables.console()
     first = proofs[0]
-    tables.heading(console, f"{first.spec.name}: {first.profile}", f"{len(proofs)} drives in closed loop", "")
+    tables.heading(console, f"{first.spec.name}: {first.profile}", f"{len(proofs)} drives in {first.loop}", "")
     table = tables.bare(
         ("", "right"), ("was", "right"), ("drive", "left"), (objective.replace("_", " "), "right"),
         ("tightest", "right"), ("", "left"),

@@ -341,7 +341,7 @@ def loose(figures: Iterable[Figure], title: str) -> Table:
 
 def gains(proof: Validation) -> Table:
     """The controller's gains in SI, and in its own units where they are known."""
-    table = bare(("", "left"), ("", "right"), title=f"Gains: {proof.gains.rule}", headed=False)
+    table = bare(("", "left"), ("", "right"), title=f"{proof.set_up}: {proof.gains.rule}", headed=False)
     for row in gain_rows(proof.gains):
         table.add_row(row.title, f"{row.value:.4g} {label(row.unit)}")
     for gain in proof.controller_gains:

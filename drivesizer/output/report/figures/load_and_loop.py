@@ -167,6 +167,7 @@ _ROWS = (  # columns of the series, and how the axis is called
     (("speed_reference", "speed"), "speed"),
     (("error",), "speed error"),
     (("position_error",), "position error"),
+    (("load_angle",), "load angle"),
     (("current",), "current"),
     (("voltage",), "voltage"),
     (("winding_temperature",), "winding temperature"),

@@ -269,7 +269,7 @@ def total_rows(totals: Iterable[Total]) -> Iterator[Row]:
 def closed_loop_rows(v: Validation) -> Iterator[Row]:
     """The closed loop: verdict, checks, figures, gains in SI and in the controller's units, and each linear loop."""
     rank = {"set_rank": v.drive_set.rank}
-    yield row("validation", "verdict", f"Closed loop, {driven_over(v)}", status=v.status) | rank
+    yield row("validation", "verdict", f"{v.loop.capitalize()}, {driven_over(v)}", status=v.status) | rank
     yield from (check_row("validation", c) | rank for c in v.checks)
     yield from (figure_row("validation", f) | rank for f in v.figures)
     yield from (one | rank for one in _gains(v))

@@ -83,4 +83,4 @@ def _loop(content: Content) -> Iterator[Row]:
     tight, unknown = worst(v.checks), ", ".join(c.title for c in v.checks if c.status == "unknown" and not c.advice)
     smallest = f" smallest margin {margin(tight.margin)}, {tight.title}" if tight else ""
     said = f"{smallest}{f'; unknown: {unknown}' if unknown else ''}; over {driven_over(v)}"
-    yield Row(("closed loop", (Status(v.status), said)))
+    yield Row((v.loop, (Status(v.status), said)))

@@ -43,18 +43,19 @@ def _blocks(content: Content) -> Iterator[Block]:
         return
     yield Words((f"{v.drive_set.label} over {driven_over(v)}: ", Status(v.status)))
     if v.checks:
-        yield Checks("Checks of the closed loop", [*map(check_row, by_part(v.checks))], "loop-checks",
+        yield Checks(f"Checks of the {v.loop}", [*map(check_row, by_part(v.checks))], "loop-checks",
                      grouped=True)  # fmt: skip
     *first, last = [title for _, title in closed_loop_rows(v)]
-    shown = f"In closed loop: {', '.join(first)} and {last}." if first else f"In closed loop: {last}."
+    shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
     cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
-    yield Picture("loop", shown + cut, "closed loop over time", about="shows it over time.",
+    yield Picture("loop", shown + cut, f"{v.loop} over time", about="shows it over time.",
                   on_page=f"{shown} All diagrams share the axis of time.", floats=True)  # fmt: skip
     gains = [Row((row.title, gain(row))) for row in gain_rows(v.gains)]
+    rule = f"Rule of the {v.set_up.lower()}: {v.gains.rule}. Source: {v.gains.source}."
     columns = Column("gain", "name", 1.0), Column("value", "number")
-    yield Pair([Facts("Figures of the closed loop", [*map(figure_row, v.figures)])],
-               [Table("Gains of the controller", columns, gains, look="figures"),
-                Words(f"Rule of the gains: {v.gains.rule}. Source: {v.gains.source}.", "note")])  # fmt: skip
+    yield Pair([Facts(f"Figures of the {v.loop}", [*map(figure_row, v.figures)])],
+               [Table(f"{v.set_up} of the controller", columns, gains, look="figures"),
+                Words(rule, "note")])  # fmt: skip
     if v.controller_gains:
         columns3 = Column("object", "code"), Column("gain", "name", 1.0), Column("value", "number")
         own = [Row(((Code(g.place),), g.name, f"{g.value} {g.unit}")) for g in v.controller_gains]
@@ -79,7 +80,7 @@ def _sheets(content: Content) -> Iterator[Sheet]:
         )
         return
     rows = list(table.closed_loop_rows(v))
-    yield Sheet(name="Closed loop", columns=columns, rows=rows, note=f"over {driven_over(v)}", still=2)
+    yield Sheet(name=v.loop.capitalize(), columns=columns, rows=rows, note=f"over {driven_over(v)}", still=2)
     yield _time_series(v)
 
 
@@ -92,11 +93,12 @@ def _time_series(v: Validation) -> Sheet:
     note = f"{len(kept)} of {count} samples, evenly and with the peaks of every column" if len(kept) < count else ""
     heads = tuple(SheetColumn(headed(name.replace("_", " "), units[name][1]), name, "sample") for name in columns)
     rows = zip(*(values[kept].tolist() for values in columns.values()), strict=True)
-    return Sheet(name="Time series", columns=heads, note=note, still=1, filtered=False, drawn=_DRAWN,
+    return Sheet(name="Time series", columns=heads, note=note, still=1, filtered=False,
+                 drawn=tuple(name for name in _DRAWN if name in columns),
                  rows=[dict(zip(columns, row, strict=True)) for row in rows])  # fmt: skip
 
 
-_DRAWN = ("speed_reference", "speed", "current")
+_DRAWN = ("speed_reference", "speed", "current", "load_angle")
 
 
 def _csv(content: Content) -> Iterator[table.Row]:
@@ -104,7 +106,11 @@ def _csv(content: Content) -> Iterator[table.Row]:
         yield from table.closed_loop_rows(content.validation)
 
 
-LOOP = Section(name="loop", title="Closed loop", blocks=_blocks, sheets=_sheets, csv=CsvRows(after=_csv))
+def _title(content: Content) -> str:
+    return content.validation.loop.capitalize() if content.validation else "Closed loop"
+
+
+LOOP = Section(name="loop", title=_title, blocks=_blocks, sheets=_sheets, csv=CsvRows(after=_csv))
 
 
 # -- linear theory

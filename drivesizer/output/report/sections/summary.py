@@ -92,7 +92,7 @@ def _outcome(content: Content) -> Iterator[Text]:
     yield from _found(content) if content.outcome != "missed" else _missed(content)
     v = content.validation
     if v:
-        yield f"Closed loop over {driven_over(v)}: ", Status(v.status)
+        yield f"{v.loop.capitalize()} over {driven_over(v)}: ", Status(v.status)
 
 
 def _found(content: Content) -> Iterator[Text]:
@@ -255,7 +255,7 @@ def _closed_loop(content: Content) -> Iterator[table.Row]:
     v = content.validation
     if v is None:
         return
-    yield _part("Closed loop")
+    yield _part(v.loop.capitalize())
     yield {"title": f"Over {driven_over(v)}", "status": v.status, "note": v.drive_set.label}
     tight = worst(v.checks)
     if tight:

@@ -1,0 +1,219 @@
+r"""Rotor of a stepper behind the field of its pulses; arrays as in ``layout``.
+
+With :math:`\theta_c` the angle that the pulses command, w_c the speed of the profile, p the teeth of the rotor and
+:math:`T_p` the pull-out torque at that speed, the motor's torque is [1]_
+
+.. math:: T = T_p(w_c) \sin p(\theta_c - \theta)
+    + 2 \zeta \sqrt{p\, T_p(w_c)\, J}\, (w_c - w) \max\!\left(1 - \frac{|w_c - w|}{2 w_n / p},\ 0\right)
+
+and rotor and load turn as one body. Swings are damped, a rotor that slips is not dragged along: no swing about a
+moving field is faster than :math:`2 w_n / p`, with :math:`w_n = \sqrt{p\, T_p / J}`. Gears take their loss by the
+direction of power. Between pulses the classical Runge-Kutta method of fourth order steps; where friction brings the
+rotor to rest, the step ends there.
+
+References
+----------
+.. [1] P. Acarnley, *Stepping Motors: a guide to theory and practice*, 4th ed., IET, 2002, chapters 3 and 4.
+"""
+
+from __future__ import annotations
+
+import math
+
+from drivesizer.control.open_loop import layout as at
+from drivesizer.control.open_loop.layout import Array
+
+__all__ = ["turn_rotor"]
+
+
+def torque_of(p: Array, table: Array, lag: float, v: float, w: float) -> float:
+    """Torque of the motor [N*m] at a lag behind the field, its speed v and the rotor's w."""
+    place = abs(v) / p[at.V_STEP]
+    k = min(int(place), table.shape[0] - 2)
+    pull_out = p[at.SHARE] * (table[k] + (place - k) * (table[k + 1] - table[k]))
+    root, slip = math.sqrt(max(pull_out, 0.0)), v - w
+    fades = max(1.0 - abs(slip) / (p[at.FADES] * root), 0.0) if root > 0.0 else 0.0
+    found: float = pull_out * math.sin(p[at.TEETH] * lag) + p[at.DAMP] * root * slip * fades
+    return found
+
+
+def acceleration(p: Array, torque: float, load: float, sign: float) -> float:
+    """Acceleration of the rotor [rad/s^2] that moves forward (sign 1) or backward (-1)."""
+    drag = load + (p[at.T_F] if sign > 0.0 else p[at.T_B])
+    own = torque - sign * p[at.FRICTION]
+    part = 1.0 / (p[at.EFF] * p[at.RATIO])
+    found: float = (own - drag * part) / (p[at.J_M] + p[at.J_L] * part / p[at.RATIO])
+    if (p[at.J_L] * found / p[at.RATIO] + drag) * sign < 0.0:  # the load drives
+        part = p[at.EFF] / p[at.RATIO]
+        found = (own - drag * part) / (p[at.J_M] + p[at.J_L] * part / p[at.RATIO])
+    return found
+
+
+def direction(p: Array, torque: float, load: float, w: float) -> float:
+    """Direction in which the rotor moves; 0 where friction holds it."""
+    if w != 0.0 or p[at.RUBS] == 0.0:
+        return -1.0 if w < 0.0 else 1.0
+    if acceleration(p, torque, load, 1.0) > 0.0:
+        return 1.0
+    return -1.0 if acceleration(p, torque, load, -1.0) < 0.0 else 0.0
+
+
+def stage(p: Array, table: Array, x: float, w: float, sign: float, field: tuple[float, ...], t: float) -> float:
+    """Acceleration at a moment of a step; ``field`` is angle, speed, its slope, 1 for a ramp, load, its slope."""
+    c, v, dv, ramp, load, dl = field
+    angle = c + ramp * (v + 0.5 * dv * t) * t
+    return acceleration(p, torque_of(p, table, angle - x, v + dv * t, w), load + dl * t, sign)
+
+
+def stepped(
+    p: Array, table: Array, x: float, w: float, sign: float, field: tuple[float, ...], h: float
+) -> tuple[float, float]:
+    """Angle and speed after a step of the Runge-Kutta method."""
+    a1 = stage(p, table, x, w, sign, field, 0.0)
+    w2 = w + 0.5 * h * a1
+    a2 = stage(p, table, x + 0.5 * h * w, w2, sign, field, 0.5 * h)
+    w3 = w + 0.5 * h * a2
+    a3 = stage(p, table, x + 0.5 * h * w2, w3, sign, field, 0.5 * h)
+    w4 = w + h * a3
+    a4 = stage(p, table, x + h * w3, w4, sign, field, h)
+    return x + h * (w + 2.0 * w2 + 2.0 * w3 + w4) / 6.0, w + h * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
+
+
+def rest_within(
+    p: Array, table: Array, x: float, w: float, sign: float, field: tuple[float, ...], h: float
+) -> tuple[float, float]:
+    """Part of a step after which the rotor rests, and its angle then."""
+    low, high, place = 0.0, h, x
+    for _ in range(at.HALVINGS):
+        middle = 0.5 * (low + high)
+        place, speed = stepped(p, table, x, w, sign, field, middle)
+        if speed * sign > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high, place
+
+
+def crossing(gap: float, speed: float, gain: float, none: float) -> float:
+    """Time until a gap is covered at a speed and its gain [s]; infinite if it never is, 0 for a gap below ``none``."""
+    if gap <= none:
+        if speed > 0.0:
+            return 0.0
+        return -2.0 * speed / gain if gain > 0.0 else math.inf
+    inside = speed * speed + 2.0 * gain * gap
+    if inside < 0.0:
+        return math.inf
+    root = math.sqrt(inside)
+    if speed > 0.0:
+        return 2.0 * gap / (speed + root)
+    return (root - speed) / gain if gain > 0.0 else math.inf
+
+
+def pulse_within(p: Array, v: float, dv: float, angle: float, count: float, h: float) -> tuple[float, float]:
+    """Step up to the next pulse, if there is one within it, and the pulse: 1 forward, -1 backward, 0 none."""
+    gap, none = (count + 0.5) * p[at.MICRO] - angle, at.NONE * p[at.MICRO]
+    ahead, back = crossing(gap, v, dv, none), crossing(p[at.MICRO] - gap, -v, -dv, none)
+    if min(ahead, back) > h:
+        return h, 0.0
+    return min(ahead, back), 1.0 if ahead < back else -1.0
+
+
+def advanced(
+    p: Array, table: Array, x: float, w: float, sign: float, field: tuple[float, ...], h: float
+) -> tuple[float, float, float]:
+    """Angle and speed after a step, and its length: shorter where the rotor comes to rest."""
+    if sign == 0.0 or h == 0.0:
+        return x, w, h
+    x1, w1 = stepped(p, table, x, w, sign, field, h)
+    if p[at.RUBS] == 0.0 or w1 * sign >= 0.0:
+        return x1, w1, h
+    if w == 0.0:  # it would turn back at once: it rests
+        return x, w, h
+    early, place = rest_within(p, table, x, w, sign, field, h)
+    return place, 0.0, early
+
+
+def load_torque(p: Array, torque: float, load: float, sign: float) -> float:
+    """Torque of the driven shaft [N*m], the load's inertia included."""
+    found: float = load + p[at.T_0]
+    if sign != 0.0:
+        found = load + (p[at.T_F] if sign > 0.0 else p[at.T_B])
+        found += p[at.J_L] * acceleration(p, torque, load, sign) / p[at.RATIO]
+    return found
+
+
+def tally(g: Array, place: int, value: float, t: float) -> None:
+    """Keep the largest magnitude and its time."""
+    if abs(value) > g[place]:
+        g[place], g[place + 1] = abs(value), t
+
+
+def noted(p: Array, g: Array, rows: Array, now: tuple[float, ...]) -> None:
+    """Tallies and a row at a moment: time, speed of the profile, rotor's speed, error, lag, torque, load's torque."""
+    t, _, w, error, lag, _, gear = now
+    tally(g, at.G_LAG, lag, t)
+    tally(g, at.G_ERROR, error, t)
+    tally(g, at.G_GEAR, gear, t)
+    tally(g, at.G_SPEED, w, t)
+    if abs(lag) > math.pi and g[at.G_SLIPPED] < 0.0:
+        g[at.G_SLIPPED] = t
+    g[at.G_END_LAG], g[at.G_END_ERROR], g[at.G_TIME] = lag, error, t
+    k = int(g[at.G_ROWS])
+    if k < rows.shape[0] and t >= k * p[at.EVERY]:
+        for n in range(7):
+            rows[k, n] = now[n]
+        g[at.G_ROWS] = k + 1.0
+
+
+def turn_rotor(p: Array, table: Array, pieces: Array, g: Array, rows: Array, x: float, w: float, most: float) -> int:
+    """Simulate a rotor along a motion.
+
+    Parameters
+    ----------
+    p, table, pieces, g, rows
+        As in ``layout``; tallies and rows are filled.
+    x, w
+        Angle [rad] and speed [rad/s] at the start, the commanded angle being 0.
+    most
+        Steps at most.
+
+    Returns
+    -------
+    int
+        0, or 1 after too many steps.
+    """
+    start, turned, count = 0.0, 0.0, 0.0  # time and angle of the profile at the start of a piece; microsteps
+    for n in range(pieces.shape[0]):
+        lasts, v0, dv, l0, dl = pieces[n, 0], pieces[n, 1], pieces[n, 2], pieces[n, 3], pieces[n, 4]
+        t = 0.0
+        while True:
+            v, load, angle = v0 + dv * t, l0 + dl * t, turned + (v0 + 0.5 * dv * t) * t
+            ramp = 1.0 if abs(v) > p[at.RAMP] else 0.0
+            if ramp == 1.0 or abs(angle / p[at.MICRO] - count) > 0.5 + at.NONE:
+                count = math.floor(angle / p[at.MICRO] + 0.5)
+            c = angle if ramp == 1.0 else count * p[at.MICRO]
+            torque = torque_of(p, table, c - x, v, w)
+            sign = direction(p, torque, load, w)
+            lag = p[at.TEETH] * (c - x)
+            lag += math.copysign(0.5 * ramp * p[at.TEETH] * p[at.MICRO], lag)  # as far as a pulse leads a ramp
+            gear = load_torque(p, torque, load, sign)
+            noted(p, g, rows, (start + t, v, w, angle - x, lag, torque, gear))
+            if abs(lag) > p[at.ENDS]:
+                return 0
+            if t >= lasts:
+                break
+            g[at.G_STEPS] += 1.0
+            if g[at.G_STEPS] > most:
+                return 1
+            still = sign == 0.0 and v0 == 0.0 and dv == 0.0 and dl == 0.0
+            left, pulse = lasts - t, 0.0
+            h = left if still else min(left, p[at.H])
+            if ramp == 0.0 and not still:
+                h, pulse = pulse_within(p, v, dv, angle, count, h)
+            x, w, taken = advanced(p, table, x, w, sign, (c, v, dv, ramp, load, dl), h)
+            if taken == h:
+                count += pulse
+            t = lasts if taken == left else t + taken
+        start += lasts
+        turned += (v0 + 0.5 * dv * lasts) * lasts
+    return 0

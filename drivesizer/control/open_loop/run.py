@@ -1,0 +1,181 @@
+"""A stepper of a drive prepared and simulated along a profile, with what it needs of its pull-out torque."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.open_loop.simulation import (
+    DAMPING_RATIO,
+    Motion,
+    Stepper,
+    Turned,
+    least_share,
+    simulate,
+)
+from drivesizer.errors import InputError, NoLoopError
+from drivesizer.load_cases.at_shaft import AtShaft, at_shaft, remaining_torque
+from drivesizer.loads.course import Profile
+from drivesizer.physics.motor_demand import gear_loss
+from drivesizer.results.drive_set import DriveParts
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+__all__ = ["OpenLoop", "PullOut", "run"]
+
+Array = NDArray[np.float64]
+PullOut = Callable[[Array], Array]  # torque at speeds of the motor
+
+_POINTS = 513  # of the pull-out torque over the speed
+_FASTEST = 1e9  # rad/s at the motor
+_STARTS = 40.0  # periods of the natural frequency that a start without a ramp is watched
+_SETTLES = 10.0  # the same, at rest after the motion
+_NEEDED = {"motor": ("rotor_inertia", "pole_pairs", "holding_torque"), "gearhead": ("ratio", "efficiency")}
+_SMALL = {"gearhead": "inertia of the gearhead", "brake": "inertia of the brake", "load": "inertia of the load"}
+
+
+class OpenLoop(NamedTuple):
+    """A stepper that was simulated, with its inputs."""
+
+    spec: RobotSpec
+    drive_set: DriveParts
+    profile: Profile
+    stepper: Stepper
+    radius: float  # m, travel of the load per angle of the driven shaft; 1 where it turns with it
+    microsteps: float  # per full step
+    out: Turned
+    share: float  # of the pull-out torque that keeps step along the motion
+    start: float  # the same of a start without a ramp, to needs.start_speed; NaN where there is none
+    assumptions: tuple[str, ...]
+
+    @property
+    def per_travel(self) -> float:
+        """Travel of the load per angle of the motor [m/rad, or 1]."""
+        return self.radius / self.stepper.ratio
+
+
+def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> OpenLoop:
+    """Simulate a stepper along a profile, at rest for a while after one that ends at rest.
+
+    Parameters
+    ----------
+    spec, drive_set
+        The machine and the drive.
+    profile
+        Motion of the load.
+    pull_out
+        Pull-out torque [N*m] at speeds of the motor [rad/s] on the lowest supply voltage.
+
+    Returns
+    -------
+    OpenLoop
+        The simulation with its inputs.
+
+    Raises
+    ------
+    NoLoopError
+        When a figure is unknown without which nothing moves.
+    InputError
+        When the profile is too fast or too long, or the driver has fewer microsteps.
+    """
+    said: list[str] = []
+    shaft = at_shaft(spec)
+    ratio = drive_set.gearhead.ratio * drive_set.belt_ratio
+    top = max(profile.top_speed / shaft.radius * ratio, spec.needs.start_speed or 0.0)
+    if not top <= _FASTEST:
+        raise InputError(f"profile {profile.name}: {top:.3g} rad/s is no speed that a motor can be turned to")
+    microsteps = _microsteps(spec, drive_set, said)
+    stepper = _stepper(spec, drive_set, shaft, microsteps, said)
+    stepper = replace(stepper, torque=_torques(drive_set, pull_out, top), top_speed=top)
+    motion = _motion(spec, profile, shaft, _SETTLES / stepper.natural_frequency)
+    out = simulate(stepper, motion)
+    return OpenLoop(spec, drive_set, profile, stepper, shaft.radius, microsteps, out,
+                    least_share(stepper, motion), _start(spec, stepper), tuple(said))  # fmt: skip
+
+
+def _microsteps(spec: RobotSpec, drive_set: DriveParts, said: list[str]) -> float:
+    """Microsteps of a full step: as the spec has them, else the driver's finest, else full steps."""
+    driver, given = drive_set.controller, spec.control.microsteps
+    finest = driver.microsteps if driver else math.nan
+    if given is not None and given > finest:
+        name = driver.part if driver else ""
+        raise InputError(f"control.microsteps: {given} is more than {finest:g}, the most of controller {name}")
+    if given is not None:
+        return float(given)
+    if finest >= 1.0:
+        said.append(f"the driver runs its finest microsteps, {finest:g} to a full step; control.microsteps sets others")
+        return finest
+    said.append("the driver's microsteps are unknown: full steps, which shake the rotor most; see control.microsteps")
+    return 1.0
+
+
+def _stepper(
+    spec: RobotSpec, drive_set: DriveParts, shaft: AtShaft, microsteps: float, said: list[str]
+) -> Stepper:  # fmt: skip
+    """The drive as its simulation takes it, still without its torque."""
+    for name, needed in _NEEDED.items():
+        part = getattr(drive_set, name)
+        missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
+        if missing:
+            raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; not simulated without")
+    motor, gearhead, damping = drive_set.motor, drive_set.gearhead, spec.control.damping_ratio
+    found = {"gearhead": gearhead.inertia, "brake": drive_set.brake_inertia, "load": shaft.inertia}
+    said += [f"the {_SMALL[name]} is unknown and taken as 0" for name, one in found.items() if math.isnan(one)]
+    inertia = {name: 0.0 if math.isnan(one) else one for name, one in found.items()}
+    efficiency, idle = gear_loss(asdict(gearhead))
+    return Stepper(
+        teeth=motor.pole_pairs,
+        torque=np.ones(2),
+        top_speed=0.0,
+        microstep=2.0 * math.pi / (4.0 * motor.pole_pairs * microsteps),
+        damping_ratio=DAMPING_RATIO if damping is None else damping,
+        motor_inertia=motor.rotor_inertia + inertia["gearhead"] + inertia["brake"],
+        load_inertia=inertia["load"],
+        ratio=gearhead.ratio * drive_set.belt_ratio,
+        efficiency=float(efficiency) * drive_set.belt_efficiency,
+        friction=float(idle),
+        forward_torque=shaft.forward_torque,
+        backward_torque=shaft.backward_torque,
+        rest_torque=shaft.rest_torque,
+    )
+
+
+def _torques(drive_set: DriveParts, pull_out: PullOut, top: float) -> Array:
+    """Pull-out torque at even steps of the speed."""
+    speed = np.linspace(0.0, top or 1.0, _POINTS)
+    found = pull_out(speed)
+    if np.isnan(found).any():
+        first = show(float(speed[np.isnan(found)][0]), "rpm", "rotary_speed", 4)
+        raise NoLoopError(f"motor {drive_set.motor.part}: its pull-out torque is unknown from {first} on")
+    if not found[0] > 0.0:
+        raise NoLoopError(f"motor {drive_set.motor.part}: it has no pull-out torque at rest")
+    return found
+
+
+def _motion(spec: RobotSpec, profile: Profile, shaft: AtShaft, settles: float) -> Motion:
+    """Motion and load of the driven shaft, and the rest after it."""
+    left = remaining_torque(spec, profile, shaft)
+    time, speed = list(profile.time), [v / shaft.radius for v in profile.speed]
+    when, torque = left[:, 0].tolist(), left[:, 1].tolist()
+    if speed[-1] == 0.0:
+        end = time[-1] + settles
+        time, speed = [*time, end], [*speed, 0.0]
+        when, torque = ([*when, end], [*torque, torque[-1]]) if when else (when, torque)
+    return Motion(time=time, speed=speed, load_time=when, load_torque=torque)
+
+
+def _start(spec: RobotSpec, stepper: Stepper) -> float:
+    """Share of the pull-out torque of a start without a ramp, in the heavier direction."""
+    speed = spec.needs.start_speed
+    if speed is None:
+        return math.nan
+    undamped = replace(stepper, damping_ratio=0.0)  # the safe side: damping helps a start
+    lasts = _STARTS / stepper.natural_frequency
+    heavier = 1.0 if stepper.forward_torque >= -stepper.backward_torque else -1.0
+    speeds = (heavier * speed / stepper.ratio,) * 2
+    return least_share(undamped, Motion(time=(0.0, lasts), speed=speeds), at_rest=True)

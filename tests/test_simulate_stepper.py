@@ -1,0 +1,225 @@
+"""A stepper simulated by ``validate``: lost steps, what it rests on, and every output."""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drivesizer import load_spec, size
+from drivesizer.cli import app
+from drivesizer.control.validation import Stepping, Validation
+from drivesizer.errors import InputError, NoLoopError
+from drivesizer.machine.pull_out import torque_of_drive, torque_of_part
+from drivesizer.output.json.documents import as_text, validation
+from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
+from drivesizer.output.report.table.csv import report_csv
+from drivesizer.output.report.workbook import sheets
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.simulate import validate, validate_all
+from drivesizer.sizing import explained
+
+RPM = math.pi / 30.0
+PARTS = """\
+catalog: 1
+manufacturer: Steps
+sources: {sheet: {document: "sheet", confidence: quoted}}
+steppers:
+- family: A
+  source: sheet
+  common: {full_steps: 200}
+  columns: [part, phase_current (A), holding_torque (N*m), resistance (ohm), inductance (mH), rotor_inertia (g*cm^2),
+    start_speed (rpm)]
+  rows: [[A1, 1.5, 0.42, 2.3, 4.0, 57, 420], [A2, 2, 0.59, 1.6, 3.0, 82, 400]]
+pull_outs:
+- {stepper: A2, source: sheet, voltage: 24 V, columns: [speed (rpm), torque (N*m)],
+   rows: [[60, 0.42], [400, 0.43], [700, 0.32], [1200, 0.17]]}
+controllers:
+- family: D
+  source: sheet
+  common: {drives: stepper, buses: step and direction}
+  columns: [part, supply_min (V), supply_max (V), continuous_current (A), peak_current (A), microsteps]
+  rows: [[D2, 12, 30, 2.2, 3.1, 16]]
+"""
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = tmp_path_factory.mktemp("pulses") / "steps.yaml"
+    found.write_text(PARTS, encoding="utf-8")
+    return found
+
+
+def spec_of(path: Path, **changes: Any) -> dict[str, Any]:
+    given: dict[str, Any] = {
+        "name": "table",
+        "load": {"kind": "flywheel", "inertia": "4e-4 kg*m^2"},
+        "motion": {"speed": "300 rpm", "acceleration_time": "0.15 s", "cruise_time": "0.1 s", "rest_time": "0.1 s"},
+        "transmission": [{"kind": "direct"}],
+        "supply": {"nominal": "24 V", "accepts": "all"},
+        "select": {"catalogs": [str(path)], "motor": {"kind": "stepper", "part": "A2"}},
+    }
+    for name, value in changes.items():
+        given[name] = {**given.get(name, {}), **value} if isinstance(value, dict) else value
+    return given
+
+
+@cache
+def drive(path: Path) -> DriveSet:
+    return explained(load_spec(spec_of(path)), "A2", "direct").sets[0]
+
+
+def simulated(path: Path, **changes: Any) -> Validation:
+    return validate(load_spec(spec_of(path, **changes)), drive(path))
+
+
+def check(proof: Validation, name: str) -> Any:
+    return next(one for one in proof.checks if one.name == name)
+
+
+@pytest.fixture(scope="module")
+def proof(path: Path) -> Validation:
+    return simulated(path)
+
+
+def test_a_drive_that_passes_loses_no_step(proof: Validation) -> None:
+    """(4e-4 + 82e-7) kg*m^2 to 300 rpm in 0.15 s take 0.0855 N*m: 0.204 of 0.42; swings add up to as much again."""
+    needed = (4e-4 + 82e-7) * 300 * RPM / 0.15 / 0.42
+    assert proof.status == "pass"
+    assert check(proof, "lost_steps").status == "pass"
+    assert needed < check(proof, "pull_out_share").demand < 2.0 * needed
+    assert math.asin(needed) < check(proof, "load_angle").demand < 2.2 * math.asin(needed)
+    assert check(proof, "load_angle").advice
+    swings = next(one.value for one in proof.figures if one.name == "natural_frequency")
+    assert swings == pytest.approx(math.sqrt(50 * 0.42 / 4.082e-4) / (2 * math.pi), rel=1e-6)
+
+
+def test_the_load_goes_as_far_as_the_profile(proof: Validation) -> None:
+    turned = np.trapezoid(proof.series["speed"], proof.series["time"])
+    assert turned == pytest.approx(300 * RPM * 0.25, rel=1e-3)
+    assert abs(next(one.value for one in proof.figures if one.name == "distance_error")) < 1e-4
+    assert isinstance(proof.gains, Stepping)
+    assert proof.gains.pulse_rate == pytest.approx(300 / 60 * 3200, rel=1e-6)
+
+
+def test_twice_the_share_is_the_margin(path: Path, proof: Validation) -> None:
+    """With less time to accelerate steps are lost from where the torque is more than there is."""
+    share = check(proof, "pull_out_share").demand
+    quick = simulated(path, motion={"acceleration_time": f"{0.15 * share * 0.6} s"})
+    assert quick.status == check(quick, "lost_steps").status == "fail"
+    assert check(quick, "pull_out_share").demand > 1.0
+    assert next(one.value for one in quick.figures if one.name == "lost_steps") >= 4
+    assert any("steps are lost from" in one for one in quick.warnings)
+    assert "gearhead_intermittent_torque" not in {one.name for one in quick.checks}
+
+
+def test_the_start_without_a_ramp_is_simulated(path: Path) -> None:
+    """Undamped by the balance of energy: w = 2 sqrt(T / (p J)) starts with all of the torque."""
+    limit = 2.0 * math.sqrt(0.42 / (50 * 4.082e-4)) / RPM
+    for part, status in ((0.8, "pass"), (1.2, "fail")):
+        found = check(simulated(path, needs={"start_speed": f"{part * limit} rpm"}), "start_share")
+        assert found.status == status
+        assert found.demand == pytest.approx(part**2, rel=0.02)
+
+
+def test_full_steps_shake_more_than_microsteps(path: Path, proof: Validation) -> None:
+    full = simulated(path, control={"microsteps": 1})
+    assert check(full, "load_angle").demand > 2.0 * check(proof, "load_angle").demand
+    assert isinstance(full.gains, Stepping) and full.gains.microsteps == 1.0
+    calm = simulated(path, control={"microsteps": 1, "damping_ratio": 0.4})
+    assert check(calm, "load_angle").demand < check(full, "load_angle").demand
+
+
+def test_an_estimated_torque_leaves_it_unknown_between_the_ends_of_its_band(path: Path) -> None:
+    """A1 has no curve: 67 to 150 % of the simulated torque; a share of 0.67 to 1.5 is decided by it."""
+    spec = load_spec(spec_of(path, select={"motor": {"kind": "stepper", "part": "A1"}}))
+    one = explained(spec, "A1", "direct").sets[0]
+    seen = {}
+    for time in ("0.15 s", "0.055 s"):
+        quicker = load_spec(spec_of(path, motion={"acceleration_time": time}, select={"motor": {"part": "A1"}}))
+        seen[time] = check(validate(quicker, one), "pull_out_share")
+    assert [one.status for one in seen.values()] == ["pass", "unknown"]
+    assert 0.67 < seen["0.055 s"].demand < 1.5
+    assert "the torque is estimated, 67% to 150% of the simulated one" in seen["0.15 s"].note
+
+
+def test_a_record_keeps_the_curves_of_its_stepper(path: Path) -> None:
+    found = size(load_spec(spec_of(path)))
+    speed = np.array([100.0, 500.0, 900.0]) * RPM
+    for volts in (24.0, 20.0):
+        by_drive = torque_of_drive(found.sets[0], speed, volts)
+        assert by_drive == pytest.approx(torque_of_part(found.problem.catalog, "A2", speed, volts))
+
+
+def test_all_drives_of_a_search(path: Path) -> None:
+    both = size(load_spec(spec_of(path, select={"motor": {"kind": "stepper"}, "catalogs": [str(path)]})))
+    proofs, notes = validate_all(both)
+    assert not notes
+    assert {one.drive_set.motor.part for one in proofs} == {one.motor.part for one in both.sets}
+
+
+# --- what is refused, and said
+
+
+def test_beyond_the_printed_curve_nothing_is_simulated(path: Path) -> None:
+    with pytest.raises(NoLoopError, match=r"motor A2: its pull-out torque is unknown from 120\d rpm on"):
+        simulated(path, motion={"speed": "1300 rpm"})
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"control": {"microsteps": 32}}, "control.microsteps: 32 is more than 16, the most of controller D2"),
+        ({"control": {"microsteps": 0}}, "microsteps"),
+        (
+            {"control": {"microsteps": 8}, "select": {"motor": {}}},
+            "control.microsteps: it is of steppers; expected sel",
+        ),
+    ],
+)
+def test_refused_in_a_line(path: Path, changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        simulated(path, **changes)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_gains_of_a_closed_loop_are_not_used(path: Path) -> None:
+    found = simulated(path, control={"kp": 3})
+    assert (
+        "control.kp: a stepper runs open-loop; of control only microsteps and damping_ratio are used" in found.warnings
+    )
+
+
+# --- outputs
+
+
+def test_json_has_pulses_in_the_place_of_gains(proof: Validation) -> None:
+    document = json.loads(as_text(validation(proof)))
+    assert document["gains"]["microsteps"] == 16
+    assert document["controller_gains"] == document["loops"] == []
+    assert {"lost_steps", "pull_out_share", "load_angle"} <= {one["name"] for one in document["checks"]}
+
+
+def test_commands_say_open_loop(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("robot.yaml").write_text(json.dumps(spec_of(path)), encoding="utf-8")
+    shown = CliRunner().invoke(app, ["validate", "--csv", "t.csv"])
+    assert shown.exit_code == 0, shown.output
+    assert "Checks in open loop" in shown.output and "Microsteps of a full step" in shown.output
+    assert "load_angle (deg)" in Path("t.csv").read_text(encoding="utf-8").splitlines()[0]
+
+
+def test_reports_show_the_open_loop(path: Path, proof: Validation) -> None:
+    found = size(load_spec(spec_of(path)))
+    pages = {one.name: one for one in sheets(found, proof)}
+    assert {"Open loop", "Time series"} <= set(pages) and "Closed loop" not in pages
+    assert pages["Time series"].drawn == ("speed_reference", "speed", "load_angle")
+    assert b"Open loop, trapezoid" in report_csv(found, proof)
+    assert [names for names, _ in closed_loop_rows(proof)][-1] == ("load_angle",)
