@@ -15,8 +15,8 @@ import typer
 from drivesizer.errors import DrivesizerError, InputError
 
 __all__ = [
-    "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "Profile", "Spec", "Top", "load", "print_notes",
-    "progress", "simulating", "working",
+    "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "load",
+    "load_whole", "print_notes", "progress", "simulating", "working",
 ]  # fmt: skip
 
 Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
@@ -31,6 +31,7 @@ More = Annotated[
 ]
 DEFAULT = Path("robot.yaml")
 TOP = 5  # drives of a sizing without --top
+OfAxis = Annotated[str | None, typer.Option("--axis", metavar="NAME", help="An axis of a machine; else all of them.")]
 Profile = Annotated[
     str | None, typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; else the spec's.")
 ]
@@ -41,31 +42,71 @@ class NothingFitsError(DrivesizerError):
     """The input is valid and no drive meets all limits: exit status 1."""
 
 
-def load(path: Path, more: list[str] | None = None) -> Any:
-    """Read the spec and add catalogues; their paths are relative to the current folder.
+def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> Any:
+    """Read the spec of a single axis and add catalogues; their paths are relative to the current folder.
 
     Parameters
     ----------
     path
-        The spec.
+        The spec, or a machine.
     more
         Further catalogues, by name or file.
+    axis
+        Of a machine: the one that is wanted, with the drives that ride on it, which are sized for that.
 
     Returns
     -------
     RobotSpec
         The spec.
     """
-    from drivesizer.spec.robot import load_spec
+    found = _read(path, more)
+    if not hasattr(found, "axes"):
+        if axis is not None:
+            raise InputError(f"--axis: {path} has no axes; leave it out")
+        return found
+    if axis is None and len(found.axes) > 1:
+        names = ", ".join(one.name for one in found.axes)
+        raise InputError(f"{path}: a machine of several axes; expected --axis, one of {names}")
+    from drivesizer.multi_axis.sizing import laden
+
+    return laden(found, found.axes[0].name if axis is None else axis)
+
+
+def load_whole(path: Path, more: list[str] | None = None, axis: str | None = None) -> Any:
+    """Read a spec, or a machine of several axes, and add catalogues.
+
+    Parameters
+    ----------
+    path, more, axis
+        As of ``load``; without an axis all of them.
+
+    Returns
+    -------
+    RobotSpec or MachineSpec
+        The latter of several axes.
+    """
+    found = _read(path, more)
+    return found if axis is None and len(getattr(found, "axes", ())) > 1 else load(path, more, axis)
+
+
+def _read(path: Path, more: list[str] | None) -> Any:
+    """The file, and further catalogues in all its axes."""
+    from drivesizer.spec.machine import load_any
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")
-    spec = load_spec(path)
+    spec: Any = load_any(path)
     if not more:
         return spec
     names = [str(Path(name).absolute()) if name.endswith((".yaml", ".yml")) else name for name in more]
-    select = spec.select.model_copy(update={"catalogs": list(dict.fromkeys([*spec.select.catalogs, *names]))})
-    return spec.model_copy(update={"select": select})
+
+    def with_more(one: Any) -> Any:
+        select = one.select.model_copy(update={"catalogs": list(dict.fromkeys([*one.select.catalogs, *names]))})
+        return one.model_copy(update={"select": select})
+
+    if hasattr(spec, "axes"):
+        return spec.with_axes({axis.name: with_more(axis.spec) for axis in spec.axes})
+    return with_more(spec)
 
 
 def print_notes(messages: tuple[str, ...]) -> None:

@@ -13,10 +13,12 @@ from drivesizer.commands.common import (
     TOP,
     Json,
     More,
+    OfAxis,
     Profile,
     Spec,
     Top,
     load,
+    load_whole,
     print_notes,
     progress,
     simulating,
@@ -63,6 +65,7 @@ def size(
         bool, typer.Option("--verbose", "-v", help="All of that, the next best, and why the others fail.")
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no alternatives, no notes.")] = False,
+    axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
     """Find the drive: parts list, verdict, tightest checks, alternatives."""
@@ -70,8 +73,14 @@ def size(
 
     if spec == DEFAULT and not spec.exists() and not json and at_terminal():
         start_by_questions(spec)
-    robot = load(spec, catalogs)
+    robot = load_whole(spec, catalogs, axis)
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
+    if hasattr(robot, "axes"):
+        from drivesizer.commands.machine import size_all
+
+        given = {"--pareto": pareto, "--csv": csv, "--pdf": pdf, "--paper": beside, "--derivation": derivation}
+        sampling = confidence, samples, seed, processes, loop_samples
+        raise typer.Exit(size_all(robot, spec, given, top, objective, sampling, checks or verbose, quiet, json))
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
     if csv:
         write_sets(result, csv)
@@ -164,13 +173,14 @@ def explain(
     seed: Seed = None,
     loop_samples: LoopSamples = None,
     json: Json = False,
+    axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
     """Show why one combination of motor and gearhead passes or fails, check by check."""
     from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import explained, load_parts
 
-    robot = load(spec, catalogs)
+    robot = load(spec, catalogs, axis)
     sampling = sampling_of(robot, samples=samples, seed=seed, loop=loop_samples)
     catalog = load_parts(robot)
     with working("examining the drive"):

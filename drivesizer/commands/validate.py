@@ -13,9 +13,10 @@ from drivesizer.commands.common import (
     Json,
     More,
     NothingFitsError,
+    OfAxis,
     Profile,
     Spec,
-    load,
+    load_whole,
     print_notes,
     progress,
     simulating,
@@ -39,6 +40,7 @@ def validate(
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="The best drives of the search, ranked anew.")] = False,
     top: Annotated[int, typer.Option(min=1, max=100, help="How many, with --all.")] = 5,
+    axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
     """Simulate a drive over the profile in closed loop: every demand against its limit."""
@@ -46,8 +48,13 @@ def validate(
     from drivesizer.simulate import hardest_case
     from drivesizer.simulate import validate as validated
 
-    robot = load(spec, catalogs)
+    robot = load_whole(spec, catalogs, axis)
     accept([], tables=[csv] if csv else [])
+    if hasattr(robot, "axes"):
+        from drivesizer.commands.machine import validate_axes
+
+        given = {"--set": chosen, "--csv": csv, "--figures": drawings, "--case": case, "--all": everything}
+        raise typer.Exit(validate_axes(robot, given, profile, json))
     _known(robot, case)
     if everything:
         if chosen or csv or drawings:

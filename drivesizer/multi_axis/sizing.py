@@ -15,47 +15,51 @@ from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineS
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.ranking import Ranking, title_of
+from drivesizer.search.sifting import Progress
+from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.carried import carrying
 from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["size_machine"]
+__all__ = ["laden", "size_machine"]
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average
-Progress = Callable[[str, int], None]  # name of the axis that is sized, and how many sizings there were before
+SamplingOf = Callable[[RobotSpec], Sampling | None]
 
 
 class _Sizings:
     """Sizings of the axes with drives of some masses on them, each made once."""
 
-    def __init__(self, machine: MachineSpec, options: Mapping[str, Any], progress: Progress | None) -> None:
-        self.machine, self.options, self.progress = machine, options, progress
+    def __init__(
+        self, machine: MachineSpec, top: int, objective: Ranking | None, sampling: SamplingOf, progress: Progress | None
+    ) -> None:
+        self.machine, self.top, self.ranking, self.sampling, self.progress = machine, top, objective, sampling, progress
         self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
 
     def objective(self, axis: str) -> Ranking:
         """Objective of the ranking of an axis' drives."""
         own: Ranking = self.machine.axis(axis).spec.select.objective
-        return self.options.get("objective") or own
+        return self.ranking or own
 
     def result(self, axis: str, masses: tuple[float, ...]) -> SizingResult:
         """The sizing of an axis with carried drives of these masses [kg]."""
         if (axis, masses) not in self.made:
-            if self.progress:
-                self.progress(axis, len(self.made))
             spec = _laden(self.machine, axis, masses)
-            front = self._front(axis)
-            self.made[axis, masses] = size(spec, catalog=self._parts(spec), pareto=front, **self.options)
+            self.made[axis, masses] = size(
+                spec, catalog=self._parts(spec), top=self.top, objective=self.ranking, pareto=self._front(axis),
+                progress=self.progress, sampling=self.sampling(spec),
+            )  # fmt: skip
         return self.made[axis, masses]
 
     def _front(self, axis: str) -> tuple[str, ...]:
         """Objectives whose front is wanted: cost and mass of drives that ride on others."""
-        objective, wanted = self.objective(axis), self.options.get("pareto", ())
+        objective = self.objective(axis)
         rides = any(axis in self.machine.carried(other.name) for other in self.machine.axes)
-        if wanted or not rides or not isinstance(objective, str) or objective not in SUMMED:
-            return tuple(wanted)
+        if not rides or not isinstance(objective, str) or objective not in SUMMED:
+            return ()
         return tuple(dict.fromkeys((objective, "mass")))
 
     def _parts(self, spec: RobotSpec) -> Catalog:
@@ -75,17 +79,24 @@ def _laden(machine: MachineSpec, axis: str, masses: tuple[float, ...]) -> RobotS
     return one.spec.changed(lambda spec: spec.model_copy(update={"load": carrying(spec.load, on_it)}))
 
 
-def size_machine(machine: MachineSpec, *, progress: Progress | None = None, **options: Any) -> MachineSizing:
+def size_machine(
+    machine: MachineSpec,
+    *,
+    top: int = 5,
+    objective: Ranking | None = None,
+    progress: Progress | None = None,
+    sampling: SamplingOf = sampling_of,
+) -> MachineSizing:
     """Size all axes of a machine.
 
     Parameters
     ----------
     machine
         Its axes, and what they share.
-    progress
-        Called before each sizing of an axis.
-    **options
-        Of ``size``, for every axis: ``top``, ``objective``, ``sampling``.
+    top, objective, progress
+        As of ``size``, for every axis.
+    sampling
+        How drives of an axis are sampled for their tolerances.
 
     Returns
     -------
@@ -97,7 +108,7 @@ def size_machine(machine: MachineSpec, *, progress: Progress | None = None, **op
     InputError
         As ``size`` does.
     """
-    sizings = _Sizings(machine, {name: value for name, value in options.items() if value is not None}, progress)
+    sizings = _Sizings(machine, top, objective, sampling, progress)
     carried = {axis.name: tuple(machine.carried(axis.name)) for axis in machine.axes}
 
     def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
@@ -115,6 +126,30 @@ def size_machine(machine: MachineSpec, *, progress: Progress | None = None, **op
         certain=found.certain and all(_bounded(sizings, axis.name) for axis in machine.axes),
         notes=tuple(_notes(machine, found, axes)),
     )
+
+
+def laden(machine: MachineSpec, axis: str) -> RobotSpec:
+    """The spec of one axis with the drives that ride on it.
+
+    Parameters
+    ----------
+    machine
+        All axes.
+    axis
+        Name of the one; where drives ride on it, the machine is sized first.
+
+    Returns
+    -------
+    RobotSpec
+        Of the axis alone.
+
+    Raises
+    ------
+    InputError
+        When there is no such axis, or as ``size`` does.
+    """
+    one = machine.axis(axis)
+    return size_machine(machine).axis(axis).spec if one.carries else one.spec
 
 
 def _bounded(sizings: _Sizings, axis: str) -> bool:

@@ -193,6 +193,19 @@ class Report(Sizing):
     validation: Validation | None
 
 
+Carried = TypedDict("Carried", {
+    "axis": str, "mass_kg": float,
+    "distance_m": Annotated[float | None, Field(description="null: along a line")], "unknown_mass_of": list[str],
+})  # fmt: skip
+MachineAxis = TypedDict("MachineAxis", {"drives": Count, "carried": list[Carried], "sizing": Sizing})
+Machine = TypedDict("Machine", {
+    "schema_version": Version, "drivesizer": str, "machine": dict[str, Any], "status": Status, "objective": str,
+    "total": Annotated[float | None, Field(description="SI; null: unknown, or no sum")],
+    "best_of_all": Annotated[bool, Field(description="no other choice of carried drives is better by the objective")],
+    "axes": dict[str, MachineAxis], "notes": list[str],
+})  # fmt: skip
+
+
 class Generator(GenerateJsonSchema):
     """Schemas without the titles that only repeat their keys."""
 

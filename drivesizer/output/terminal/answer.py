@@ -25,7 +25,7 @@ from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult, worst
 from drivesizer.units import show
 
-__all__ = ["next_commands", "recommended", "side_by_side"]
+__all__ = ["compared", "names_of", "next_commands", "recommended", "side_by_side"]
 
 _WIDE = 110  # columns from which on a part has a single line
 _NAMED = 4  # unknown checks at most that are named
@@ -207,7 +207,7 @@ def side_by_side(console: Console, sets: Sequence[DriveSet], objective: str, tit
     shared = _shared(sets)
     for found in sets:
         value = [tables.objective(found, objective)] if own else []
-        table.add_row(_drive(found, shared, wide=wide), *value, *_compared(found))
+        table.add_row(_drive(found, shared, wide=wide), *value, *compared(found))
     for column in table.columns[1:]:
         column.no_wrap = True
     table.columns[0].min_width = max(_widest(found, wide=wide) for found in sets)
@@ -235,7 +235,7 @@ _SHOWN = {"mass", "price", "energy", "margin"}  # objectives that have a column 
 
 def _drive(found: DriveSet, shared: Sequence[str], *, wide: bool) -> Text:
     """Motor and gearhead with their part numbers, then the checks that are open, or unknown and not of all drives."""
-    text = _names(found, wide=wide)
+    text = names_of(found, wide=wide)
     said = []
     for status in ("unknown", "open"):
         titles = [check.title for check in found.deciding if check.status == status and check.title not in shared]
@@ -245,11 +245,24 @@ def _drive(found: DriveSet, shared: Sequence[str], *, wide: bool) -> Text:
 
 def _widest(found: DriveSet, *, wide: bool) -> int:
     """Characters of the longest of a drive's lines that does not wrap."""
-    return max(map(len, _names(found, wide=wide).plain.splitlines()))
+    return max(map(len, names_of(found, wide=wide).plain.splitlines()))
 
 
-def _names(found: DriveSet, *, wide: bool) -> Text:
-    """Motor and gearhead, and their part numbers; on one line where there is room."""
+def names_of(found: DriveSet, *, wide: bool) -> Text:
+    """Motor and gearhead, and their part numbers.
+
+    Parameters
+    ----------
+    found
+        The drive.
+    wide
+        Whether there is room for one line.
+
+    Returns
+    -------
+    Text
+        Of one line or two.
+    """
     gearhead = f" {found.gearhead.reduction}" if found.actuator else f" + {found.gearhead_name}"
     gearhead = "" if found.gearhead_name == "none" else gearhead
     belt = f" × {found.belt_name}" if found.belt_name else ""
@@ -262,8 +275,19 @@ def _names(found: DriveSet, *, wide: bool) -> Text:
 _TURNING = {"motor", "gearhead", "actuator"}
 
 
-def _compared(found: DriveSet) -> tuple[str | Text, ...]:
-    """Mass, price, energy and smallest margin of a drive; a sum that lacks a part is at least that."""
+def compared(found: DriveSet) -> tuple[str | Text, ...]:
+    """Mass, price, energy and smallest margin of a drive, as cells of a table.
+
+    Parameters
+    ----------
+    found
+        The drive; a sum that lacks a part is at least that.
+
+    Returns
+    -------
+    tuple[str or Text, ...]
+        In that order.
+    """
     least = "≥ " if unknown_of(found, found.price_of) else ""
     tight = worst(found.deciding)
     energy = objective_figure(found, "energy")

@@ -1,0 +1,144 @@
+"""Commands over all axes of a machine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from drivesizer.commands.common import NothingFitsError, print_notes, progress, simulating
+from drivesizer.errors import InputError, NoLoopError
+
+__all__ = ["size_all", "sized_machine", "validate_axes"]
+
+
+def size_all(
+    machine: Any,
+    spec: Path,
+    given: Mapping[str, object],
+    top: int,
+    objective: str | None,
+    sampling: tuple[Any, ...],
+    checks: bool,
+    quiet: bool,
+    json: bool,
+) -> int:
+    """Size all axes of a machine and print them; the exit status.
+
+    Parameters
+    ----------
+    machine
+        Of several axes.
+    spec
+        Its file as it was named.
+    given
+        Options that are of a single axis, by name; a value that is not empty is refused.
+    top, objective, sampling, checks, quiet, json
+        As of ``drivesizer size``.
+
+    Returns
+    -------
+    int
+        0 where every axis has a drive, else 1.
+    """
+    _of_one_axis(given)
+    result = sized_machine(machine, top, objective, sampling)
+    if json:
+        from drivesizer.output.json.documents import as_text
+        from drivesizer.output.json.machine import machine_document
+
+        typer.echo(as_text(machine_document(result)))
+    else:
+        from drivesizer.output.terminal.several_axes import machine_sizing
+
+        machine_sizing(result, spec=str(spec), checks=checks, quiet=quiet)
+        if not quiet:
+            print_notes(tuple(f"{axis.name}: {note}" for axis in result.axes for note in axis.result.warnings))
+    return 0 if result.complete and result.status != "fail" else 1
+
+
+def validate_axes(machine: Any, given: Mapping[str, object], profile: str | None, json: bool) -> int:
+    """Simulate the drive of every axis in closed loop, in its hardest load case; the exit status.
+
+    Parameters
+    ----------
+    machine
+        Of several axes.
+    given
+        Options that are of a single axis, by name; a value that is not empty is refused.
+    profile, json
+        As of ``drivesizer validate``.
+
+    Returns
+    -------
+    int
+        0 where no axis fails, else 1.
+    """
+    _of_one_axis(given)
+    result, proofs, notes = sized_machine(machine, 1, None), {}, []
+    without = next((axis.name for axis in result.axes if axis.best is None), None)
+    if without is not None:
+        raise NothingFitsError(f"{without}: no drive meets all limits; `drivesizer size` shows the closest rejected")
+    for axis in result.axes:
+        try:
+            proofs[axis.name] = _proof(axis, profile)
+        except NoLoopError as error:
+            notes.append(f"{axis.name}: not simulated in closed loop: {error}")
+    if json:
+        from drivesizer.output.json.documents import SCHEMA_VERSION, as_text, validation
+
+        documents = {name: validation(proof) for name, proof in proofs.items()}
+        typer.echo(as_text({"schema_version": SCHEMA_VERSION, "axes": documents}))
+    else:
+        from drivesizer.output.terminal.several_axes import machine_proofs
+
+        machine_proofs(machine.name, proofs)
+    print_notes(tuple(notes))
+    return 1 if any(proof.status == "fail" for proof in proofs.values()) else 0
+
+
+def _proof(axis: Any, profile: str | None) -> Any:
+    """The best drive of an axis in closed loop."""
+    from drivesizer.simulate import hardest_case, validate
+
+    with simulating(f"simulating {axis.name} in closed loop"):
+        return validate(axis.spec, axis.best, profile=profile, load_case=hardest_case(axis.spec, axis.best))
+
+
+def _of_one_axis(given: Mapping[str, object]) -> None:
+    """Refuse options that are of a single axis."""
+    refused = next((name for name, value in given.items() if value), None)
+    if refused:
+        raise InputError(f"{refused}: it is of a single axis; expected --axis beside it")
+
+
+def sized_machine(machine: Any, top: int, objective: str | None, sampling: tuple[Any, ...] = ()) -> Any:
+    """Size all axes of a machine.
+
+    Parameters
+    ----------
+    machine
+        Of several axes.
+    top
+        Drives of each axis.
+    objective
+        As the command line gives it.
+    sampling
+        Confidence, samples, seed, processes and samples in closed loop.
+
+    Returns
+    -------
+    MachineSizing
+        With the best drives of every axis.
+    """
+    from drivesizer.multi_axis.sizing import size_machine
+    from drivesizer.search.ranking import objective_of
+    from drivesizer.search.uncertainty.options import sampling_of
+
+    rank = None if objective is None else objective_of(objective)
+    with progress() as advance:
+        return size_machine(
+            machine, top=top, objective=rank, progress=advance, sampling=lambda spec: sampling_of(spec, *sampling)
+        )

@@ -1,0 +1,173 @@
+"""A machine of several axes at the terminal: its drives, axis by axis, what all draw, and the commands that lead on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import fsum, isnan
+
+from rich.console import Console
+from rich.text import Text
+
+from drivesizer.control.validation import Validation
+from drivesizer.output.terminal import tables
+from drivesizer.output.terminal.answer import compared, names_of
+from drivesizer.output.terminal.tables import MARK, STYLE, percent
+from drivesizer.results.check import Check, tightest, worst
+from drivesizer.results.machine import AxisSizing, MachineSizing
+from drivesizer.units import show
+
+__all__ = ["machine_proofs", "machine_sizing"]
+
+_WIDE = 110  # columns from which on a drive has a single line
+
+
+def machine_sizing(result: MachineSizing, *, spec: str = "", checks: bool = False, quiet: bool = False) -> None:
+    """Print the sizing of a machine.
+
+    Parameters
+    ----------
+    result
+        The sizing.
+    spec
+        The file as it was named at the command line, for the commands that lead on.
+    checks
+        Whether every check of every axis is shown.
+    quiet
+        Only the drives.
+    """
+    console = tables.console()
+    status = MARK[result.status] if result.complete else "no drive for every axis"
+    tables.heading(console, result.machine.name, status, STYLE[result.status])
+    _drives(console, result)
+    _totals(console, result)
+    if checks:
+        _all_checks(console, result)
+    else:
+        _tightest(console, result)
+    for sentence in _said(result):
+        console.print(sentence)
+    if not quiet:
+        _next(console, spec, result)
+
+
+def _drives(console: Console, result: MachineSizing) -> None:
+    """A row for each axis: its drive with mass, price, energy and smallest margin, and what rides on it."""
+    wide = console.width >= _WIDE
+    heads = ("mass", "price", "energy", "margin")
+    table = tables.bare(("axis", "left"), ("drive", "left"), *((head, "right") for head in heads), edged=False)
+    for axis in result.axes:
+        if axis.best is None:
+            table.add_row(axis.name, Text("no drive meets all limits", style="bold red"), *[""] * len(heads))
+            continue
+        drive = names_of(axis.best, wide=wide)
+        if axis.drives > 1:
+            drive = Text(f"{axis.drives} × ") + drive
+        if axis.carried:
+            drive.append("\n" + _riding(axis), "dim")
+        table.add_row(axis.name, drive, *compared(axis.best))
+    for column in table.columns[2:]:
+        column.no_wrap = True
+    console.print(table)
+
+
+def _riding(axis: AxisSizing) -> str:
+    """The drives on an axis, and their mass."""
+    return f"on it {', '.join(one.of for one in axis.carried)}: {show(axis.carried_mass, 'g', 'mass', 3)}"
+
+
+def _totals(console: Console, result: MachineSizing) -> None:
+    """Mass and price of all drives: motors, gearheads and brakes."""
+    bests = [(axis.drives, axis.best) for axis in result.axes if axis.best]
+    mass = fsum(drives * best.mass for drives, best in bests)
+    prices = [drives * best.price for drives, best in bests if not isnan(best.price)]
+    least = "at least " if len(prices) < len(bests) or any(len(b.price_of) < len(b.parts) for _, b in bests) else ""
+    count = sum(drives for drives, _ in bests)
+    price = f"; {least}{fsum(prices):.0f} EUR" if prices else "; no price is known"
+    text = f"{count} drives, {show(mass, 'kg', 'mass', 3)} of motors, gearheads and brakes{price}"
+    console.print(Text.assemble(("total: ", "bold"), text))
+
+
+def _tightest(console: Console, result: MachineSizing) -> None:
+    """The tightest check of every axis, and those of the machine."""
+    table = tables.bare(
+        ("", "left"), ("tightest check", "left"), ("demand", "right"), ("limit", "right"), ("margin", "right"),
+        ("", "left"), edged=False,
+    )  # fmt: skip
+    for axis in result.axes:
+        check = next(iter(tightest(axis.best.deciding, 1)), None) if axis.best else _failing(axis)
+        if check:
+            figures = tables.plain(check, check.demand), tables.plain(check, check.limit), percent(check.margin)
+            table.add_row(axis.name, check.title, *figures, Text(MARK[check.status], style=STYLE[check.status]))
+    console.print()
+    console.print(table)
+
+
+def _failing(axis: AxisSizing) -> Check | None:
+    """The worst check of the closest rejected of an axis without a drive."""
+    return worst(axis.result.misses[0].own_checks) if axis.result.misses else None
+
+
+def _all_checks(console: Console, result: MachineSizing) -> None:
+    """Every check of every axis."""
+    for axis in result.axes:
+        if axis.best:
+            console.print(tables.checks(axis.best.own_checks, f"{axis.name}: {axis.best.label}"))
+
+
+def _said(result: MachineSizing) -> list[Text]:
+    """Open and unknown checks by axis, and how the drives were chosen."""
+    found = []
+    for axis in result.axes:
+        for status in ("open", "unknown"):
+            titles = [check.title for check in axis.best.deciding if check.status == status] if axis.best else []
+            if titles:
+                found.append(Text(f"{axis.name} {status}: {_few(titles)}", style=STYLE[status]))
+    found += [Text(note) for note in result.notes]
+    if result.complete and any(axis.carried for axis in result.axes):
+        found.append(Text(_chosen(result), style="dim"))
+    return found
+
+
+def _few(titles: Sequence[str]) -> str:
+    """Titles of a few checks, else their number."""
+    return "; ".join(titles) if len(titles) <= 2 else f"{len(titles)} checks (--checks)"
+
+
+def _chosen(result: MachineSizing) -> str:
+    """Whether another choice of the drives that ride on others can be better."""
+    if result.certain:
+        return f"no other choice of the carried drives gives less {result.objective.replace('_', ' ')} in all"
+    return f"another choice of the carried drives may give less {result.objective.replace('_', ' ')} in all"
+
+
+def _next(console: Console, spec: str, result: MachineSizing) -> None:
+    """Print the commands that lead on."""
+    name = next((axis.name for axis in result.axes if axis.best is None), result.axes[0].name)
+    quoted = f'"{name}"' if " " in name else name
+    console.print(f"\nnext: drivesizer size {spec} --axis {quoted}, one axis in full", soft_wrap=True)
+    console.print(f"      drivesizer validate {spec} simulates every axis in closed loop", soft_wrap=True)
+    console.print(f"      drivesizer report {spec} -o report.pdf, or .html, .xlsx, .csv, .json", soft_wrap=True)
+
+
+def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
+    """Print the closed loops of a machine's axes, a line each.
+
+    Parameters
+    ----------
+    name
+        Of the machine.
+    proofs
+        By the axis' name.
+    """
+    console = tables.console()
+    failed = [axis for axis, proof in proofs.items() if proof.status == "fail"]
+    tables.heading(
+        console, name, f"FAIL: {', '.join(failed)}" if failed else "closed loop", STYLE["fail"] * bool(failed)
+    )
+    table = tables.bare(("axis", "left"), ("drive", "left"), ("tightest", "left"), ("", "right"), ("", "left"))
+    for axis, proof in proofs.items():
+        tight = worst(proof.checks)
+        title, margin = (tight.title, percent(tight.margin)) if tight else ("–", "")
+        found = Text(MARK[proof.status], style=STYLE[proof.status])
+        table.add_row(axis, Text(proof.drive_set.label), title, margin, found)
+    console.print(table)
