@@ -1,0 +1,130 @@
+"""Arms of three joints with a catalogue of few motors and gearheads, and every combination of their drives."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from drivesizer.catalog import Catalog
+from drivesizer.machine.problem import problem
+from drivesizer.search.columns.candidates import candidates
+from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.set_record import drive_parts
+from drivesizer.sizing import load_parts
+from drivesizer.spec.carried import carrying
+from drivesizer.spec.machine import MachineSpec, load_machine
+
+JOINTS = ("shoulder", "elbow", "wrist")
+_CATALOG = """
+catalog: 1
+manufacturer: maker
+sources: {sheet: {document: a sheet, confidence: quoted}}
+motors:
+  - family: M
+    source: sheet
+    common: {kind: brushed, nominal_voltage: 24 V, max_winding_temperature: 155 degC, ambient_min: -20 degC,
+      ambient_max: 100 degC, max_speed: 9000 rpm, no_load_current: 20 mA, winding_time_constant: 20 s,
+      thermal_resistance_winding: 2 K/W, thermal_resistance_housing: 6 K/W, motor_time_constant: 600 s,
+      no_load_speed: 6000 rpm, nominal_speed: 5000 rpm, shaft_diameter: 6 mm}
+    columns: [part, torque_constant (mN*m/A), resistance (ohm), rotor_inertia (g*cm^2), nominal_current (A), mass (g),
+      price (EUR)]
+    rows:
+MOTORS
+gearheads:
+  - family: G
+    source: sheet
+    common: {kind: planetary, intermittent_input_speed: 8000 rpm, continuous_input_speed: 8000 rpm, backlash: 1 deg,
+      inertia: 1 g*cm^2}
+    columns: [part, ratio, efficiency (%), continuous_torque (N*m), intermittent_torque (N*m), mass (g), price (EUR)]
+    rows:
+GEARS
+controllers:
+  - family: C
+    source: sheet
+    common: {drives: both, supply_min: 10 V, supply_max: 60 V, max_duty: 95 %, voltage_drop: 0 V, peak_time: 10 s}
+    columns: [part, continuous_current (A), peak_current (A), mass (g)]
+    rows:
+      - [only, 50, 100, 40]
+compatibility:
+  motor_gearhead:
+    - {source: sheet, motors: [M], gearheads: [G]}
+"""
+
+
+def catalogue(random: Random) -> str:
+    """Text of a catalogue of three motors and two gearheads: larger ones are heavier, dear or cheap."""
+    motors, gears = [], []
+    for n in range(3):
+        size = 3.0**n
+        kt, mass, price = 36.6, 60 * size * random.uniform(0.7, 1.4), random.uniform(40, 300)
+        motors.append(
+            f"      - [m{n}, {kt}, {2.4 / size:.4f}, {20 * size**1.5:.2f}, {1.2 * size:.2f}, {mass:.1f}, {price:.0f}]"
+        )
+    for n, ratio in enumerate((43, 111)):
+        mass, price = 150 * (n + 1) * random.uniform(0.7, 1.4), random.uniform(60, 250)
+        gears.append(f"      - [g{n}, {ratio}, 80, {15 * (n + 1)}, {25 * (n + 1)}, {mass:.1f}, {price:.0f}]")
+    return _CATALOG.replace("MOTORS", "\n".join(motors)).replace("GEARS", "\n".join(gears))
+
+
+def arm(random: Random, folder: Path, objective: str) -> MachineSpec:
+    """A random arm whose motors sit at its joints."""
+    file = folder / "parts.yaml"
+    file.write_text(catalogue(random), encoding="utf-8")
+    lengths = [random.uniform(0.15, 0.35) for _ in JOINTS]
+    masses = [random.uniform(0.3, 1.2) for _ in JOINTS]
+    speed, rest = random.uniform(20, 40), random.uniform(0.2, 2.0)
+    motion = {
+        "profile": "trapezoid", "speed": f"{speed:.3f} deg/s", "acceleration_time": "0.3 s", "cruise_time": "0.6 s",
+        "rest_time": f"{rest:.3f} s", "there_and_back": True,
+    }  # fmt: skip
+    axes: dict[str, Any] = {}
+    for n, joint in enumerate(JOINTS):
+        mass = sum(masses[n:])
+        places = np.cumsum([0.0, *lengths[n:]])
+        centres = [places[k] + length / 2 for k, length in enumerate(lengths[n:])]
+        centre = sum(m * c for m, c in zip(masses[n:], centres, strict=True)) / mass
+        inertia = sum(m * c * c for m, c in zip(masses[n:], centres, strict=True)) * 1.1
+        axes[joint] = {
+            "load": {
+                "kind": "arm",
+                "mass": f"{mass:.9f} kg",
+                "length": f"{centre:.9f} m",
+                "inertia": f"{inertia:.9f} kg*m^2",
+            },
+            "motion": motion,
+            "carries": {other: {"at": f"{places[k]:.6f} m"} for k, other in enumerate(JOINTS[n + 1 :], 1)},
+        }
+    return load_machine({
+        "name": "arm", "supply": {"nominal": "24 V", "accepts": "all"}, "axes": axes,
+        "select": {"catalogs": [str(file)], "objective": objective, "estimates": "off"},
+    })  # fmt: skip
+
+
+def least_of_all(machine: MachineSpec, objective: str) -> float:
+    """Least sum of the objective of all combinations of drives that hold, each examined with all others on it."""
+    catalog: Catalog = load_parts(machine.axes[0].spec)
+
+    @cache
+    def holding(joint: str, on_it: tuple[float, ...]) -> tuple[tuple[float, float], ...]:
+        """Objective and mass of the drives that pass with these masses on the joint."""
+        spec, places = machine.axis(joint).spec, machine.carried(joint).values()
+        load = carrying(spec.load, zip(on_it, places, strict=True))
+        of_all = problem(spec.model_copy(update={"load": load}), catalog)
+        found = evaluate(of_all, candidates(of_all))
+        parts = [drive_parts(found, row) for row in np.flatnonzero(~found.failed).tolist()]
+        return tuple(
+            (getattr(one.motor, objective) + getattr(one.gearhead, objective), one.motor.mass + one.gearhead.mass)
+            for one in parts
+        )
+
+    best = math.inf
+    for wrist in holding("wrist", ()):
+        for elbow in holding("elbow", (wrist[1],)):
+            for shoulder in holding("shoulder", (elbow[1], wrist[1])):
+                best = min(best, wrist[0] + elbow[0] + shoulder[0])
+    return best
