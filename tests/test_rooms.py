@@ -27,7 +27,7 @@ ORDER = (
     ("spec",),
     ("results",),
     ("load_cases",),
-    ("machine", "control"),
+    ("machine", "control", "joints"),
     ("simulate",),
     ("search",),
     ("sizing", "prediction"),

@@ -15,9 +15,9 @@ import numpy as np
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import beside
+from drivesizer.load_cases.computed import ComputedLoad
 from drivesizer.load_cases.held import held_positions
 from drivesizer.load_cases.profile import profile_of
-from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Course, Profile, course
 from drivesizer.loads.fixed_gear import through_gear
 from drivesizer.loads.kinds import LAWS
@@ -106,6 +106,8 @@ def _belt_limits(belt: BeltStage, cycle: LoadCycle) -> Iterator[OwnLimit]:
 
 def _held(spec: RobotSpec, profile: Profile | None) -> float:
     """Largest torque that holds the load at rest anywhere on its path [N*m]; NaN of a recording."""
+    if isinstance(spec.load, ComputedLoad):
+        return spec.load.cycle.held
     if isinstance(spec.load, Recorded):
         return nan
     resting = held_positions(spec.load.lever, course(profile or profile_of(spec)))
@@ -115,7 +117,7 @@ def _held(spec: RobotSpec, profile: Profile | None) -> float:
 def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
     """The cycle without the belt's own inertia."""
     load = spec.load
-    if isinstance(load, WheelLoad):
+    if isinstance(load, ComputedLoad):
         return load.cycle
     if isinstance(load, Recorded):
         with located(spec):

@@ -6,26 +6,20 @@ from collections.abc import Iterable
 
 from pydantic import PrivateAttr
 
+from drivesizer.load_cases.computed import ComputedLoad
 from drivesizer.loads.kinds import Load
-from drivesizer.loads.recorded import Recorded
 from drivesizer.physics.load_cycle import LoadCycle
 
 __all__ = ["WheelLoad", "machine_cases", "wheel_load"]
 
 
-class WheelLoad(Recorded):
+class WheelLoad(ComputedLoad):
     """The load cycle of a wheel, or of several with equal load cycles."""
 
-    _cycle: LoadCycle = PrivateAttr()
     _numbers: tuple[int, ...] = PrivateAttr(default=())
     _distance: float = PrivateAttr(default=0.0)
     _of: str = PrivateAttr(default="")
     _rolling: float = PrivateAttr(default=0.0)
-
-    @property
-    def cycle(self) -> LoadCycle:
-        """Of its shaft."""
-        return self._cycle
 
     @property
     def alike(self) -> int:
@@ -51,11 +45,6 @@ class WheelLoad(Recorded):
     def rolling_torque(self) -> float:
         """Torque of rolling on a level floor, in either direction [N*m]."""
         return self._rolling
-
-    @property
-    def shaft_inertia(self) -> float:
-        """Of all that one drive moves, at the wheel's shaft [kg*m^2]."""
-        return self._cycle.inertia
 
 
 def wheel_load(

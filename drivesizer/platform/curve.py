@@ -19,7 +19,7 @@ from drivesizer.physics.load_cycle import places
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, joined, rest
 
-__all__ = ["spline", "thinned"]
+__all__ = ["curve_at_rest", "spline", "thinned"]
 
 _BEND, _TURN = 1e-3, 1.0 / 32.0  # of a piece: of the largest speed; rad
 _MOST_PARTS = 256  # of an interval
@@ -70,7 +70,7 @@ def _top(speed: Array) -> Array:
 
 def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajectory:
     """A stretch between rests."""
-    curve = _curve(time, posture, smoothing)
+    curve = curve_at_rest(time, posture, smoothing)
     step = np.diff(time)
     x, y, turn = curve(time[:-1] + step / 2.0, 3) * step**2 / 8.0
     bend = np.array([np.hypot(x, y), np.abs(turn)])
@@ -85,13 +85,28 @@ def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajec
     return Trajectory(np.diff(knots), *(np.stack([c[:, :-1], c[:, 1:]], axis=2) for c in columns))
 
 
-def _curve(time: Array, posture: Array, smoothing: float) -> Callable[[Array, int], Array]:
-    """The curve and its derivatives, of shape (3, times): a cubic between samples, at rest at both ends."""
+def curve_at_rest(time: Array, posture: Array, smoothing: float) -> Callable[[Array, int], Array]:
+    """The curve and its derivatives, of shape (rows, times): a cubic between samples, at rest at both ends.
+
+    Parameters
+    ----------
+    time
+        Rising [s], shape (n,).
+    posture
+        Quantities, a row each, shape (rows, n).
+    smoothing
+        Least time between the knots of the curve [s]; 0 goes through all samples.
+
+    Returns
+    -------
+    callable
+        Of times [s] and the order of the derivative.
+    """
     from scipy.interpolate import BSpline, CubicSpline
 
     knots = time[thinned(time, smoothing)]
     if len(knots) == len(time):
-        still = np.zeros(3)
+        still = np.zeros(len(posture))
         through = CubicSpline(time, posture, axis=1, bc_type=((1, still), (1, still)))
         return lambda at, order: np.asarray(through(at, order))
     held = np.concatenate([np.repeat(knots[0], 3), knots, np.repeat(knots[-1], 3)])
@@ -133,12 +148,12 @@ def _coefficients(time: Array, posture: Array, held: Array) -> Array:
     from scipy.interpolate import BSpline
     from scipy.sparse.linalg import spsolve
 
-    found = np.empty((len(held) - 4, 3))
+    found = np.empty((len(held) - 4, len(posture)))
     found[:2], found[-2:] = posture[:, 0], posture[:, -1]
     if len(found) > 4:
         basis = BSpline.design_matrix(time, held, 3)
         ends, inner = basis[:, [0, 1, -2, -1]], basis[:, 2:-2]
         left = posture.T - ends @ found[[0, 1, -2, -1]]
         best: Any = spsolve((inner.T @ inner).tocsc(), inner.T @ left)
-        found[2:-2] = np.reshape(best, (-1, 3))
+        found[2:-2] = np.reshape(best, (-1, len(posture)))
     return found

@@ -48,7 +48,7 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.platform.trajectory import Trajectory
 
-__all__ = ["read_track"]
+__all__ = ["last_digit", "read_track"]
 
 _NAMES = {"t": "time", "theta": "heading"}  # as they may stand -> as they are
 _KINDS = {"time": "time", "x": "length", "y": "length", "heading": "angle", "pause": "time"}
@@ -210,7 +210,7 @@ def _enough_digits(path: Path, time: Array, posture: Sequence[Array], factors: l
     made = np.array([posture[0], posture[1], np.unwrap(posture[2])])
     gain = np.abs(np.diff(np.diff(made, axis=1) / np.diff(time), axis=1) / step)
     for column, row, factor in zip(("x", "y", "heading"), posture, factors, strict=True):
-        digit = _last_digit(row / factor) * factor
+        digit = last_digit(row / factor) * factor
         largest = (gain[2] if column == "heading" else gain[:2]).max()
         noise = 6.0 * digit / step**2
         if digit <= _EXACT and _MOST_NOISE * largest < noise and np.ptp(row) > 0.0:
@@ -221,8 +221,12 @@ def _enough_digits(path: Path, time: Array, posture: Sequence[Array], factors: l
             )
 
 
-def _last_digit(values: Array) -> float:
-    """The power of ten that all values are whole multiples of; 0 where they have more than nine decimals."""
+def last_digit(values: Array) -> float:
+    """The power of ten that all values are whole multiples of; 0 where they have more than nine decimals.
+
+    >>> last_digit(np.array([1.25, 0.5]))
+    0.01
+    """
     for digits in range(10):
         scaled = values * 10.0**digits
         if (np.abs(scaled - np.round(scaled)) <= 1e-6 + 1e-15 * np.abs(scaled)).all():

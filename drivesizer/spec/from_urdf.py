@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.spec.urdf import Joint, Link, Robot, read_urdf
+from drivesizer.spec.description.record import Joint, Link, Robot
+from drivesizer.spec.description.urdf import read_urdf
 
 __all__ = ["Carried", "carried", "spec_of"]
 

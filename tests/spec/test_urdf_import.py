@@ -14,9 +14,9 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.output.export import export_of, write
 from drivesizer.sizing import size
+from drivesizer.spec.description.urdf import read_urdf, rotation
 from drivesizer.spec.from_urdf import carried, spec_of
 from drivesizer.spec.robot import read_spec
-from drivesizer.spec.urdf import read_urdf, rotation
 
 
 def link(name, mass, inertia="0.01 0 0 0.01 0 0.01", shape="", origin=""):

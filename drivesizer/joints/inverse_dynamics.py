@@ -1,0 +1,232 @@
+r"""Torques of joints by MuJoCo's recursive Newton-Euler algorithm, that of its ``mj_inverse``.
+
+.. math:: \tau = M(q) \, \ddot q + c(q, \dot q) + g(q)
+
+Nothing else acts in the model: no contacts, limits, losses, springs or rotors, so that the torques are linear in the
+masses. The model is made of the description's record, with joints that are held as parts of their links; bodies
+without mass are allowed, for the algorithm divides by none. Several sets of masses are computed on one model: first
+that of the description, then each point mass of 1 kg alone.
+
+Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer, 2008, table 5.1; MuJoCo, documentation, chapter
+Computation, inverse dynamics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.joints.record import Array
+from drivesizer.spec.description.record import Robot, placed
+
+__all__ = ["Attached", "Torques", "torques_of"]
+
+_MOST_LINKS = 500
+_INDEFINITE = -1e-9  # of the largest principal moment: less is what rounding makes of 0
+
+
+class Attached(NamedTuple):
+    """A point of a link at which a mass hangs."""
+
+    link: str
+    at: Array  # m, in the frame of the link, shape (3,)
+
+
+class Torques(NamedTuple):
+    """Of each set of masses, the description's first and then 1 kg at each point; shape (sets, states, joints)."""
+
+    torque: Array  # N*m or N
+    static: Array  # the same at rest: of weight alone
+    inertia: Array  # kg*m^2 or kg, of each joint alone: the diagonal of the mass matrix
+
+
+def torques_of(
+    robot: Robot, held: Mapping[str, float], points: Sequence[Attached], joints: Sequence[str],
+    states: tuple[Array, Array, Array], gravity: Array,
+) -> Torques:  # fmt: skip
+    """Torques of joints in several states.
+
+    Parameters
+    ----------
+    robot
+        The description; its roots are fixed.
+    held
+        Positions of joints that do not move [rad or m].
+    points
+        Where further masses hang.
+    joints
+        Those that move.
+    states
+        Positions [rad or m], speeds and accelerations, each of shape (states, joints).
+    gravity
+        Acceleration of free fall in the frame of the roots [m/s^2], shape (3,).
+
+    Returns
+    -------
+    Torques
+        Of each set of masses: torques in the direction of each joint, with which drives move it.
+
+    Raises
+    ------
+    InputError
+        MuJoCo is not installed, the mass of a link that moves is unknown or none.
+    """
+    mujoco = _mujoco()
+    _known(robot, held)
+    model, bodies = _model(mujoco, robot, held, points)
+    model.opt.gravity[:] = gravity
+    sets = _masses(model, robot, bodies, len(points))
+    return _computed(mujoco, model, sets, joints, states)
+
+
+def _mujoco() -> Any:
+    try:
+        import mujoco
+    except ImportError:
+        raise InputError('robot: joints need MuJoCo; pip install "drivesizer[robot]"') from None
+    return mujoco
+
+
+def _known(robot: Robot, held: Mapping[str, float]) -> None:
+    """Refuse links that move and whose mass is unknown or none."""
+    if len(robot.links) > _MOST_LINKS:
+        raise InputError(f"{robot.file}: {len(robot.links)} links; expected at most {_MOST_LINKS}")
+    for link in robot.links.values():
+        where = f"{robot.file}:{link.line}: link {quoted(link.name)}"
+        moves = any(joint.moves and joint.name not in held for joint in robot.chain(link.name))
+        if link.lacking and moves:
+            raise InputError(f"{where} {link.lacking}")
+        principal = np.linalg.eigvalsh(link.inertia)
+        if moves and principal[0] < _INDEFINITE * abs(principal).max():
+            raise InputError(f"{where} has an inertia of {principal[0]:.3g} kg*m^2 about an axis; expected 0 or more")
+
+
+# --- the model
+
+
+def _model(
+    mujoco: Any, robot: Robot, held: Mapping[str, float], points: Sequence[Attached]
+) -> tuple[Any, dict[str, tuple[int, Array]]]:
+    """Compiled model, and the number of each link's body with its principal moments of inertia.
+
+    Links are named by their number: their own names may be those that MuJoCo keeps for itself.
+    """
+    spec = mujoco.MjSpec()
+    made: dict[str, Any] = {}
+    names = {name: f"link{number}" for number, name in enumerate(robot.links)}
+    principal: dict[str, Array] = {}
+    for name in _outwards(robot):
+        joint, link = robot.above.get(name), robot.links[name]
+        place, turn = (
+            (np.zeros(3), np.eye(3)) if joint is None else placed(joint, held.get(joint.name, joint.reference))
+        )
+        body = (spec.worldbody if joint is None else made[joint.parent]).add_body(name=names[name])
+        body.pos, body.quat = place, _quaternion(mujoco, turn)
+        principal[name], axes = _principal(link.inertia)
+        _weigh(body, link.centre, _quaternion(mujoco, axes))
+        if joint is not None and joint.moves and joint.name not in held:
+            kind = mujoco.mjtJoint.mjJNT_HINGE if joint.turns else mujoco.mjtJoint.mjJNT_SLIDE
+            body.add_joint(name=joint.name, type=kind, axis=joint.axis, pos=joint.anchor, ref=joint.reference)
+        made[name] = body
+    for number, point in enumerate(points):
+        body = made[point.link].add_body(name=f"point{number}")
+        body.pos = point.at
+        _weigh(body, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    spec.compiler.degree = False
+    model = spec.compile()
+    return model, {name: (model.body(names[name]).id, principal[name]) for name in robot.links}
+
+
+def _outwards(robot: Robot) -> list[str]:
+    """Links, each behind the one that it hangs on."""
+    found = [name for name in robot.links if name not in robot.above]
+    beyond: dict[str, list[str]] = {}
+    for joint in robot.joints.values():
+        beyond.setdefault(joint.parent, []).append(joint.child)
+    for name in found:
+        found += beyond.get(name, [])
+    return found
+
+
+def _weigh(body: Any, centre: Array, axes: Array) -> None:
+    """A mass and inertia of 1, so that the model compiles; the true ones are written into it later."""
+    body.mass, body.inertia, body.ipos, body.iquat, body.explicitinertial = 1.0, np.ones(3), centre, axes, True
+
+
+def _principal(inertia: Array) -> tuple[Array, Array]:
+    """Principal moments and their axes, as a right-handed rotation matrix."""
+    moments, axes = np.linalg.eigh(inertia)
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    return moments, axes
+
+
+def _quaternion(mujoco: Any, turn: Array) -> Array:
+    found = np.zeros(4)
+    mujoco.mju_mat2Quat(found, np.ascontiguousarray(turn).ravel())
+    return found
+
+
+# --- the masses
+
+
+class _Masses(NamedTuple):
+    """Of all bodies of the model."""
+
+    mass: Array
+    inertia: Array
+    subtree: Array
+
+
+def _masses(model: Any, robot: Robot, bodies: Mapping[str, tuple[int, Array]], points: int) -> list[_Masses]:
+    """The description's masses, and 1 kg at each point alone."""
+    own, inertia = np.zeros(model.nbody), np.zeros((model.nbody, 3))
+    for name, (number, principal) in bodies.items():
+        own[number], inertia[number] = robot.links[name].mass, principal
+    found = [_Masses(own, inertia, _subtrees(model, own))]
+    for number in range(points):
+        mass = np.zeros(model.nbody)
+        mass[model.body(f"point{number}").id] = 1.0
+        found.append(_Masses(mass, np.zeros((model.nbody, 3)), _subtrees(model, mass)))
+    return found
+
+
+def _subtrees(model: Any, mass: Array) -> Array:
+    """Mass of each body with all beyond it; only where moments are taken about hangs on it."""
+    found = mass.copy()
+    for body in range(model.nbody - 1, 0, -1):
+        found[model.body_parentid[body]] += found[body]
+    return found
+
+
+def _computed(
+    mujoco: Any, model: Any, sets: Sequence[_Masses], joints: Sequence[str], states: tuple[Array, Array, Array]
+) -> Torques:
+    """Each state with each set of masses."""
+    data, count = mujoco.MjData(model), len(states[0])
+    order = np.array([model.joint(name).id for name in joints])
+    place = np.argsort(order)  # the model's joints, each of one degree of freedom, in the order of ours
+    columns = [np.ascontiguousarray(state[:, place]) for state in states]
+    found = Torques(*(np.zeros((len(sets), count, len(joints))) for _ in range(3)))
+    still, result, unit = np.zeros(len(joints)), np.zeros(len(joints)), np.eye(len(joints))
+    gravity = model.opt.gravity.copy()
+    for row, (position, speed, acceleration) in enumerate(zip(*columns, strict=True)):
+        data.qpos[:] = position
+        mujoco.mj_kinematics(model, data)
+        for number, masses in enumerate(sets):
+            model.body_mass[:], model.body_inertia[:], model.body_subtreemass[:] = masses
+            mujoco.mj_comPos(model, data)
+            for values, moving in ((found.torque, (speed, acceleration)), (found.static, (still, still))):
+                data.qvel[:], data.qacc[:] = moving
+                mujoco.mj_comVel(model, data)
+                mujoco.mj_rne(model, data, 1, result)
+                values[number, row] = result
+            model.opt.gravity[:] = 0.0
+            for column, one in enumerate(unit):  # torque of one joint's acceleration alone, at rest
+                data.qacc[:] = one
+                mujoco.mj_rne(model, data, 1, result)
+                found.inertia[number, row, column] = result[column]
+            model.opt.gravity[:] = gravity
+    return Torques(*(values[:, :, order] for values in found))

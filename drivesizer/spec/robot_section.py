@@ -1,0 +1,216 @@
+"""Section ``robot`` of a machine: joints of a description, their trajectory, payloads, and where their drives are.
+
+A figure of a joint is an angle where it turns and a length where it slides; which of the two is known with the
+description, so that the reader takes either and keeps its kind.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import Field, field_validator, model_validator
+from pydantic_core import core_schema
+
+from drivesizer.errors import InputError
+from drivesizer.files.fields import (
+    Bearing,
+    Counterweight,
+    Duration,
+    Length,
+    Mass,
+    Pause,
+    Place,
+    Section,
+    default,
+    exactly_one,
+)
+from drivesizer.units import KINDS, label, noun, to_si
+
+__all__ = [
+    "DrivePlace", "Either", "Hold", "JointFigure", "JointLimits", "JointWaypoint", "Mounting", "PayloadCase",
+    "PointMass", "RobotSection",
+]  # fmt: skip
+
+
+class JointFigure(NamedTuple):
+    """A figure of a joint in SI, and its kind of quantity."""
+
+    value: float
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
+class Either:
+    """Type of a field that takes a figure of a joint that turns, or of one that slides."""
+
+    rotary: str
+    linear: str
+    above: float = -math.inf
+
+    def read(self, text: object, info: Any) -> JointFigure:
+        """The SI value of a text with its kind; one outside the range is a ValueError."""
+        try:
+            found = JointFigure(to_si(text, self.rotary), self.rotary)
+        except InputError as refused:
+            try:
+                found = JointFigure(to_si(text, self.linear), self.linear)
+            except InputError:
+                raise InputError(f"{refused}, or {KINDS[self.linear].example} of a joint that slides") from None
+        if not found.value > self.above:
+            kind = KINDS[found.kind]
+            raise ValueError(f"must be above {self.above:g} {label(kind.si)}, e.g. {kind.example}")
+        return found
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        return core_schema.with_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        kinds = (self.rotary, self.linear)
+        return {
+            "type": "string",
+            "description": f"{' or '.join(noun(kind) for kind in kinds)} with unit",
+            "examples": [KINDS[kind].example for kind in kinds],
+        }
+
+
+Position = Annotated[JointFigure, Either("angle", "length")]
+Fastest = Annotated[JointFigure, Either("rotary_speed", "speed", above=0.0)]
+Quickest = Annotated[JointFigure, Either("angular_acceleration", "acceleration", above=0.0)]
+Jerkiest = Annotated[JointFigure, Either("angular_jerk", "jerk", above=0.0)]
+Name = Annotated[str, Field(min_length=1, max_length=200)]
+Point = Annotated[list[Place], Field(min_length=3, max_length=3)]
+
+
+def _or_mass(schema: dict[str, Any]) -> None:
+    """Let the schema of a payload take its mass alone."""
+    schema["anyOf"] = [{"type": "string", "examples": ["1 kg"]}, *schema["anyOf"]]
+
+
+_ORIGIN = ["0 mm", "0 mm", "0 mm"]
+
+
+class JointLimits(Section):
+    """Limits of one joint for moves between waypoints."""
+
+    speed: Fastest | None = Field(default=None, description="that of the description where not given")
+    acceleration: Quickest | None = None
+    jerk: Jerkiest | None = Field(default=None, description="unlimited where not given")
+
+
+class JointWaypoint(Section):
+    """Positions of joints at which the robot is at rest."""
+
+    positions: dict[Name, Position] = Field(description="by joint; one that is not named stays where it was")
+    pause: Pause = default("0 s", description="at this waypoint")
+
+
+class Hold(Section):
+    """A pose that the drives hold, as a load case."""
+
+    name: Name
+    positions: dict[Name, Position] = Field(
+        description="by joint; one that is not named is where the trajectory starts"
+    )
+    time: Duration = default("60 s", description="for which it is held")
+    payload: Counterweight | None = Field(default=None, description="that of the robot where not given")
+
+
+class PointMass(Section):
+    """A payload as a mass at a point of a link."""
+
+    mass: Mass
+    link: Name | None = Field(default=None, description="that it hangs on; the last one where there is one only")
+    at: Point = default(_ORIGIN, description="x, y, z in the frame of the link")
+
+
+class PayloadCase(Section):
+    """Another payload at the same point, as a load case of the whole trajectory."""
+
+    name: Name
+    mass: Counterweight
+
+
+class Mounting(Section):
+    """Turns of the robot's base against the world, whose z points up: about its fixed axes x, y and z, one by one."""
+
+    roll: Bearing = default("0 deg")
+    pitch: Bearing = default("0 deg")
+    yaw: Bearing = default("0 deg")
+
+
+class DrivePlace(Section):
+    """Place of the drive of one joint, whose mass the joints before it carry."""
+
+    on: Literal["link_before", "base", "link"] = Field(
+        default="link_before",
+        description="link_before: at the joint, on the link before it; base: no joint carries it; link: as named",
+    )
+    link: Name | None = Field(default=None, description="with on: link")
+    at: Point | None = Field(default=None, description="x, y, z in the frame of its link; on the joint's axis else")
+    travel_per_turn: Length | None = Field(
+        default=None, description="of a joint that slides, per turn of the shaft that the drive turns"
+    )
+
+    @model_validator(mode="after")
+    def _somewhere(self) -> DrivePlace:
+        if (self.link is not None) != (self.on == "link"):
+            raise ValueError("give link with on: link, and with no other")
+        if self.at is not None and self.on == "base":
+            raise ValueError("at: no joint carries a drive on the base; leave it out")
+        return self
+
+
+class RobotSection(Section):
+    """Joints of a robot description, each an axis of the machine."""
+
+    description: str = Field(min_length=1, description="URDF or MJCF file")
+    trajectory: str | None = Field(
+        default=None, min_length=1, description="CSV: columns time and joints by name; then a row of units"
+    )
+    smoothing: Pause = default("0 s", description="least time between knots of the curve through the trajectory")
+    waypoints: Annotated[list[JointWaypoint], Field(min_length=2, max_length=10_000)] | None = None
+    law: Literal["fastest", "poly5"] = Field(
+        default="fastest", description="of moves between waypoints: fastest within limits, or a polynomial of 5th order"
+    )
+    limits: dict[Name, JointLimits] = Field(
+        default_factory=dict, description="of moves between waypoints, by joint; `all` for those that are not named"
+    )
+    held: dict[Name, Position] = Field(
+        default_factory=dict, description="positions of joints that do not move; 0 where not given"
+    )
+    payload: PointMass | None = Field(default=None, description="or its mass alone", json_schema_extra=_or_mass)
+    payloads: Annotated[list[PayloadCase], Field(max_length=100)] = Field(
+        default_factory=list, description="other payloads at the same point, as load cases"
+    )
+    holds: Annotated[list[Hold], Field(max_length=100)] = Field(
+        default_factory=list, description="poses that are held, as load cases"
+    )
+    mounting: Mounting = Field(default_factory=Mounting, description="of the base; upright where not given")
+    friction: Literal["keep", "leave"] = Field(
+        default="keep", description="of the joints in the description: kept as that of bearings, or left out"
+    )
+    drives: dict[Name, DrivePlace] = Field(
+        default_factory=dict, description="by joint; at the joint on the link before it where not given"
+    )
+
+    @field_validator("payload", mode="before")
+    @classmethod
+    def _mass_alone(cls, value: Any) -> Any:
+        """A mass as text stands for a payload at the origin of the last link."""
+        return {"mass": value} if isinstance(value, str) else value
+
+    @model_validator(mode="after")
+    def _whole(self) -> RobotSection:
+        exactly_one(self, "trajectory", "waypoints")
+        if self.payloads and self.payload is None:
+            raise ValueError("payloads: they hang where payload does; expected payload with its link")
+        if self.payload is None and any(hold.payload is not None for hold in self.holds):
+            raise ValueError("holds: a payload hangs where that of the robot does; expected payload with its link")
+        names = [case.name for case in self.payloads] + [hold.name for hold in self.holds]
+        if len(set(names)) != len(names):
+            raise ValueError("expected payloads and holds with names of their own")
+        if self.trajectory is None and self.smoothing:
+            raise ValueError("smoothing: it is of a recorded trajectory; leave it out")
+        return self
