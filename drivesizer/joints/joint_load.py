@@ -66,6 +66,18 @@ def joint_load(cycle: LoadCycle, joint: str, case: str = "") -> JointLoad:
 def radius_of(joint: Joint, travel_per_turn: float | None) -> float:
     """Travel of a joint per angle of the shaft that its drive turns: 1, or m/rad of one that slides.
 
+    Parameters
+    ----------
+    joint
+        One that moves.
+    travel_per_turn
+        Of the shaft [m]; None where none is given.
+
+    Returns
+    -------
+    float
+        1, or [m].
+
     Raises
     ------
     FieldError

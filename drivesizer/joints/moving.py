@@ -52,6 +52,18 @@ def joint_of(robot: Robot, name: str, field: Field) -> Joint:
 def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
     """SI value of a figure of a joint.
 
+    Parameters
+    ----------
+    figure
+        As the section has it.
+    joint, field
+        Whose it is, and the field of the spec, for the message.
+
+    Returns
+    -------
+    float
+        In rad or m, and their derivatives.
+
     Raises
     ------
     FieldError
@@ -72,7 +84,20 @@ def unit_of(joint: Joint) -> str:
 
 
 def within(joint: Joint, position: float) -> bool:
-    """Whether a position is inside the limits of a joint, up to rounding."""
+    """Whether a position is inside the limits of a joint, up to rounding.
+
+    Parameters
+    ----------
+    joint
+        With or without limits.
+    position
+        To look at [rad or m].
+
+    Returns
+    -------
+    bool
+        True of a joint without limits.
+    """
     if not joint.lower <= joint.upper:
         return True
     slack = SLACK * max(abs(joint.lower), abs(joint.upper))

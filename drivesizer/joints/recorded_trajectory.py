@@ -37,7 +37,7 @@ _BEND, _TURN = 1e-3, 1.0 / 32.0  # of a piece: of the largest speed; rad
 _MOST_PARTS, _MOST_PIECES = 256, 200_000  # of an interval; of a trajectory
 _SLOW, _CREEP = 0.25, 0.01  # what is at rest: of the mean speed of two steps; of the largest of all
 _SAME = 1e-6  # rad or m, by which joints that end where they start may be off
-_TINY = 1e-300  # a speed of joints that stand
+_TINY = 1e-300  # instead of a largest speed of 0
 _EXACT, _MOST_NOISE = 1e-3, 0.2  # m or rad; of the largest acceleration
 
 

@@ -65,7 +65,7 @@ def _weightless(geom: Node, settings: Settings) -> bool:
 
 
 def _inertial(node: Node, settings: Settings) -> Body:
-    """As it is written."""
+    """Figures of the element as written."""
     path, where = settings.path, f"{settings.path}:{node.line}: <inertial>"
     mass, (centre, turn) = figure(node, "mass", path), frame_of(node, settings)
     if "pos" not in node.attributes:
