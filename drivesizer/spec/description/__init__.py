@@ -14,7 +14,7 @@ __all__ = ["read_description"]
 
 
 def read_description(path: Path) -> Robot:
-    """Links and joints of a URDF or MJCF file, which of them by the root element.
+    """Links and joints of a file, URDF or MJCF by its root element.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.spec.description.record import about
 from drivesizer.spec.description.xml_tree import Node, figure, figures, vector
 
-__all__ = ["Settings", "frame_of", "settings_of"]
+__all__ = ["Settings", "frame_of", "scalar", "settings_of"]
 
 Array = NDArray[np.float64]
 _CLASSED = ("joint", "geom")  # elements whose defaults count

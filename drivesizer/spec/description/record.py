@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
 
-__all__ = ["TURNING", "Joint", "Link", "Robot", "robot_of"]
+__all__ = ["TURNING", "Joint", "Link", "Robot", "about", "placed", "robot_of"]
 
 Array = NDArray[np.float64]
 TURNING = ("revolute", "continuous")  # kinds of joints that turn; of prismatic ones effort is N, velocity m/s
