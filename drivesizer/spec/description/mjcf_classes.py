@@ -193,7 +193,18 @@ def _least_turn(z: Array) -> Array:
 
 
 def scalar(node: Node, name: str, settings: Settings) -> float:
-    """One number of an attribute; 0 where it is not there. Laws of several coefficients are refused."""
+    """One number of an attribute; laws of several coefficients are refused.
+
+    Parameters
+    ----------
+    node, name, settings
+        Element, attribute, and settings of the file.
+
+    Returns
+    -------
+    float
+        0 where the attribute is not there.
+    """
     if len(node.attributes.get(name, "0").split()) != 1:
         where = f"{settings.path}:{node.line}: <{node.tag}> {name}"
         raise InputError(f"{where}: {quoted(node.attributes[name])} is not read; expected one number")

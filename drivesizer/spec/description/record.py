@@ -184,7 +184,20 @@ def placed(joint: Joint, position: float) -> tuple[Array, Array]:
 
 
 def about(axis: Array, angle: float) -> Array:
-    """Rotation matrix about an axis of length 1 by an angle [rad], by Rodrigues' formula."""
+    """Rotation matrix about an axis by an angle, by Rodrigues' formula.
+
+    Parameters
+    ----------
+    axis
+        Of length 1, shape (3,).
+    angle
+        By the right hand [rad].
+
+    Returns
+    -------
+    array
+        Shape (3, 3).
+    """
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turned: Array = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
