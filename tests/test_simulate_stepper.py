@@ -1,15 +1,19 @@
-"""A stepper simulated by ``validate``: lost steps, what it rests on, and every output."""
+"""A stepper simulated by ``validate``: lost steps, what it rests on, every output, and exports."""
 
 from __future__ import annotations
 
 import json
 import math
+import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import jsonschema
+import mujoco
 import numpy as np
 import pytest
+import yaml
 from typer.testing import CliRunner
 
 from drivesizer import load_spec, size
@@ -17,6 +21,7 @@ from drivesizer.cli import app
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.machine.pull_out import torque_of_drive, torque_of_part
+from drivesizer.output.export import Export, export_of, fmu, json_document, mjcf, ros2_control, sdf, urdf
 from drivesizer.output.json.documents import as_text, validation
 from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
 from drivesizer.output.report.table.csv import report_csv
@@ -223,3 +228,66 @@ def test_reports_show_the_open_loop(path: Path, proof: Validation) -> None:
     assert pages["Time series"].drawn == ("speed_reference", "speed", "load_angle")
     assert b"Open loop, trapezoid" in report_csv(found, proof)
     assert [names for names, _ in closed_loop_rows(proof)][-1] == ("load_angle",)
+
+
+# --- exports
+
+
+@pytest.fixture(scope="module")
+def export(path: Path) -> Export:
+    return export_of(load_spec(spec_of(path, load=ARM)), drive(path))
+
+
+ARM: dict[str, Any] = {"friction_torque": "0.02 N*m", "kind": "rotary_table", "inertia": "4e-4 kg*m^2"}
+
+
+def test_limits_of_the_joint_are_the_pull_out_torque_and_the_speed(export: Export) -> None:
+    """0.42 N*m up to 60 rpm; the motion's highest speed is 300 rpm."""
+    joint = ET.fromstring(urdf.render(export)).find("joint/limit")
+    assert joint is not None
+    assert float(joint.attrib["effort"]) == pytest.approx(0.42)
+    assert float(joint.attrib["velocity"]) == pytest.approx(300 * RPM)
+    assert b"PositionJointInterface" in urdf.render(export)
+    assert ET.fromstring(sdf.render(export)).find(".//limit") is not None
+
+
+def test_ros2_control_takes_positions(export: Export) -> None:
+    block = ET.fromstring(ros2_control.render(export)).find("ros2_control/joint")
+    assert block is not None
+    assert [one.attrib["name"] for one in block.findall("command_interface")] == ["position"]
+    assert yaml.safe_load(ros2_control.controllers(export))["joint_trajectory_controller"]["ros__parameters"] == {
+        "joints": ["shaft"], "command_interfaces": ["position"], "state_interfaces": ["position", "velocity"],
+    }  # fmt: skip
+
+
+def test_json_has_the_torque_over_the_speed(export: Export) -> None:
+    found = json.loads(json_document.render(export))
+    jsonschema.validate(found, json_document.export_schema())
+    one = found["stepper"]
+    assert (one["teeth"]["value"], one["microsteps"]["value"]) == (50, 16)
+    at = np.interp(200 * RPM, one["speed"]["values"], one["pull_out_torque"]["values"])
+    assert at == pytest.approx(0.42)
+    assert found["controller"] is None and found["drive"]["resistance"]["value"] is None
+
+
+def test_no_fmu_of_a_stepper(export: Export) -> None:
+    with pytest.raises(InputError, match="a stepper has no winding that a voltage drives in an FMU; expected --format"):
+        fmu.render(export)
+
+
+def test_mujoco_follows_as_the_simulation_does(export: Export, path: Path) -> None:
+    """Its servo is the sine's slope: at load angles of 25 deg 3 % stiffer than the sine."""
+    own = simulated(path, load=ARM)
+    model = mujoco.MjModel.from_xml_string(mjcf.render(export).decode())
+    data, dt, angle = mujoco.MjData(model), model.opt.timestep, 0.0
+    reference, lag, swing = own.series["speed_reference"], [], own.series["time"]
+    for k in range(int(0.5 / dt)):
+        speed = float(np.interp(k * dt, swing, reference))
+        data.ctrl[:] = angle, speed, 0.0
+        mujoco.mj_step(model, data)
+        angle += speed * dt
+        lag.append(angle - data.qpos[0])
+    at = np.interp(swing[swing < 0.49], np.arange(len(lag)) * dt, lag)
+    peak = next(one.value for one in own.figures if one.name == "position_error_peak")
+    assert np.abs(lag).max() == pytest.approx(peak, rel=0.08)
+    assert np.abs(at - own.series["position_error"][swing < 0.49]).max() < 0.15 * peak

@@ -26,7 +26,7 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["OpenLoop", "PullOut", "run"]
+__all__ = ["OpenLoop", "Prepared", "PullOut", "prepared", "run"]
 
 Array = NDArray[np.float64]
 PullOut = Callable[[Array], Array]  # torque at speeds of the motor
@@ -59,6 +59,14 @@ class OpenLoop(NamedTuple):
         return self.radius / self.stepper.ratio
 
 
+class Prepared(NamedTuple):
+    """Input of a simulation."""
+
+    stepper: Stepper
+    microsteps: float  # per full step
+    assumptions: tuple[str, ...]
+
+
 def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> OpenLoop:
     """Simulate a stepper along a profile, at rest for a while after one that ends at rest.
 
@@ -83,6 +91,32 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: Pull
     InputError
         When the profile is too fast or too long, or the driver has fewer microsteps.
     """
+    ready = prepared(spec, drive_set, profile, pull_out)
+    stepper, shaft = ready.stepper, at_shaft(spec)
+    motion = _motion(spec, profile, shaft, _SETTLES / stepper.natural_frequency)
+    out = simulate(stepper, motion)
+    return OpenLoop(spec, drive_set, profile, stepper, shaft.radius, ready.microsteps, out,
+                    least_share(stepper, motion), _start(spec, stepper), ready.assumptions)  # fmt: skip
+
+
+def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> Prepared:
+    """A stepper as its simulation takes it.
+
+    Parameters
+    ----------
+    spec, drive_set, profile, pull_out
+        As :func:`run`.
+
+    Returns
+    -------
+    Prepared
+        With its pull-out torque up to the highest speed of the profile.
+
+    Raises
+    ------
+    NoLoopError, InputError
+        As :func:`run`.
+    """
     said: list[str] = []
     shaft = at_shaft(spec)
     ratio = drive_set.gearhead.ratio * drive_set.belt_ratio
@@ -92,10 +126,7 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: Pull
     microsteps = _microsteps(spec, drive_set, said)
     stepper = _stepper(spec, drive_set, shaft, microsteps, said)
     stepper = replace(stepper, torque=_torques(drive_set, pull_out, top), top_speed=top)
-    motion = _motion(spec, profile, shaft, _SETTLES / stepper.natural_frequency)
-    out = simulate(stepper, motion)
-    return OpenLoop(spec, drive_set, profile, stepper, shaft.radius, microsteps, out,
-                    least_share(stepper, motion), _start(spec, stepper), tuple(said))  # fmt: skip
+    return Prepared(stepper, microsteps, tuple(said))
 
 
 def _microsteps(spec: RobotSpec, drive_set: DriveParts, said: list[str]) -> float:

@@ -29,6 +29,7 @@ from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.lever import Lever
 from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.output.export.limits import Limits, limits
+from drivesizer.output.export.stepper import OpenLoopStepper, limits_of, stepper_of
 from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, two_bodies
@@ -78,6 +79,7 @@ class Export:
     gravity: float  # m/s^2
     cycle: Cycle
     said: tuple[str, ...]  # assumptions
+    stepper: OpenLoopStepper | None = None  # in the place of the controller and the electrical figures of ``train``
 
     @property
     def travel(self) -> str:
@@ -132,7 +134,9 @@ class Export:
 
     @property
     def period(self) -> float:
-        """Period of the velocity loop [s]."""
+        """Period of the velocity loop; of a stepper the 16th part of a swing [s]."""
+        if self.stepper:
+            return 1.0 / (16.0 * self.stepper.model.natural_frequency)
         c = self.designed
         return c.period if isinstance(c, Gains) else c.velocity_period
 
@@ -174,8 +178,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         When a figure is unknown that every format needs, or ``control`` requires what no controller can do.
     """
     (_, case, spec), *_ = load_cases(for_drive(spec, found.chosen_screw))
-    known = found.motor.rotor_inertia > 0.0
-    train, controller, said = designed(spec, found) if known else _without_rotor(spec, found)
+    stepper, train, controller, said = _controlled(spec, found)
     usable, motor = float(spec.feed_of(found.controller).usable), asdict(found.motor)
     voltage = spec.supply.lowest if isnan(usable) else usable
     own, bodies, lever = found.controller, two_bodies(motor), _lever(spec)
@@ -192,7 +195,7 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         voltage_known=not isnan(usable),
         peak_current=own.peak_current if own else float("nan"),
         continuous_current=float(controller_current(asdict(own), spec.environment.ambient)) if own else float("nan"),
-        limits=limits(spec, found, train, voltage),
+        limits=limits_of(found, stepper, train) if stepper else limits(spec, found, train, voltage),
         heat=bodies if bodies.known else None,
         housing=_housing(spec, found, bodies),
         rotor_loss=_loss(motor),
@@ -203,7 +206,19 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         gravity=spec.environment.gravity,
         cycle=_cycle(spec, train, lever),
         said=(*said, *_whose(case, spec), *_behind_gear(spec)),
+        stepper=stepper,
     )
+
+
+def _controlled(
+    spec: RobotSpec, found: DriveSet
+) -> tuple[OpenLoopStepper | None, DriveTrain, Gains | Cascade | None, list[str]]:
+    """The drive train with its controller, or with the model of a stepper."""
+    if found.steps:
+        stepper, train, said = stepper_of(spec, found)
+        return stepper, train, None, said
+    known = found.motor.rotor_inertia > 0.0
+    return None, *(designed(spec, found) if known else _without_rotor(spec, found))
 
 
 def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, list[str]]:
@@ -240,8 +255,10 @@ def _loss(motor: dict[str, Any]) -> tuple[float, float]:
 
 def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
     """Mean temperature of the housing in periodic steady state [K]; NaN where unknown or with thermal runaway."""
+    if not bodies.known:
+        return nan
     cycle = set_cycle(spec, found)
-    if not (bodies.known and cycle.known):
+    if not cycle.known:
         return nan
     heat = periodic_heat(bodies, spec.environment.ambient, *warming(cycle))
     return heat.housing_mean if isfinite(heat.housing_mean) else nan

@@ -78,8 +78,13 @@ def render(of: Export) -> bytes:
     Raises
     ------
     InputError
-        When PythonFMU is not installed, or the rotor's inertia is unknown.
+        When PythonFMU is not installed, the rotor's inertia is unknown, or the motor is a stepper.
     """
+    if of.stepper:
+        raise InputError(
+            f"{of.label}: a stepper has no winding that a voltage drives in an FMU; expected --format mjcf, urdf, sdf, "
+            "ros2_control or json"
+        )
     if isnan(of.train.motor_inertia):
         raise InputError(
             f"{of.label}: the rotor's inertia is not in the catalogue, and an FMU moves by it; expected --format urdf, "

@@ -24,9 +24,7 @@ def remarks(of: Export) -> list[str]:
         f"effort is the peak torque, {_shown(least.peak_torque, 'N*m')}: a simulator cuts at every instant, and the "
         "accelerations of the cycle need more than the continuous torque. Check the RMS of other cycles against the "
         f"continuous torque, {_shown(least.continuous_torque, 'N*m')}.",
-        f"velocity is that at no load and the lowest supply voltage or what the parts permit for a short time, "
-        f"{_shown(least.peak_speed, 'rad/s')}; continuous {_shown(least.continuous_speed, 'rad/s')}. At that speed the "
-        "motor has no torque left: the corner of the two limits is not reached.",
+        _velocity(of),
         f"Gears: effort counts behind them, driving at an efficiency of {brief(train.efficiency)}. Braking, they help.",
         f"inertia, all seen at the shaft: load {brief(train.load_inertia)}, and rotor with gearhead input "
         f"{_rotor(of)}.",
@@ -43,6 +41,22 @@ def remarks(of: Export) -> list[str]:
     if of.elastic:
         said.append("Left out: the elastic shaft between motor and load.")
     return said
+
+
+def _velocity(of: Export) -> str:
+    """Remark on the limit of speed."""
+    fastest = _shown(of.limits.peak_speed, "rad/s")
+    if of.stepper:
+        there = float(of.stepper.model.torque[-1]) * of.train.ratio * of.train.efficiency
+        return (
+            f"velocity is {fastest}, up to which the pull-out torque is known; there it is {brief(there)} N*m. A "
+            "stepper from which more is required loses steps, which no joint shows."
+        )
+    return (
+        "velocity is that at no load and the lowest supply voltage or what the parts permit for a short time, "
+        f"{fastest}; continuous {_shown(of.limits.continuous_speed, 'rad/s')}. At that speed the motor has no "
+        "torque left: the corner of the two limits is not reached."
+    )
 
 
 def one_of(of: Export) -> str:

@@ -63,6 +63,7 @@ def document(of: Export) -> dict[str, Any]:
         "at_shaft": {name: _figure(getattr(of, name), *what) for name, what in _AT_SHAFT.items()},
         "limits_at_shaft": {n: _limit(x, _LIMITS[n]) for n, x in of.limits._asdict().items()},
         "controller": _controller(of),
+        "stepper": _stepper(of),
         "torque_law": {name: _figure(x, _LAW[name]) for name, x in _law(of).items()},
         "cycle": {name: {"unit": unit, "values": list(getattr(of.cycle, name))} for name, unit in _CYCLE.items()},
         "assumptions": list(of.said),
@@ -73,7 +74,7 @@ def _drive(of: Export) -> dict[str, float]:
     """The figures of the FMU; NaN where it has a 0 for what is unknown."""
     from drivesizer.output.export.fmu import parameters
 
-    unknown = {"inductance"} if not of.inductance_known else set()
+    unknown = {"inductance"} if not of.inductance_known or of.stepper else set()
     unknown |= (
         {"winding_to_housing", "housing_to_ambient", "winding_capacity", "housing_capacity"} if not of.heat else set()
     )
@@ -106,6 +107,23 @@ def _controller(of: Export) -> dict[str, Any] | None:
     return {"structure": structure, "rule": rule, "source": source, "gains": gains}
 
 
+def _stepper(of: Export) -> dict[str, Any] | None:
+    """The model of a stepper in open loop; null of other motors."""
+    if of.stepper is None:
+        return None
+    one = of.stepper.model
+    figures = {
+        "teeth": (one.teeth, "1"), "microsteps": (of.stepper.microsteps, "1"), "microstep": (one.microstep, "rad"),
+        "damping_ratio": (one.damping_ratio, "1"), "natural_frequency": (one.natural_frequency, "Hz"),
+    }  # fmt: skip
+    curve = {"speed": {"unit": "rad/s", "values": of.stepper.speed.tolist()},
+             "pull_out_torque": {"unit": "N.m", "values": one.torque.tolist()}}  # fmt: skip
+    return {name: _figure(*figure) for name, figure in figures.items()} | curve
+
+
+_STEPPER = ("teeth", "microsteps", "microstep", "damping_ratio", "natural_frequency")
+
+
 # --- the schema
 
 
@@ -123,10 +141,13 @@ def export_schema() -> dict[str, Any]:
             motor_sets={"type": "integer", "minimum": 1}, drive=_alike(set(FIGURES) - {"most_current"}, figure),
             controller_limits=_alike(_ELECTRICAL, figure), at_shaft=_alike(_AT_SHAFT, figure),
             limits_at_shaft=_alike(_LIMITS, {"$ref": "#/$defs/limit"}),
-            controller={"description": "null: none is designed, for the rotor's inertia is unknown", "anyOf": [
+            controller={"description": _NO_CONTROLLER, "anyOf": [
                 _all_of(structure={"enum": ["voltage_pid", "cascade"]}, rule={"type": "string"},
                         source={"type": "string"}, gains={"type": "object", "additionalProperties": figure}),
                 {"type": "null"},
+            ]},
+            stepper={"description": "at the motor; null: it is none", "anyOf": [
+                _all_of(**dict.fromkeys(_STEPPER, figure), speed=column, pull_out_torque=column), {"type": "null"},
             ]},
             torque_law=_alike(_LAW, figure), cycle=_alike(_CYCLE, column), assumptions=texts,
         ),
@@ -134,6 +155,7 @@ def export_schema() -> dict[str, Any]:
     }  # fmt: skip
 
 
+_NO_CONTROLLER = "null: none is designed, for the rotor's inertia is unknown, or the motor a stepper"
 _VALUE = {"type": ["number", "null"], "description": "null: unknown"}
 _UNIT = {"type": "string", "description": "SI"}
 _FIGURE: dict[str, Any] = {

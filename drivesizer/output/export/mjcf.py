@@ -17,7 +17,7 @@ holds for cycles that are short compared with the housing's time constant.
 
 from __future__ import annotations
 
-from math import isnan, sqrt
+from math import isnan, pi, sqrt
 from xml.etree.ElementTree import Element, SubElement
 
 from drivesizer.control.drive_train import DriveTrain
@@ -28,9 +28,9 @@ from drivesizer.output.export.link import LEAST_INERTIA, Link, Vector, far_above
 from drivesizer.output.export.markup import brief, document, number, remark, text, vector
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 
-__all__ = ["LOAD", "MOTOR", "PLUMB", "SHAFT", "render"]
+__all__ = ["DAMPING", "LOAD", "MOTOR", "PLUMB", "SHAFT", "render"]
 
-SHAFT, MOTOR, LOAD, PLUMB = "shaft", "motor", "load_torque", "plumb_line"
+SHAFT, MOTOR, DAMPING, LOAD, PLUMB = "shaft", "motor", "motor_damping", "load_torque", "plumb_line"
 _PER_PERIOD = 4  # steps in a period of the velocity loop: MuJoCo's is of first order in its step
 _HARD = "0.9999 0.9999 0.001 0.5 2"  # its dry friction is a constraint, this is as hard as it gets
 _MOST_POINTS = 2000  # of the cycle in the file
@@ -40,15 +40,21 @@ _SHOWN = {"mass": "0", "contype": "0", "conaffinity": "0"}  # of a shape that is
 
 def render(of: Export) -> bytes:
     """The file of a drive."""
-    law = torque_law(of)
+    law = None if of.stepper else torque_law(of)
     root = Element("mujoco", model=text(of.name))
-    remark(root, f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V.", *_remarks(of, law))
+    said = _remarks(of, law) if law else _stepper_remarks(of)
+    remark(root, f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V.", *said)
     SubElement(root, "compiler", angle="radian", autolimits="true")
     option = SubElement(root, "option", timestep=number(of.period / _PER_PERIOD), integrator="Euler",
                         gravity=vector((0.0, 0.0, -of.gravity)))  # fmt: skip
     SubElement(option, "flag", contact="disable")
     _world(root, of)
-    _actuators(root, of, law)
+    actuator = SubElement(root, "actuator")
+    if law:
+        _motor(actuator, of, law)
+    else:
+        _stepper(actuator, of)
+    _load(actuator, of)
     sensor = SubElement(root, "sensor")
     for kind, name in (("jointpos", "shaft_angle"), ("jointvel", "shaft_speed")):
         SubElement(sensor, kind, name=name, joint=SHAFT)
@@ -80,6 +86,28 @@ def _remarks(of: Export, law: TorqueLaw) -> list[str]:
     return said
 
 
+def _stepper_remarks(of: Export) -> list[str]:
+    """Remarks on a stepper."""
+    one = of.stepper
+    assert one is not None
+    travel = f"the driven shaft; the load travels {of.travel}" if of.train.radius != 1.0 else "the load's"
+    micro = number(one.model.microstep / of.train.ratio)
+    slips = brief(pi / one.model.teeth / of.train.ratio)
+    said = [
+        f"{one_of(of)}The joint is {travel}.",
+        f"ctrl, at every step: [0] commanded angle [rad] of the shaft, in microsteps of {micro}, and [1] its speed "
+        "[rad/s]; [2] torque of the load [N*m] beyond inertia, friction and weight.",
+        "A stepper runs open-loop: here a position servo with the slope of its sinusoidal torque, cut at its pull-out "
+        f"torque at rest, {brief(of.limits.peak_torque.value)} N*m, and the damping of its swings. At speed it has "
+        f"less, and where the shaft is more than {slips} rad behind, it loses steps: neither is in this file.",
+        *_gear_remarks(of),
+        *(f"Assumed: {line}." for line in of.said),
+    ]  # fmt: skip
+    if of.elastic:
+        said.append("The spec's elastic shaft is left out: motor and load are one body here.")
+    return said
+
+
 def _constants_remarks(train: DriveTrain) -> list[str]:
     """Remark on different torque and back-EMF constants."""
     s = _unlike(train)
@@ -95,18 +123,24 @@ def _constants_remarks(train: DriveTrain) -> list[str]:
 def _gear_remarks(of: Export) -> list[str]:
     """Remarks on the efficiency of the gears."""
     e = of.train.efficiency
+    what = "torque" if of.stepper else "current"
     weight = f"{brief(of.moment)} cos({brief(of.lever.start)} + angle) + " if of.lever else ""
     return [
         f"MuJoCo has no efficiency of gears, here e = {brief(e)}: a load T requires T/e where the drive drives it and "
         "e T where it drives the motor. The weight W of the load has both, by the direction of motion, here as "
         "(1/e + e)/2 of it and a dry friction; inertia and friction of the load have 1/e. Where those two brake, the "
-        f"current of this file is too large: by up to 1/e^2, {brief(1.0 / e**2)}, in the gears' part of it.",
-        "To correct this, add to ctrl[3] at every step e (x(T) - x(W)) - (T - W): x(T) is T/e where T and the speed "
-        "have one sign, and e T where not; W is "
+        f"{what} of this file is too large: by up to 1/e^2, {brief(1.0 / e**2)}, in the gears' part of it.",
+        f"To correct this, add to ctrl[{_load_input(of)}] at every step e (x(T) - x(W)) - (T - W): x(T) is T/e where T "
+        "and the speed have one sign, and e T where not; W is "
         f"{weight}{brief(of.constant_weight)} N*m; T is the torque of the gears at that instant, "
         f"W + {number(of.train.load_inertia)} qacc + {number(of.load_friction)} sign(qvel) + any further load, by the "
         "shaft's qacc and qvel of the step before.",
     ]
+
+
+def _load_input(of: Export) -> int:
+    """Place of the load's torque in ctrl."""
+    return 2 if of.stepper else 3
 
 
 def _ahead(law: TorqueLaw) -> str:
@@ -136,7 +170,8 @@ def _world(root: Element, of: Export) -> None:
     found = link_of(of, train.load_inertia)
     friction = of.load_friction * (1.0 + lost) + half * abs(of.constant_weight) + train.friction * train.ratio
     more = (mean - 1.0) * of.lever.mass if of.lever else 0.0  # kg, added to the weight by the gears
-    armature = train.load_inertia * lost - (more * of.lever.length**2 if of.lever else 0.0)
+    rotor = train.motor_inertia * train.ratio**2 if of.stepper else 0.0  # else the motor's actuator has it
+    armature = rotor + train.load_inertia * lost - (more * of.lever.length**2 if of.lever else 0.0)
     remark(body, "The body is the load's own: armature, and the mass of gears_loss, are what the gears add to it.")
     turns = {"name": SHAFT, "type": "hinge", "axis": vector(found.axis), "frictionloss": number(friction)}
     SubElement(body, "joint", turns | {"armature": number(armature)} | _hard(of))
@@ -182,9 +217,9 @@ def _hard(of: Export) -> dict[str, str]:
     return {"solreffriction": f"{number(2 * of.period / _PER_PERIOD)} 1", "solimpfriction": _HARD}
 
 
-def _actuators(root: Element, of: Export, law: TorqueLaw) -> None:
+def _motor(actuator: Element, of: Export, law: TorqueLaw) -> None:
+    """The motor with its winding and its controller."""
     train = of.train
-    actuator = SubElement(root, "actuator")
     s = _unlike(train)
     figures = {
         "name": MOTOR, "joint": SHAFT, "gear": number(train.ratio), "resistance": number(train.resistance),
@@ -199,11 +234,25 @@ def _actuators(root: Element, of: Export, law: TorqueLaw) -> None:
     if of.heat is not None:
         figures["thermal"] = _thermal(of)
     SubElement(actuator, "dcmotor", figures)
+
+
+def _stepper(actuator: Element, of: Export) -> None:
+    """A stepper as a position servo as stiff as its torque about a held position, up to its pull-out torque."""
+    one = of.stepper
+    assert one is not None
+    most = number(of.limits.peak_torque.value)
+    SubElement(actuator, "position", name=MOTOR, joint=SHAFT, kp=number(one.stiffness), forcerange=f"-{most} {most}")
+    SubElement(actuator, "velocity", name=DAMPING, joint=SHAFT, kv=number(one.damping))
+
+
+def _load(actuator: Element, of: Export) -> None:
+    """The load's torque as an input."""
     remark(
         actuator,
-        "Torque of the load, positive against forward motion: weight that is the same everywhere, and ctrl[3].",
+        "Torque of the load, positive against forward motion: weight that is the same everywhere, and "
+        f"ctrl[{_load_input(of)}].",
     )
-    grown = 1.0 / train.efficiency
+    grown = 1.0 / of.train.efficiency
     SubElement(actuator, "general", name=LOAD, joint=SHAFT, gaintype="fixed", gainprm=number(-grown),
                biastype="affine", biasprm=f"{number(0.0 - of.constant_weight * _by_direction(of)[0])} 0 0")  # fmt: skip
 

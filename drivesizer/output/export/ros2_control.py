@@ -45,11 +45,11 @@ def render(of: Export) -> bytes:
     SubElement(hardware, "plugin").text = _MOCK
     joint = SubElement(block, "joint", name=JOINT)
     known = limited(of)
-    for name in ("velocity", "effort"):
+    for name in ("position",) if of.stepper else ("velocity", "effort"):
         command = SubElement(joint, "command_interface", name=name)
-        for side, sign in (("min", "-"), ("max", "")):
+        for side, sign in (("min", "-"), ("max", "")) if name in known else ():
             SubElement(command, "param", name=side).text = sign + known[name]
-    for name in ("position", "velocity", "effort"):
+    for name in ("position", "velocity") if of.stepper else ("position", "velocity", "effort"):
         SubElement(joint, "state_interface", name=name)
     _transmission(block, of)
     return document(root)
@@ -71,6 +71,8 @@ def controllers(of: Export) -> bytes:
     InputError
         When there is a position loop, which a velocity controller cannot have.
     """
+    if of.stepper:
+        return _trajectory(of)
     law, train = torque_law(of), of.train
     if law.ki:
         raise InputError("--format: ros2_control gets a velocity loop; leave control.position out of the spec")
@@ -86,6 +88,17 @@ def controllers(of: Export) -> bytes:
         ff=_yaml(feedforward), most=_yaml(held), least=_yaml(-held),
     )  # fmt: skip
     return (head + body).encode()
+
+
+def _trajectory(of: Export) -> bytes:
+    """A controller of positions along a trajectory: a stepper has no loop."""
+    said = [
+        of.label, of.program,
+        "a stepper runs open-loop: it goes to the commanded positions, or loses steps unseen; keep accelerations to "
+        "those that drivesizer validate has simulated",
+    ]  # fmt: skip
+    head = "".join(f"# {_line(line)}\n" for line in said)
+    return (head + _POSITIONS.format(joint=JOINT)).encode()
 
 
 def _rate(of: Export) -> int:
@@ -121,6 +134,20 @@ _REMARKS = (
     "enable_feedforward is of 4.x and 5.0; later feedforward is always on; 2.x: the service set_feedforward_control",
     "the clamps limit p and i: the joint's effort, and the feedforward at the joint's velocity",
 )
+_POSITIONS = """controller_manager:
+  ros__parameters:
+    update_rate: 100  # Hz
+    joint_state_broadcaster:
+      type: joint_state_broadcaster/JointStateBroadcaster
+    joint_trajectory_controller:
+      type: joint_trajectory_controller/JointTrajectoryController
+
+joint_trajectory_controller:
+  ros__parameters:
+    joints: [{joint}]
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+"""
 _PARAMETERS = """controller_manager:
   ros__parameters:
     update_rate: {rate}  # Hz

@@ -58,6 +58,8 @@ def _transmission(root: Element, of: Export) -> None:
     transmission = SubElement(root, "transmission", name=f"{JOINT}_transmission")
     SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
     joint = SubElement(transmission, "joint", name=JOINT)
-    SubElement(joint, "hardwareInterface").text = "hardware_interface/EffortJointInterface"
+    SubElement(
+        joint, "hardwareInterface"
+    ).text = f"hardware_interface/{'Position' if of.stepper else 'Effort'}JointInterface"
     actuator = SubElement(transmission, "actuator", name="motor")
     SubElement(actuator, "mechanicalReduction").text = number(of.train.ratio)
