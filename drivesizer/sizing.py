@@ -40,6 +40,7 @@ from drivesizer.search.sifting import Progress
 from drivesizer.search.stepper_figures import STEPPER_ASSUMPTIONS
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.altitude import altitude_words
+from drivesizer.spec.mounting import mounting_words
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice, MotorChoice
 from drivesizer.units import show
@@ -161,6 +162,7 @@ def size(
         assumptions=(
             *_assumptions(problem.spec),
             *altitude_words(problem.spec),
+            *mounting_words(problem.spec),
             *_held(problem),
             *pulleys.assumptions(problem),
             *_of_data(spec, (*sets, *unsure)),

@@ -40,6 +40,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     },
     "equipment": {"Consumer": "Each of the list"},
     "environment": {"Environment": ""},
+    "mounting": {"Mounting": ""},
     "margins": {"Margins": ""},
     "needs": {"Needs": "", "Lives": "`life` by part"},
     "shaft": {"Shaft": ""},

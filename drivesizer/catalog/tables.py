@@ -171,6 +171,7 @@ class Catalog:
     tolerances: tuple[MakerTolerance, ...] = ()  # that makers state for their figures
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
     estimates: Mapping[str, Mapping[str, Estimates]] = field(default_factory=dict)  # by section and figure
+    mounted: bool = False  # whether thermal figures of motors are those of the spec's mounting
     ends: tuple[Catalog, ...] = ()  # as ``search_view`` makes it: with estimates at either end of their bands
 
     def table(self, section: str) -> Table[Any]:
@@ -195,6 +196,8 @@ class Catalog:
         for note in self.notes_on(section, str(table["part"][row])):
             if note.confidence:
                 found |= {name: note.confidence for name in (note.fields or known) if name in known}
+        if self.mounted and section == "motors":
+            found |= dict.fromkeys(known & {"thermal_resistance_housing", "motor_time_constant"}, "derived")
         estimated = (name for name in known if self.estimate_of(section, row, name))
         return found | dict.fromkeys(estimated, ESTIMATED)
 

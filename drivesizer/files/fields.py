@@ -21,8 +21,9 @@ __all__ = [
     "Coefficient", "Consumed", "Counterweight", "Current", "Density", "Distance", "Drop", "Duration", "Energy",
     "Exponent", "Factor", "Force", "Frequency", "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names",
     "Part", "Pause", "Place", "Power", "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share",
-    "SignedSpeed", "SignedTorque", "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature", "Thickness",
-    "Torque", "TorqueAbove", "Turning", "Velocity", "Voltage", "default", "exactly_one",
+    "SignedSpeed", "SignedTorque", "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature",
+    "ThermalResistance", "Thickness", "Torque", "TorqueAbove", "Turning", "Velocity", "Voltage", "default",
+    "exactly_one",
 ]  # fmt: skip
 
 Axis = Literal["linear", "rotary"]
@@ -111,6 +112,7 @@ Power = Annotated[float, Quantity("power", above=0.0)]
 Consumed = Annotated[float, Quantity("power", least=0.0)]
 Energy = Annotated[float, Quantity("energy", above=0.0)]
 Resistance = Annotated[float, Quantity("resistance", above=0.0)]
+ThermalResistance = Annotated[float, Quantity("thermal_resistance", above=0.0)]
 Capacitance = Annotated[float, Quantity("capacitance", above=0.0)]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]
 Temperature = Annotated[float, Quantity("temperature", above=0.0)]

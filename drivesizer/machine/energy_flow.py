@@ -19,7 +19,7 @@ import numpy as np
 from drivesizer.machine.set_cycle import SetCycle, lost_in_winding, supplied
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.load_cycle import integral
-from drivesizer.physics.motor_demand import friction, gear_loss
+from drivesizer.physics.motor_demand import friction, mean_gear_loss
 from drivesizer.physics.power_stage import at_input, lost_in_source
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.waveform import energy
@@ -119,7 +119,6 @@ def _at_the_shaft(found: SetCycle) -> dict[str, float]:
     """Mechanical power, means over the cycle [W]."""
     cycle, moments = found.cycle.load_cycle, found.cycle.moments
     c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])
-    (e,), (idle,) = gear_loss(found.gearhead)
     stepper = str(found.motor["kind"][0]) == "stepper"  # its friction is in its pull-out torque
     (coulomb,), _ = ((0.0,), 0.0) if stepper else friction(found.motor)
     driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # at the gearhead's output
@@ -128,7 +127,7 @@ def _at_the_shaft(found: SetCycle) -> dict[str, float]:
     return {
         "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED])
         + (0.0 if stepper else lost_in_winding(found) / cycle.total),
-        "gearhead": float(driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * turned),
+        "gearhead": float(mean_gear_loss(found.cycle, found.gearhead)[0]),
         "belt": float(driving + braking - work),
         "load": work,
         "rotor": float(c[ACCELERATION] * i * moments[ACCELERATION, SPEED]),

@@ -31,6 +31,7 @@ from drivesizer.physics.stress import heat, housing_loss, volts_of
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.altitude import rise_left
+from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -98,7 +99,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     cycle_speed, cycle_torque = _cycle(cycle, demand)
     rms_speed, rms_torque = _rms(cycle, demand, drive_set)
     return OperatingField(
-        **_lines(spec, drive_set, demand, _hot(spec, cycle, demand, motor), float(np.abs(cycle_speed).max())),
+        **_lines(spec, drive_set, demand, _hot(spec, cycle, demand, motor, gearhead), float(np.abs(cycle_speed).max())),
         hot_permitted=not np.isnan(drive_set.motor.max_winding_temperature),
         permissible_speed=float(np.fmin(drive_set.motor.max_speed, drive_set.gearhead.intermittent_input_speed)),
         cycle_speed=cycle_speed,
@@ -167,13 +168,14 @@ def _friction(demand: Demands, w: Any) -> Any:
     return demand.coefficients[0, DIRECTION] + demand.coefficients[0, SPEED] / demand.total_ratio[0] * w
 
 
-def _hot(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: OneRow) -> float:
+def _hot(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: OneRow, gearhead: OneRow) -> float:
     """Temperature of the hot winding [K]: the permitted one, for a line that is valid in any permitted cycle.
 
     Where that is unknown it is the mean of this cycle in the long run, and the line is this cycle's alone.
     """
     permitted = float(motor["max_winding_temperature"][0])
-    steady = float(heat(spec.environment.ambient, cycle, demand, motor).winding[0])
+    at_flange = loss_at_flange(spec, cycle, gearhead)
+    steady = float(heat(spec.environment.ambient, cycle, demand, motor, from_gearhead=at_flange).winding[0])
     return steady if np.isnan(permitted) and np.isfinite(steady) else permitted
 
 

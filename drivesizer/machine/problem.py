@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.view.mounted import Housing, with_mounting
 from drivesizer.catalog.view.own_brake import with_own_brake
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.machine.pulleys import belt_drives
 from drivesizer.machine.supply_unit import with_parts_of_supply
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
+from drivesizer.physics.thermal import with_plate
 from drivesizer.results.problem import LoadCase, Problem
+from drivesizer.spec.mounting import Mounting
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["changed", "problem", "quickest_winding"]
@@ -44,6 +48,8 @@ def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
     """
     if machine.brake:
         catalog = with_own_brake(catalog, machine.brake.figures)
+    if machine.mounting is not None and machine.mounting.changes_housing:
+        catalog = with_mounting(catalog, _housings(machine.mounting), estimates=machine.select.estimates == "on")
     machine = with_parts_of_supply(machine, catalog)
     belts, quickest = belt_drives(machine, catalog), quickest_winding(catalog)
     cases = tuple(
@@ -51,6 +57,15 @@ def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
         for number, name, spec in load_cases(machine)
     )
     return Problem(machine=machine, catalog=catalog, cases=cases, belts=belts)
+
+
+def _housings(one: Mounting) -> tuple[Housing, Housing, Housing]:
+    """Thermal resistance as mounted: nominal, and at the favourable and unfavourable end of its band."""
+    if one.plate_resistance is not None:
+        beside = partial(with_plate, plate=one.plate_resistance)
+        return beside, beside, beside
+    value, low, high = (partial(np.multiply, share) for share in one.share)
+    return value, low, high
 
 
 def _at_belt(spec: RobotSpec, quickest: float) -> CycleAtBelt:

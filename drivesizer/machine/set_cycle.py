@@ -24,6 +24,7 @@ from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import Wave, balanced, lost, mean_square
 from drivesizer.physics.winding_course import WindingCourse, current_and_winding
 from drivesizer.results.drive_set import DriveParts
+from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "turned", "warming", "waveform"]
@@ -101,7 +102,8 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
     """
     motor, gearhead = OneRow(drive_set.motor), OneRow(drive_set.gearhead)
     cycle, demand = turned(spec, drive_set, base)
-    heating = heat(spec.environment.ambient, cycle, demand, motor)
+    at_flange = loss_at_flange(spec, cycle, gearhead)
+    heating = heat(spec.environment.ambient, cycle, demand, motor, from_gearhead=at_flange)
     flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
     feed = spec.feed_of(drive_set.controller, drive_set.brake)
     return SetCycle(

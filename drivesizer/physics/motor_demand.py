@@ -24,7 +24,7 @@ from drivesizer.physics.cycle_at_gearhead import (
     lacking,
 )
 
-__all__ = ["DRY_SHARE", "SLOTLESS", "Demands", "demands", "friction", "gear_loss"]
+__all__ = ["DRY_SHARE", "SLOTLESS", "Demands", "demands", "flange_loss", "friction", "gear_loss", "mean_gear_loss"]
 
 SLOTLESS = "slotless"  # a winding without iron teeth
 DRY_SHARE = {SLOTLESS: 0.37, "": 0.55}  # of a brushless motor's no-load torque, by its winding; sources: ``friction``
@@ -161,3 +161,51 @@ def gear_loss(gearhead: Any) -> tuple[Array, Array]:
     known = ~np.isnan(idle + gearhead["continuous_torque"])
     share = 1 / e - gearhead["ratio"] * idle / gearhead["continuous_torque"]
     return np.where(known, 1 / np.maximum(share, 1.0), e), np.where(known, idle, 0.0)
+
+
+def mean_gear_loss(at: AtGearhead, gearhead: Any) -> Array:
+    r"""Power that gearheads lose, mean over a cycle.
+
+    .. math:: P_g = P_+ (1/e - 1) + P_- (1 - e) + T_0 \overline{|w|}
+
+    with the mean power at the output that drives the load, P_+, and that which brakes it, P_-, and the speed w of the
+    motor; e and T_0 are those of ``gear_loss``.
+
+    Parameters
+    ----------
+    at
+        The load cycle at the gearhead's output.
+    gearhead
+        Figures of gearheads by field name: columns.
+
+    Returns
+    -------
+    array
+        [W], of each gearhead.
+    """
+    e, idle = gear_loss(gearhead)
+    driving, braking = at.moments[DRIVING, SPEED], at.moments[BRAKING, SPEED]
+    turned = at.moments[DIRECTION, SPEED] * gearhead["ratio"]
+    found: Array = driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * turned
+    return found
+
+
+def flange_loss(at: AtGearhead, gearhead: Any) -> Array:
+    """Loss of gearheads over a cycle, per speed of their output, so that its mean is theirs.
+
+    Parameters
+    ----------
+    at
+        The load cycle at the gearhead's output.
+    gearhead
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    Array
+        [W*s/rad]; 0 of a cycle at rest, NaN where the efficiency is unknown.
+    """
+    if not at.acts[SPEED]:
+        return np.zeros(len(gearhead["ratio"]))
+    found: Array = mean_gear_loss(at, gearhead) / at.moments[DIRECTION, SPEED]
+    return found

@@ -114,7 +114,12 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
 
 
 def heat(
-    ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any, losses: tuple[Array, Array] | None = None
+    ambient: Figure,
+    cycle: AtGearhead,
+    demands: Demands,
+    motor: Any,
+    losses: tuple[Array, Array] | None = None,
+    from_gearhead: Array | float = 0.0,
 ) -> Heat:
     """Losses at the housing, and mean temperature of the winding in the long run.
 
@@ -130,6 +135,8 @@ def heat(
         Figures of the motors by field name: columns.
     losses
         What ``housing_loss`` gives, where it is at hand.
+    from_gearhead
+        Loss of the gearhead that heats the housing, per speed of its output [W*s/rad].
 
     Returns
     -------
@@ -139,6 +146,8 @@ def heat(
     rubbing, iron = losses or housing_loss(motor, demands.total_ratio)
     if not cycle.acts[SPEED]:  # no friction at rest
         rubbing, iron = np.zeros_like(rubbing), np.zeros_like(iron)
+    elif np.any(from_gearhead):  # NaN too
+        rubbing = rubbing + from_gearhead
     moments = cycle.moments
     mean = rubbing * moments[DIRECTION, SPEED] + iron * moments[SPEED, SPEED]
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 __all__ = [
     "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",
     "data_temperature", "nominal_current", "rated_ambient", "resistance_25", "resistance_at",
-    "settled", "steady_winding_temperature", "two_bodies",
+    "settled", "steady_winding_temperature", "two_bodies", "with_plate",
 ]  # fmt: skip
 
 Value = float | NDArray[np.float64]
@@ -349,3 +349,28 @@ def continuous_torque(k_t: Value, I_0: Value, current: Value) -> Value:
     """
     found: Value = np.maximum(k_t * (current - I_0), 0.0)
     return found
+
+
+def with_plate(housing: Value, plate: Value) -> Value:
+    r"""Thermal resistance of a housing and a plate beside it, both to ambient, :math:`1 / (1/R_{th2} + 1/R_p)` [K/W].
+
+    Parameters
+    ----------
+    housing
+        Of the housing to ambient [K/W].
+    plate
+        From the flange through the plate to ambient [K/W].
+
+    Returns
+    -------
+    float or array
+        [K/W]
+
+    Examples
+    --------
+    ServoTube 3804 (installation guide): 0.87 K/W alone, 0.61 with a plate of 25 x 25 x 2.5 cm, thus of 2.04 K/W:
+
+    >>> round(with_plate(0.87, 2.04), 2)
+    0.61
+    """
+    return 1.0 / (1.0 / housing + 1.0 / plate)

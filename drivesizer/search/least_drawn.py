@@ -26,6 +26,7 @@ from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.offers import Offers, offers
 from drivesizer.search.columns.stages import brakes_of, encoders_of, felt
 from drivesizer.search.uncertainty.sampled_battery import Draw, columns_of, feeding
+from drivesizer.spec.mounting import loss_at_flange
 
 __all__ = ["battery_failures", "least_power"]
 
@@ -100,6 +101,7 @@ def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: C
     demand = demands(cycles[number], motor, gearhead, encoder, braked)
     cold = np.asarray(resistance_at(resistance_25(motor), ambient))
     turning = demand.total_ratio * (demand.coefficients @ cycles[number].moments[:, SPEED])
-    winding = heat(ambient, cycles[number], demand, motor).winding
+    at_flange = loss_at_flange(problem.cases[number].spec, cycles[number], gearhead)
+    winding = heat(ambient, cycles[number], demand, motor, from_gearhead=at_flange).winding
     known = demand.complete & np.isfinite(winding) & np.isfinite(motor["max_winding_temperature"])
     return np.where(known, cold * demand.rms_current**2 + turning, np.nan)

@@ -38,6 +38,8 @@ _RATED = "max_winding_temperature"  # of brushless motors no figure of its own: 
 _FOLLOWS: dict[Figure, Figure] = {
     ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
 }
+_HOUSING: Figure = ("motors", "thermal_resistance_housing")
+_WITH_THE_HOUSING = ("motor_time_constant", "nominal_current", "nominal_torque")  # as ``catalog.view.mounted`` has them
 
 
 class Turn(NamedTuple):
@@ -70,13 +72,24 @@ def estimated_figures(problem: Problem, motor: int, gearhead: int, brake: int = 
     brushed = problem.catalog.motors["kind"][motor] == "brushed"
     found = []
     own = {"motors": motor, "gearheads": gearhead} | ({"brakes": brake} if brake >= 0 else {})
+    follows = _followers(problem.catalog, motor)
     for section, row in own.items():
         for name, column in columns_of(section).items():
             ends = low.table(section)[name][row], high.table(section)[name][row]
             leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or brushed)
+            leads = leads and (section, name) not in follows
             if column.kind != "text" and leads and ends[0] != ends[1] and ends[0] == ends[0]:
                 found.append((section, name))
     return found
+
+
+def _followers(catalog: Catalog, motor: int) -> dict[Figure, Figure]:
+    """Figures of a mounted motor that follow its housing's thermal resistance; brushes have a limit of their own."""
+    if not catalog.mounted:
+        return {}
+    low, high = (end.motors[_HOUSING[1]][motor] for end in catalog.ends)
+    names = _WITH_THE_HOUSING[: 1 if catalog.motors["kind"][motor] == "brushed" else None]
+    return dict.fromkeys((("motors", name) for name in names), _HOUSING) if low != high else {}
 
 
 def passing(
@@ -248,10 +261,11 @@ def _braked(catalog: Catalog, one: Candidates, every: NDArray[np.int64]) -> dict
 def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapping[Figure, Array]) -> Table[Any]:
     table = catalog.table(section).taken(rows)
     inside = section != "brakes" and bool(table["inside"][0] != "")
+    follows = (_FOLLOWS if inside else {}) | (_followers(catalog, int(rows[0])) if section == "motors" else {})
     columns = dict(table.columns)
     for name, column in columns_of(section).items():
         own = (section, name)
-        by = points.get(_FOLLOWS.get(own, own) if inside else own, points.get(own))
+        by = points.get(follows.get(own, own), points.get(own))
         if by is not None and column.kind != "text":
             columns[name] = _moved(catalog, own, rows, by)
     if section == "motors":

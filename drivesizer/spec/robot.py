@@ -33,6 +33,7 @@ from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.lives import Lives
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
+from drivesizer.spec.mounting import Mounting
 from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.sections import (
     Case,
@@ -82,6 +83,7 @@ class RobotSpec(Section):
     power_stage: PowerStage = Field(default_factory=PowerStage)
     shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
     environment: Environment = Field(default_factory=Environment)
+    mounting: Mounting | None = Field(default=None, description="of the motor; as printed where not given")
     needs: Needs = Field(default_factory=Needs)
     brake: OwnBrake | None = Field(default=None, description="out of the catalogues where not given")
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
@@ -120,6 +122,14 @@ class RobotSpec(Section):
         named = self.select.gearhead.named.values()
         if self.is_direct and {name for names in named for name in names} - {DIRECT}:
             raise ValueError(f"select: with kind: {DIRECT} as transmission there is none; leave gearhead out")
+        return self
+
+    @model_validator(mode="after")
+    def _mounted(self) -> RobotSpec:
+        if self.mounting is not None and self.steps:
+            raise ValueError("mounting: the heat of steppers is not computed; leave it out")
+        if self.mounting is not None and self.method == "paper":
+            raise ValueError("mounting: the paper's method knows no heat; leave it out, or method: physics")
         return self
 
     def _check_gear(self) -> None:

@@ -32,7 +32,7 @@ from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
 from drivesizer.physics.stepper.starting import START_BAND
 from drivesizer.physics.thermal import continuous_current, rated_ambient, resistance_25, steady_winding_temperature
 
-__all__ = ["ASSUMED", "CONVECTION", "DENSITY", "by_rating"]
+__all__ = ["ASSUMED", "CONVECTION", "DENSITY", "MOUNTED", "by_rating"]
 
 CONVECTION = 10.0  # W/m^2 K
 DENSITY = 2000.0  # kg/m^3, of an actuator whole
@@ -83,6 +83,17 @@ ASSUMED: tuple[Fit, ...] = (
     _law("", "mass", 0.2, {"static_torque": 0.68}, _BRAKES, 2.5, "brakes"),
     _law("", "power", 8.8, {"static_torque": 0.285}, _BRAKES, 1.6, "brakes"),
     Fit(
+        Law("", "", "thermal_resistance_housing", ("thermal_resistance_housing",)),
+        (),
+        (0.0, 0.0),
+        (0.0, 0.0),
+        (),
+        0,
+        0,
+        (),
+        "the mounting of the spec",
+    ),
+    Fit(
         Law("", "", "max_winding_temperature", ("nominal_current", "resistance", *_R_TH)),
         (),
         (0.0, 0.0),
@@ -95,6 +106,7 @@ ASSUMED: tuple[Fit, ...] = (
     ),
 )
 _RATED = -1  # the last of all laws: that of ``by_rating``
+MOUNTED = -2  # and the one before it: that of ``catalog.view.mounted``
 
 
 def by_rating(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:

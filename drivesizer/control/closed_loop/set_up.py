@@ -18,16 +18,19 @@ from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution
 from drivesizer.control.loop_design import designed, edges_of
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
+from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.at_shaft import at_shaft, remaining_torque
 from drivesizer.loads.course import Profile
+from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.ratings import controller_current
+from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["FOLLOWS", "Prepared", "prepared"]
+__all__ = ["FOLLOWS", "Prepared", "motor_heat", "prepared"]
 
 FOLLOWS = 0.1  # of the top speed: a drive whose error exceeds it does not follow (our convention)
 _DRAIN = 0.05  # s: slow for the current loop, short for a rest between two motions (our choice)
@@ -75,7 +78,7 @@ def prepared(
     _sampled(controller, profile)
     feed = spec.feed_of(drive_set.controller, drive_set.brake)
     usable = float(feed.usable)
-    heat, lacks = _heat(spec, drive_set)
+    heat, lacks = motor_heat(spec, drive_set)
     drive = _drive(spec, drive_set, train, controller, heat, feed)
     return Prepared(train, controller, usable, drive, _task(spec, profile, train), (*said, *lacks))
 
@@ -150,13 +153,36 @@ def _drive(
     )  # fmt: skip
 
 
-def _heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None, list[str]]:
-    """Winding and housing with their losses, and assumptions; None where a figure is unknown."""
+def _from_gearhead(spec: RobotSpec, drive_set: DriveParts) -> float:
+    """Loss of the gearhead that heats the housing, per speed of the motor, by the mean of the load cycle [W*s/rad]."""
+    if not (spec.mounting and spec.mounting.gear_loss_share):
+        return 0.0
+    gearhead = {name: np.array([value]) for name, value in asdict(drive_set.gearhead).items()}
+    cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, math.inf).behind(drive_set.belt_ratio)
+    return float((loss_at_flange(spec, cycle, gearhead) / gearhead["ratio"])[0])
+
+
+def motor_heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None, list[str]]:
+    """Winding and housing of a motor with their losses.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    drive_set
+        The drive.
+
+    Returns
+    -------
+    tuple
+        The bodies, None where a figure is unknown or the spec wants them cold; and assumptions, as sentences.
+    """
     figures = asdict(drive_set.motor)
     bodies: TwoBodies = two_bodies(figures)
     if not (bodies.known and spec.plant.warming):
         return None, []
     coulomb, viscous = (float(x[0]) for x in housing_loss(figures, np.ones(1)))
+    coulomb += _from_gearhead(spec, drive_set)
     losses = {"loss_torque": coulomb, "loss_viscous": viscous}
     known = {name: loss for name, loss in losses.items() if not math.isnan(loss)}
     said = (

@@ -36,6 +36,7 @@ from drivesizer.search.columns.powered import Moving, Powered, powered
 from drivesizer.search.columns.shaft_limits import loads_on_motors
 from drivesizer.search.columns.steppers import Frictionless, stepped
 from drivesizer.search.columns.survivors import Alone, Sieve
+from drivesizer.spec.mounting import loss_at_flange
 
 __all__ = ["Examined", "brakes_of", "encoders_of", "examine", "felt"]
 
@@ -168,7 +169,8 @@ def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, sta
 
 def _moving(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
     demand = demands(cycle, parts.motor, parts.gearhead, parts.encoder, felt(cycle, parts))
-    return Moving(demand, heat(case.spec.environment.ambient, cycle, demand, parts.motor))
+    at_flange = loss_at_flange(case.spec, cycle, parts.gearhead)
+    return Moving(demand, heat(case.spec.environment.ambient, cycle, demand, parts.motor, from_gearhead=at_flange))
 
 
 def felt(cycle: AtGearhead, parts: Parts) -> Any:

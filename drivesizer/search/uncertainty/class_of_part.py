@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from drivesizer.catalog import DIRECT, Catalog
+from drivesizer.catalog.estimates.assumed import MOUNTED
 from drivesizer.catalog.maker_tolerances import MakerTolerance, maker_tolerances_of, owner_of
 from drivesizer.catalog.tables import ESTIMATED, Table
 from drivesizer.catalog.tolerances.classes import (
@@ -127,7 +128,7 @@ def _of_peers(catalog: Catalog, default: Class, part: str, row: int) -> Class | 
     """The class of a figure that is estimated: the band of its law; None where the catalogue has the figure."""
     for name in _COLUMNS.get((part, default.figure), ()):
         one = catalog.estimate_of(_SECTIONS[part], row, name)
-        if one is None:
+        if one is None or one.fit == MOUNTED:  # a mounting is no property of the part
             continue
         value, low, high = (1.0 / x - 1.0 if name == "efficiency" else x for x in one[:3])  # of losses per torque
         least, most = sorted((low / value, high / value))

@@ -40,6 +40,7 @@ from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, battery_limits
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 from drivesizer.search.uncertainty.sampled_waveform import moments
+from drivesizer.spec.mounting import loss_at_flange
 
 __all__ = [
     "Block",
@@ -316,7 +317,9 @@ def loaded(spec: Any, at: AtSamples, parts: Parts, factors: Mapping[str, Array],
     """
     required = demands(at, parts.motor, parts.gearhead, parts.encoder, felt(at, parts))
     at.keep(required.coefficients)
-    warmth = heat(spec.environment.ambient, at, required, parts.motor, _losses(parts.motor, required, factors))
+    losses = _losses(parts.motor, required, factors)
+    at_flange = loss_at_flange(spec, at, parts.gearhead)
+    warmth = heat(spec.environment.ambient, at, required, parts.motor, losses, at_flange)
     feed = spec.feed(parts.controller, parts.brake)
     peaks = stress(spec.environment.ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)
     figures = moments(spec, at, required, warmth, peaks, parts, feed, energies=energies)
