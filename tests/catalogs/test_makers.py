@@ -73,7 +73,7 @@ MAKERS: dict[str, dict[str, int]] = {
     # 57HS04, 09, 13, 22; 57HS04 has no parallel wiring; 57CM, CS-M and 42CM
     "leadshine": counted(steppers=2 + 3 + 3 + 3 + 3 + 2 + 4),
     "mclennan": counted(steppers=1), "motionking": counted(steppers=1),
-    "oriental_motor": counted(steppers=5 - 1 + 4),  # without PK243B1-SG18, a gearmotor; PKP
+    "oriental_motor": counted(motors=10 - 2 - 2, steppers=5 - 1 + 4),  # no PK243B1-SG18; PKP
     "parker": counted(steppers=1),
     "phytron": pin(steppers=8 + 1),  # 8 counted; phyBasic is of another list
     "trinamic": counted(steppers=1 + 3) | pin(controllers=1),
@@ -103,7 +103,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "mitsubishi": counted(motors=15 + 5 + 5 + 5 + 7 + 5, brakes=21),
     "nidec": counted(motors=5),
     "panasonic": counted(motors=6 + 12 + 3 + 12), "siemens": counted(motors=32, brakes=8 + 9),
-    "yaskawa": counted(motors=15 + 17 + 11 + 7 + 5 + 4 + 6 + 6 + 3, brakes=10),  # both sources where they have a motor
+    "yaskawa": counted(motors=15 + 17 + 11 + 7 + 5 + 4 + 6 + 6 + 3, gearheads=13, brakes=10),  # of both sources
     # holding brakes: those whose torque is known
     "emerson": counted(brakes=4), "intorq": counted(brakes=5), "pi": counted(brakes=1),
     # motors without a gearhead
@@ -172,12 +172,16 @@ def test_how_many_parts(name: str, shelf: dict[str, Catalog]) -> None:
 
 @pytest.mark.parametrize("name", MAKERS)
 def test_only_motors_without_gearhead_are_paired(name: str, shelf: dict[str, Catalog]) -> None:
-    """No list of these makers says what fits what, but for brakes: motors drive the load themselves, once each."""
+    """No list of these makers says what fits what, but for brakes and Yaskawa's gears: each motor drives directly."""
     catalog = shelf[name]
     motors = MAKERS[name].get("motors", 0)
-    gearheads = catalog.gearheads["part"]
-    assert catalog.motor_gearhead.left.tolist() == list(range(motors))
-    assert set(gearheads[catalog.motor_gearhead.right].tolist()) == ({DIRECT} if motors else set())
+    pairs = catalog.motor_gearhead
+    gearheads = catalog.gearheads["part"][pairs.right]
+    assert pairs.left[gearheads == DIRECT].tolist() == list(range(motors))
+    names = zip(catalog.motors["part"][pairs.left].tolist(), gearheads.tolist(), strict=True)
+    geared = [(motor, gear) for motor, gear in names if gear != DIRECT]
+    assert len(geared) == (13 if name == "yaskawa" else 0)
+    assert all(gear.startswith(motor + "J") for motor, gear in geared)  # whose type names the motor
     assert all(
         not len(getattr(catalog, relation).left) for relation in RELATIONS.keys() - {"motor_gearhead", "motor_brake"}
     )
@@ -196,6 +200,10 @@ ROWS: list[tuple[str, str, str, Figures]] = [
     ("mitsubishi", "brakes", "HG-KR/HG-MR 23 43 B", {"static_torque": "1.3 N*m", "power": "7.9 W",
      "release_time": "30 ms", "engage_time": "20 ms", "energy_per_stop": "22 J", "energy_per_hour": "220 J",
      "backlash": "1.2 deg"}),
+    ("yaskawa", "gearheads", "SGMAH-01AJC", {"ratio": "21", "continuous_torque": "5.34 N*m",
+     "intermittent_torque": "18.1 N*m", "efficiency": "80 %", "inertia": "3.5e-6 kg*m^2"}),
+    ("oriental_motor", "motors", "NX640AS-3", {"nominal_torque": "1.27 N*m", "peak_torque": "3.82 N*m",
+     "rotor_inertia": "2.91e-5 kg*m^2", "mass": "1.5 kg"}),
     ("yaskawa", "brakes", "SGMGV-09", {"static_torque": "12.7 N*m", "power": "10 W", "release_time": "100 ms"}),
     ("br_automation", "brakes", "8JSA4", {"static_torque": "5.3 N*m", "power": "12.8 W", "inertia": "0.068 kg*cm^2",
      "mass": "0.63 kg"}),
@@ -838,11 +846,12 @@ def test_a_ratio_of_one_is_no_gear(insides: dict[str, list[Inside]]) -> None:
 
 
 def test_gearheads_gear_down(shelf: dict[str, Catalog]) -> None:
-    """And none is paired with a motor: only the lack of a gearhead has ratio 1."""
+    """And none but Yaskawa's is paired with a motor: only the lack of a gearhead has ratio 1."""
     for hit in every(shelf, ["gearheads"]):
         assert hit["ratio"] >= 3, hit.part
-    for catalog in shelf.values():
-        assert set(catalog.gearheads["ratio"][catalog.motor_gearhead.right].tolist()) <= {1.0}
+    for name, catalog in shelf.items():
+        paired = set(catalog.gearheads["ratio"][catalog.motor_gearhead.right].tolist())
+        assert paired <= {1.0} or name == "yaskawa", name
 
 
 # --- where it comes from ---------------------------------------------------------------------------------------------
