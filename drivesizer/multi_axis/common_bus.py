@@ -101,9 +101,8 @@ def common_bus(
         powers = [from_start(fitted(p, window), axis.start) for axis, p in zip(axes, powers, strict=True)]
     if len(axes) == 1 or (synchronised and not isnan(window)):
         total = exchanged(powers, feed)
-        return CommonBus(
-            shared, feed, powers, total, regenerated_of(name, shared, total), (total,), cycle, (), False, ()
-        )
+        on_bus = regenerated_of(name, shared, total)
+        return CommonBus(shared, feed, powers, total, on_bus, (total,), cycle, (), synchronised, ())
     groups = _groups(axes, waits, powers)
     apart = tuple(exchanged([powers[k] for k in group], feed) for group in groups)
     window = _shown(powers) if isnan(window) else window

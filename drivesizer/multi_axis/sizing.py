@@ -10,6 +10,7 @@ from typing import Any
 from drivesizer.catalog import Catalog
 from drivesizer.machine.budgets import rows_of_drive
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, best_combination
+from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, of_all_drives
 from drivesizer.results.problem import Problem
@@ -118,6 +119,7 @@ def size_machine(
     found = best_combination(machine.order, carried, sized, most)
     axes = tuple(_axis(sizings, carried, found, axis.name) for axis in machine.axes)
     objectives = dict.fromkeys(title_of(sizings.objective(axis.name)) for axis in machine.axes)
+    power = machine_power(machine, axes)
     return MachineSizing(
         machine=machine,
         axes=axes,
@@ -125,6 +127,8 @@ def size_machine(
         searches=len(sizings.made),
         certain=found.certain and all(_bounded(sizings, axis.name) for axis in machine.axes),
         notes=tuple(_notes(machine, found, axes)),
+        checks=power.checks if power else (),
+        power=power,
     )
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from math import isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from drivesizer.catalog import Catalog, Note, Source, columns_of
+from drivesizer.catalog import BrakeResistor, Catalog, Note, Source, columns_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
 from drivesizer.machine.mass_budget import drive_rows
@@ -169,7 +169,7 @@ def _together(equal: Sequence[tuple[str, PartLine]]) -> SharedLine:
 
 
 def _common_supply(sizing: MachineSizing) -> Iterator[SharedLine]:
-    """The power supply of all axes; that of a single one is in its own list."""
+    """Power supply and brake resistor of all axes; those of a single one are in its own list."""
     part = sizing.machine.supply.part
     on_it = tuple(axis.name for axis in sizing.machine.axes if not axis.own_supply)
     catalogs = (axis.result.problem.catalog for axis in sizing.axes)
@@ -177,6 +177,11 @@ def _common_supply(sizing: MachineSizing) -> Iterator[SharedLine]:
     if part is not None and listed is not None:
         unit = listed.power_supplies.record(listed.power_supplies.rows[part])
         yield SharedLine(_line("power supply", unit, listed, 1, {"mass": unit.mass}), on_it)
+    resistor = sizing.power.braking.resistor if sizing.power and sizing.power.braking else None
+    if resistor is not None:
+        every = [axis.result.problem.catalog for axis in sizing.axes]
+        catalog = next((one for one in every if resistor.part in one.brake_resistors.rows), every[0])
+        yield SharedLine(_resistor_line(resistor, catalog), on_it)
 
 
 def _place(role: str) -> int:
@@ -229,13 +234,14 @@ def _of_the_supply(found: DriveSet, problem: Problem) -> Iterator[PartLine]:
         yield _line("power supply", part, catalog, 1, {"mass": part.mass})
     resistor = found.braking.resistor if found.braking else None
     if resistor is not None:
-        listed = resistor.part != ""
-        said = SAID["brake resistor"](resistor)
-        yield (
-            _line("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
-            if listed
-            else PartLine(role="brake resistor", said=said, quantity=1)
-        )
+        yield _resistor_line(resistor, catalog)
+
+
+def _resistor_line(resistor: BrakeResistor, catalog: Catalog) -> PartLine:
+    """A brake resistor of a catalogue, or one that the spec gives."""
+    if resistor.part:
+        return _line("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
+    return PartLine(role="brake resistor", said=SAID["brake resistor"](resistor), quantity=1)
 
 
 def _gear_line(gear: GearStage, drives: int) -> PartLine:

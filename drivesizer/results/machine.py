@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from drivesizer.results.check import Check, Status, verdict
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.machine_power import MachinePower
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
@@ -88,6 +89,7 @@ class MachineSizing:
     certain: bool  # whether no other choice of carried drives can be better by the objective
     notes: tuple[str, ...]  # how the drives were chosen, as sentences
     checks: tuple[Check, ...] = ()  # of the supply, battery and budget of all axes together
+    power: MachinePower | None = None  # of all axes on the supply; None of one axis, or where one has no drive
 
     @property
     def status(self) -> Status:

@@ -12,7 +12,7 @@ from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, Status, verdict
 from drivesizer.results.energy import EnergyBudget
 
-__all__ = ["Exceeded", "MachinePower"]
+__all__ = ["Course", "Exceeded", "MachinePower"]
 
 Array = NDArray[np.float64]
 
@@ -24,6 +24,16 @@ class Exceeded(NamedTuple):
     limit: float  # W out of the source
     least: float  # share of the time, 1; both are the same but for the width of the pieces
     most: float
+
+
+class Course(NamedTuple):
+    """Mean powers of pieces of time."""
+
+    time: Array  # s, ends of the pieces
+    drawn: Array  # W, of each axis a row
+    returned: Array
+    total: Array  # W
+    left: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,3 +67,25 @@ class MachinePower:
     def status(self) -> Status:
         """Of all checks together."""
         return verdict(self.checks)
+
+    def course(self, most: int = 1000) -> Course:
+        """Power over time in no more than so many pieces, neighbours taken together by their mean.
+
+        Parameters
+        ----------
+        most
+            Pieces at most.
+
+        Returns
+        -------
+        Course
+            Of the same energies.
+        """
+        size = -(-len(self.total) // most)
+        first = np.arange(0, len(self.total), size)
+        time = np.append(self.time[:-1][first], self.time[-1])
+
+        def mean(rows: Array) -> Array:
+            return np.asarray(np.add.reduceat(rows * np.diff(self.time), first, axis=-1) / np.diff(time))
+
+        return Course(time, *map(mean, (self.drawn, self.returned, self.total, self.left)))

@@ -256,6 +256,9 @@ def read_machine(source: YamlSource) -> MachineSpec:
     if not alone:
         shared = {name: value for name, value in shared.items() if name not in _WHOLE}
     axes = tuple(_axis(source, shared, name, own, alone) for name, own in head.axes.items())
+    if not alone:
+        _check_whole(source, head)
+        axes = tuple(_on_common_bus(axis, head.brake_resistor) for axis in axes)
     machine = MachineSpec(
         name=head.name,
         axes=axes,
@@ -272,6 +275,27 @@ def read_machine(source: YamlSource) -> MachineSpec:
         source=source,
     )
     return replace(machine, order=_order(machine))
+
+
+def _check_whole(source: YamlSource, head: _Machine) -> None:
+    """Refuse sections of the machine that do not go together: each as it is refused of a single axis."""
+    name, own = next(iter(head.axes.items()))
+    shared = {field: value for field, value in source.data.items() if field not in _OWN}
+    sections = {field: value for field, value in own.items() if field not in (*_Axis.model_fields, "supply")}
+    read_spec(overlay(source, ("axes", name), {**shared, "name": name}, sections))
+
+
+def _on_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
+    """The axis on a bus that rises to its chopper's voltage, for the choice of its controllers."""
+    volts = resistor.chopper_voltage if resistor else None
+    if volts is None or axis.own_supply:
+        return axis
+
+    def raised(spec: RobotSpec) -> RobotSpec:
+        highest = max(volts, spec.supply.highest)
+        return spec.model_copy(update={"supply": spec.supply.model_copy(update={"max": highest})})
+
+    return replace(axis, spec=axis.spec.changed(raised))
 
 
 def _head(source: YamlSource) -> _Machine:

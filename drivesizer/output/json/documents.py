@@ -67,7 +67,7 @@ def _part(
     return {k: number(v) if isinstance(v, float) else (v or None) for k, v in values.items()}
 
 
-def _check(check: Check) -> schema.Check:
+def check_document(check: Check) -> schema.Check:
     def shown(value: float) -> float | None:
         return number(from_si(value, check.unit, check.kind)) if isfinite(value) else None
 
@@ -159,15 +159,15 @@ def drive_set(found: DriveSet) -> schema.Set:
         "objective": number(found.objective),
         "objective_of": list(found.objective_of),
         "requirements": {r.name: requirement(r) for r in found.requirements},
-        "figures": {figure.name: _figure(figure) for figure in found.figures},
+        "figures": {figure.name: figure_document(figure) for figure in found.figures},
         "results": {
             checks[0].method: _result(checks) for checks in (found.checks, found.beside, found.budget) if checks
         },
-        "checks": [_check(check) for check in found.every_check],
-        "machine": [{"name": f.name, "title": f.title, **_figure(f)} for f in found.machine],
+        "checks": [check_document(check) for check in found.every_check],
+        "machine": [{"name": f.name, "title": f.title, **figure_document(f)} for f in found.machine],
         "masses": [_mass(row) for row in found.masses],
-        "energy": _energy(found.energy) if found.energy else None,
-        "braking": _braking(found.braking) if found.braking else None,
+        "energy": energy_document(found.energy) if found.energy else None,
+        "braking": braking_document(found.braking) if found.braking else None,
         "changes": [_relaxation(r) for r in found.changes],
         "reliability": reliability(found.reliability),
         "pieces": [_piece(one) for one in found.pieces],
@@ -195,7 +195,7 @@ def _mass(row: MassRow) -> schema.Mass:
             "band_kg": list(row.band) if row.band else None}  # fmt: skip
 
 
-def _energy(budget: EnergyBudget) -> schema.Energy:
+def energy_document(budget: EnergyBudget) -> schema.Energy:
     """Consumers and figures of the battery; null is unknown, or unbounded where nothing is drawn."""
     return {
         "battery": budget.battery,
@@ -210,16 +210,16 @@ def _energy(budget: EnergyBudget) -> schema.Energy:
             }
             for one in budget.consumers
         ],
-        "figures": {figure.name: _figure(figure) for figure in budget.figures},
+        "figures": {figure.name: figure_document(figure) for figure in budget.figures},
         "assumptions": list(budget.assumptions),
     }
 
 
-def _braking(budget: BrakingBudget) -> schema.Braking:
+def braking_document(budget: BrakingBudget) -> schema.Braking:
     """Figures of regenerated energy, and the resistor that burns it; null is unknown, or unbounded."""
     return {
         "resistor": _part(budget.resistor) if budget.resistor else None,
-        "figures": {figure.name: _figure(figure) for figure in budget.figures},
+        "figures": {figure.name: figure_document(figure) for figure in budget.figures},
         "assumptions": list(budget.assumptions),
     }
 
@@ -267,7 +267,7 @@ def explanation(found: Explanation) -> dict[str, Any]:
     }
 
 
-def _figure(figure: Figure) -> schema.Figure:
+def figure_document(figure: Figure) -> schema.Figure:
     shown = number(from_si(figure.value, figure.unit, figure.kind)) if isfinite(figure.value) else None
     return {"value": shown, "unit": figure.unit, "si": number(figure.value), "at_time_s": figure.at_time}
 
@@ -288,8 +288,8 @@ def validation(proof: Validation) -> schema.Proof:
             {"place": gain.place, "name": gain.name, "value": gain.value, "unit": gain.unit}
             for gain in proof.controller_gains
         ],
-        "figures": {figure.name: _figure(figure) for figure in proof.figures},
-        "checks": [_check(check) for check in proof.checks],
+        "figures": {figure.name: figure_document(figure) for figure in proof.figures},
+        "checks": [check_document(check) for check in proof.checks],
         "loops": [loop_document(loop) for loop in proof.loops],
         "assumptions": list(proof.assumptions),
         "warnings": list(proof.warnings),

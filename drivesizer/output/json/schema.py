@@ -198,10 +198,24 @@ Carried = TypedDict("Carried", {
     "distance_m": Annotated[float | None, Field(description="null: along a line")], "unknown_mass_of": list[str],
 })  # fmt: skip
 MachineAxis = TypedDict("MachineAxis", {"drives": Count, "carried": list[Carried], "sizing": Sizing})
+Exceeded = TypedDict("Exceeded", {"check": str, "limit_W": float, "share_least": Number, "share_most": Number})
+Course = TypedDict("Course", {
+    "time_s": Annotated[list[float], Field(description="ends of the pieces, one more than there are means")],
+    "drawn_W": dict[str, list[Number]], "returned_W": dict[str, list[Number]], "total_W": list[Number],
+    "left_W": Annotated[list[Number], Field(description="regenerated, that no axis draws at the same moment")],
+})  # fmt: skip
+MachinePower = TypedDict("MachinePower", {
+    "case": Text, "synchronised": bool, "peak_W": Number, "peak_time_s": Number, "peak_axis": Text, "mean_W": Number,
+    "energy_left_J": Number, "exchanged_J": Number,
+    "phases_s": Annotated[dict[str, float], Field(description="at which all peaks fall together; of random ones")],
+    "exceeded": list[Exceeded], "unknown": list[str], "checks": list[Check], "figures": dict[str, Figure],
+    "braking": Braking | None, "energy": Energy | None, "course": Course, "assumptions": list[str],
+})  # fmt: skip
 Machine = TypedDict("Machine", {
     "schema_version": Version, "drivesizer": str, "machine": dict[str, Any], "status": Status, "objective": str,
     "total": Annotated[float | None, Field(description="SI; null: unknown, or no sum")],
     "best_of_all": Annotated[bool, Field(description="no other choice of carried drives is better by the objective")],
+    "power": Annotated[MachinePower | None, Field(description="null: of one axis, or an axis has no drive")],
     "axes": dict[str, MachineAxis], "notes": list[str],
 })  # fmt: skip
 

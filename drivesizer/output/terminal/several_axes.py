@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import fsum, isnan
 
 from rich.console import Console
@@ -14,6 +14,7 @@ from drivesizer.output.terminal.answer import compared, names_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.check import Check, tightest, worst
 from drivesizer.results.machine import AxisSizing, MachineSizing
+from drivesizer.results.machine_power import MachinePower
 from drivesizer.units import show
 
 __all__ = ["machine_proofs", "machine_sizing"]
@@ -98,8 +99,17 @@ def _tightest(console: Console, result: MachineSizing) -> None:
         if check:
             figures = tables.plain(check, check.demand), tables.plain(check, check.limit), percent(check.margin)
             table.add_row(axis.name, check.title, *figures, Text(MARK[check.status], style=STYLE[check.status]))
+    for check in _of_the_machine(result):
+        figures = tables.plain(check, check.demand), tables.plain(check, check.limit), percent(check.margin)
+        table.add_row("all", check.title, *figures, Text(MARK[check.status], style=STYLE[check.status]))
     console.print()
     console.print(table)
+
+
+def _of_the_machine(result: MachineSizing) -> list[Check]:
+    """Checks of all axes together that fail; else the tightest."""
+    failed = [check for check in result.checks if check.status == "fail" and not check.advice]
+    return failed or tightest(tuple(check for check in result.checks if not check.advice), 1)
 
 
 def _failing(axis: AxisSizing) -> Check | None:
@@ -112,6 +122,8 @@ def _all_checks(console: Console, result: MachineSizing) -> None:
     for axis in result.axes:
         if axis.best:
             console.print(tables.checks(axis.best.own_checks, f"{axis.name}: {axis.best.label}"))
+    if result.checks:
+        console.print(tables.checks(result.checks, "all axes on one supply"))
 
 
 def _said(result: MachineSizing) -> list[Text]:
@@ -122,10 +134,31 @@ def _said(result: MachineSizing) -> list[Text]:
             titles = [check.title for check in axis.best.deciding if check.status == status] if axis.best else []
             if titles:
                 found.append(Text(f"{axis.name} {status}: {_few(titles)}", style=STYLE[status]))
+    unknown = [check.title for check in result.checks if check.status == "unknown" and not check.advice]
+    if unknown:
+        found.append(Text(f"all axes unknown: {_few(unknown)}", style=STYLE["unknown"]))
+    found += [Text(text) for text in _supplied(result.power)] if result.power else []
     found += [Text(note) for note in result.notes]
     if result.complete and any(axis.carried for axis in result.axes):
         found.append(Text(_chosen(result), style="dim"))
     return found
+
+
+def _supplied(power: MachinePower) -> Iterator[str]:
+    """Power of all axes in a sentence each: peak, mean, what is regenerated and what burns it."""
+    if power.unknown:
+        yield f"power of all axes unknown: {'; '.join(power.unknown)}"
+        return
+    peak, mean = (show(value, "W", "power") for value in (power.peak, power.mean))
+    moment = f"at {show(power.peak_time, 's', 'time')}" if power.synchronised else "at the worst phase"
+    yield f"supply: {peak} at most, {moment}, most of it {power.peak_axis}; {mean} in the mean"
+    if power.energy_left > 0.0:
+        left, shared = (show(value, "J", "energy") for value in (power.energy_left, power.exchanged))
+        resistor = power.braking.name if power.braking else ""
+        burnt = f", brake resistor {resistor}" if resistor else ""
+        yield f"regenerated per cycle: {left} that no axis draws, {shared} from axis to axis{burnt}"
+    if power.energy:
+        yield f"battery: {show(power.energy.autonomy, 'h', 'time')} with all axes"
 
 
 def _few(titles: Sequence[str]) -> str:

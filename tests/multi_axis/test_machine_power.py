@@ -1,0 +1,103 @@
+"""A machine.yaml with its power: sized, judged on its supply, printed, in its document and its parts list."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+from drivesizer.errors import InputError
+from drivesizer.multi_axis.machine_power import machine_power
+from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.output.json import schema
+from drivesizer.output.json.documents import as_text
+from drivesizer.output.json.machine import machine_document
+from drivesizer.output.parts import machine_parts_of_axes
+from drivesizer.output.terminal.several_axes import machine_sizing
+from drivesizer.results.machine import MachineSizing
+from drivesizer.spec.machine import load_machine
+
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
+MOTION = {"speed": "0.6 m/s", "acceleration_time": "80 ms", "deceleration_time": "40 ms", "cruise_time": "100 ms",
+          "rest_time": "0.2 s", "there_and_back": True}  # fmt: skip
+SMALL = {"motor": {"family": "DCX 22 L"}, "gearhead": {"family": "GPX 22"}, "catalogs": ["maxon"]}
+RESISTOR = {"resistance": "20 ohm", "power": "20 W", "peak_power": "200 W", "pulse_energy": "30 J",
+            "chopper_voltage": "55 V", "chopper_current": "5 A"}  # fmt: skip
+
+
+def axis(mass: str, **more: Any) -> dict[str, Any]:
+    return {"load": {"kind": "belt_axis", "mass": mass, "pulley_diameter": "20 mm"}, "motion": MOTION, **more}
+
+
+MACHINE: dict[str, Any] = {
+    "name": "two axes",
+    "supply": {"nominal": "48 V", "current": "3 A"},
+    "brake_resistor": RESISTOR,
+    "select": SMALL,
+    "axes": {"x": axis("2 kg"), "y": axis("1.8 kg", start="100 ms")},
+}
+
+
+@pytest.fixture(scope="module")
+def sizing() -> MachineSizing:
+    return size_machine(load_machine(MACHINE), top=1)
+
+
+def test_a_machine_is_judged_on_its_supply(sizing):
+    power, checks = sizing.power, {check.name: check for check in sizing.checks}
+    assert power is not None and sizing.checks == power.checks and power.axes == ("x", "y")
+    assert {"supply_current", "bus_voltage", "resistor_mean_power", "chopper_bus_voltage"} <= set(checks)
+    own = [next(c for c in axis.best.checks if c.name == "supply_current").demand for axis in sizing.axes]
+    assert max(own) * 0.8 < checks["supply_current"].demand <= sum(own) * (1 + 1e-9)
+    assert checks["bus_voltage"].limit >= checks["bus_voltage"].demand == 55.0  # controllers withstand the chopper
+    assert sizing.status == "pass" and power.time[-1] == pytest.approx(2 * 0.42 + 0.1)
+    assert power.energy_left > 0.0 and "x, y: at rest after the motion" in " ".join(power.assumptions)
+    weak = load_machine({**MACHINE, "supply": {"nominal": "48 V", "current": "30 mA"}})
+    assert {check.name for check in machine_power(weak, sizing.axes).checks if check.status == "fail"} == {
+        "supply_current"
+    }
+
+
+def test_its_document_obeys_the_schema_and_has_its_course(sizing):
+    document = json.loads(as_text(machine_document(sizing)))
+    jsonschema.validate(document["power"], TypeAdapter(schema.MachinePower).json_schema())
+    power, course = sizing.power, document["power"]["course"]
+    lasting = np.diff(course["time_s"])
+    assert course["total_W"] @ lasting == pytest.approx(power.total @ np.diff(power.time))
+    short = power.course(50)
+    assert len(short.total) <= 50 and short.time[-1] == power.time[-1]
+    assert short.drawn @ np.diff(short.time) == pytest.approx(power.drawn @ np.diff(power.time))
+
+
+def test_its_resistor_is_bought_once_and_printed(sizing, capsys):
+    (line,) = [one for one in machine_parts_of_axes(sizing) if one.line.role == "brake resistor"]
+    assert line.axes == ("x", "y") and line.line.quantity == 1 and "20" in line.line.said
+    machine_sizing(sizing, spec="m.yaml")
+    printed = capsys.readouterr().out
+    assert "\nsupply: " in printed and "regenerated per cycle: " in printed and "\nall " in printed
+    machine_sizing(sizing, spec="m.yaml", checks=True)
+    assert "all axes on one supply" in capsys.readouterr().out
+
+
+def test_an_axis_on_a_supply_of_its_own_is_left_out(sizing):
+    alone = {**MACHINE, "axes": {**MACHINE["axes"], "y": {**MACHINE["axes"]["y"], "supply": {"nominal": "24 V"}}}}
+    assert machine_power(load_machine(alone), sizing.axes).axes == ("x",)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"battery": {"nominal_voltage": "48 V", "capacity": "1 A*h"}}, "brake_resistor: the battery takes what is"),
+        ({"brake_resistor": {**RESISTOR, "chopper_voltage": "40 V"}}, "expected chopper_voltage above nominal, 48 V"),
+        ({"equipment": [{"name": "lamp", "power": "1 W"}]}, "equipment: it draws from a battery"),
+    ],
+)
+def test_sections_that_do_not_go_together_are_refused_in_a_line(given, said):
+    with pytest.raises(InputError) as refused:
+        load_machine({**MACHINE, **given})
+    assert said in str(refused.value) and "\n" not in str(refused.value)
