@@ -100,10 +100,7 @@ def examine(
     steppers = has_steppers(problem.catalog)
     for belt, sets in several:
         moved = _moved(problem, offered, belt, sets, staged, margins)
-        if steppers:
-            yield _examined(moved, _stepped(problem, offered, moved))
-            continue
-        if waiting and not _together([*waiting, moved]):
+        if waiting and not (len(waiting) < _BELTS if steppers else _together([*waiting, moved])):
             yield from _powered(problem, offered, waiting, exact, each)
             waiting = []
         waiting.append(moved)
@@ -260,21 +257,19 @@ def _alone(problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], stag
 def _powered(
     problem: Problem, offered: Offers, moved: Sequence[_Moved], exact: bool, each: Collection[str]
 ) -> list[Examined]:
-    """Current, and what needs the waveform, with the smallest controller that does for all cases."""
+    """Current, and what needs the waveform, with the smallest controller that does for all cases; or steppers."""
     counts = [len(one.parts.motor.rows) for one in moved]
     cycles, cases, parts = _joined(moved, np.repeat(np.arange(len(moved)), counts))
-    found = powered(problem, offered, cycles, cases, parts, exactly=exact, each=each)
+    if has_steppers(problem.catalog):
+        demand = [case.demand for case in cases]
+        found = Powered(*stepped(problem, offered, cycles, demand, parts, staged=moved[0].sieve.staged))
+    else:
+        found = powered(problem, offered, cycles, cases, parts, exactly=exact, each=each)
     if len(moved) == 1:
         return [_examined(moved[0], found)]
     ends = np.cumsum(counts).tolist()
     places = [slice(end - count, end) for end, count in zip(ends, counts, strict=True)]
     return [_examined(one, found.on(rows)) for one, rows in zip(moved, places, strict=True)]
-
-
-def _stepped(problem: Problem, offered: Offers, moved: _Moved) -> Powered:
-    """Steppers with their drivers."""
-    demand = [case.demand for case in moved.cases]
-    return Powered(*stepped(problem, offered, moved.cycles, demand, moved.parts, staged=moved.sieve.staged))
 
 
 def _joined(moved: Sequence[_Moved], which: NDArray[np.int64]) -> tuple[list[AtGearhead], list[Moving], Parts]:

@@ -20,6 +20,7 @@ from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
+from drivesizer.physics.several_belts import AtGearheads
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.stepper.pull_out import amplitude
 from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
@@ -148,13 +149,23 @@ def _driver_limits(current: Array, controller: Any, needed: float, ambient: floa
 def _torque_limit(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> CheckColumn:
     """The torque against the pull-out torque at its speed, at the worst moment, some candidates at a time."""
     points, when = _points(cycle)
+    c, ratio = _at_belt(cycle, demand)
     size = max(_CELLS // len(points), 1)
-    found = [
-        _worst(spec, points, demand.coefficients[k], demand.total_ratio[k], parts.motor.on(k), curves)
-        for k in _slices(len(demand.total_ratio), size)
-    ]
+    found = [_worst(spec, points, c[k], ratio[k], parts.motor.on(k), curves) for k in _slices(len(ratio), size)]
     torque, limit, place = (np.concatenate(column) for column in zip(*found, strict=True))
     return at_most("pull_out_torque", torque, limit, needed=spec.margins.pull_out - 1.0, time=when[place])
+
+
+def _at_belt(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
+    """Coefficients and total ratios with the belt's scale in them: of the functions behind a belt of ratio 1.
+
+    So candidates behind any belt are computed in one go.
+    """
+    if isinstance(cycle, AtGearheads):
+        scale = np.stack([at.scale for at in cycle.ats])[cycle.which]
+    else:
+        scale = cycle.scale[None, :]
+    return demand.coefficients * scale, demand.total_ratio * scale[:, SPEED]
 
 
 def _worst(
@@ -174,13 +185,13 @@ def _worst(
 
 
 def _points(cycle: AtGearhead) -> tuple[Array, Array]:
-    """Points of the cycle that none exceeds in torque and speed, and when they are met [s]; shape (points, 6)."""
+    """Points that none exceeds in torque and speed, behind a belt of ratio 1, and when they are met [s]."""
     store = cycle.base.coarse
     name = ("pull-out", _LEVELS)
     if name not in store:
         store[name] = _front(cycle.base.functions, cycle.base.time)
-    points, when = store[name]
-    return points * cycle.scale, when
+    found: tuple[Array, Array] = store[name]
+    return found
 
 
 def _front(functions: Array, time: Array) -> tuple[Array, Array]:
@@ -214,9 +225,9 @@ def _starting(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts,
     """The speed to which the motor jumps without a ramp, where the spec has one."""
     if spec.needs.start_speed is None:
         return []
-    motor, functions = parts.motor, cycle.functions.reshape(-1, 6)
+    motor, functions = parts.motor, cycle.base.functions.reshape(-1, 6)
     steady = functions[functions[:, ACCELERATION] == 0.0]
-    load = np.abs(demand.coefficients @ (steady if len(steady) else functions).T).max(axis=1)
+    load = np.abs(_at_belt(cycle, demand)[0] @ (steady if len(steady) else functions).T).max(axis=1)
     torque = available_torque(motor, curves, np.zeros((len(load), 1)), spec.supply.lowest)[:, 0]
     _, inertia = _inertia(cycle, demand)
     limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, load, torque)
@@ -240,11 +251,11 @@ def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -
     load, inertia = _inertia(cycle, demand)
     if spec.needs.inertia_ratio is None:
         found.append(at_most("inertia_ratio", load / (inertia - load), _RATIO, advice=True, note=_HEAVY))
-    ends = np.abs(cycle.functions[:, :, SPEED])
+    ends = np.abs(cycle.base.functions[:, :, SPEED])
     steady = np.unique(ends[(ends[:, 0] == ends[:, 1]) & (ends[:, 0] > 0.0), 0])
     if len(steady):
         swings = natural_frequency(motor["pole_pairs"], motor["holding_torque"], inertia)
-        rate = steady * (demand.total_ratio * steps / (2.0 * np.pi))[:, None]
+        rate = steady * (_at_belt(cycle, demand)[1] * steps / (2.0 * np.pi))[:, None]
         apart = np.exp(np.abs(np.log(rate / swings[:, None]))).min(axis=1)
         found.append(at_least("step_resonance", _APART, apart, advice=True, note=_RESONANT))
     return found
@@ -256,13 +267,14 @@ def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -
 def _draw(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wanted: NDArray[np.bool_]) -> _Draw:
     """Energy and power out of the supply of the drives that are wanted, with the standby power of their drivers."""
     columns = np.full((3, len(wanted)), np.nan)
-    rows, functions = np.flatnonzero(wanted), cycle.functions
+    rows, functions = np.flatnonzero(wanted), cycle.base.functions
+    c, ratio = _at_belt(cycle, demand)
     loss = copper_loss(parts.motor["nominal_current"], parts.motor["resistance"])
     stage = spec.feed(parts.controller).stage
     total = loss + stage.standby
     for some in (rows[k] for k in _slices(len(rows), max(_CELLS // len(functions), 1))):
-        torque = np.einsum("nk,sek->nse", demand.coefficients[some], functions)
-        speed = functions[None, :, :, SPEED] * demand.total_ratio[some, None, None]
+        torque = np.einsum("nk,sek->nse", c[some], functions)
+        speed = functions[None, :, :, SPEED] * ratio[some, None, None]
         columns[:, some] = electrical_energy(cycle.load_cycle.duration, torque, speed, total[some])
     return _Draw(*np.where(demand.complete, columns, np.nan))
 
