@@ -6,6 +6,7 @@ For a drive that fails, and for a search in which nothing passes. Each figure mo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,6 +47,7 @@ class _Figure(NamedTuple):
     rotary: tuple[str, str] | None = None  # kind and unit where the load turns
 
 
+_HOLDING = ("needs", "holding_factor")
 _FIGURES = (
     _Figure(("motion", "speed"), "speed", "m/s", -1, ("rotary_speed", "rpm")),
     _Figure(("motion", "acceleration_time"), "time", "s", +1),
@@ -63,6 +65,7 @@ _FIGURES = (
     _Figure(("needs", "resolution_at_load"), "angle", "deg", +1),
     _Figure(("needs", "inertia_ratio"), "dimensionless", "1", +1),
     _Figure(("needs", "resonance"), "frequency", "Hz", -1),
+    _Figure(_HOLDING, "dimensionless", "1", -1),
     _Figure(("needs", "diameter"), "length", "mm", +1),
     _Figure(("needs", "length"), "length", "mm", +1),
     _Figure(("needs", "mass"), "mass", "g", +1),
@@ -166,9 +169,9 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
     turns = problem.spec.load.axis == "rotary"
     for figure in _FIGURES:
         now = _value(problem.spec, figure.path)
-        if not isinstance(now, float) or now == 0.0:
+        if not isinstance(now, float) or now == 0.0 or (figure.path == _HOLDING and not _may_hold_less(problem)):
             continue
-        factor = _least_change(lambda f, at=figure.path: passing.any(_changed(problem, at, f)), figure.direction)  # type: ignore[misc]
+        factor = _least_change(partial(_passes_at, problem, passing, figure.path, now), figure.direction)
         if factor is not None:
             kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
             yield Relaxation(
@@ -176,6 +179,16 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
                 set_label=passing.label(_changed(problem, figure.path, factor)), share=abs(factor - 1.0),
                 kind=kind, unit=unit, before=now, after=now * factor,
             )  # fmt: skip
+
+
+def _passes_at(problem: Problem, passing: _Passing, path: tuple[str, ...], now: float, factor: float) -> bool:
+    """Whether a drive passes with one figure times a factor; a safety factor stays at least 1."""
+    return not (path == _HOLDING and now * factor < 1.0) and passing.any(_changed(problem, path, factor))
+
+
+def _may_hold_less(problem: Problem) -> bool:
+    """Whether a drive must hold without power, with a factor above 1: below that nothing is held."""
+    return problem.spec.needs.hold_unpowered and problem.spec.needs.holding_factor > 1.0
 
 
 def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:

@@ -183,6 +183,9 @@ class Needs(Section):
         default=None, description="at the load's shaft, in an emergency stop or a collision"
     )
     holding_factor: Factor = Field(default=2, description="of a brake's torque over that of the load at rest")
+    holding_friction: Literal["ignored", "counted"] = Field(
+        default="ignored", description="printed friction and detent torque of the motor, beside the brake's torque"
+    )
     emergency_stops: Annotated[int, Field(ge=1)] | None = Field(
         default=None, description="stops by the brake from the highest speed, in the machine's life"
     )
@@ -198,6 +201,12 @@ class Needs(Section):
     length: Length | None = Field(default=None, description="of motor, gearhead and brake together, at most")
     mass: Mass | None = Field(default=None, description="of motor, gearhead and brake together, at most")
     price: Price | None = Field(default=None, description="of motor, gearhead and brake together, at most")
+
+    @model_validator(mode="after")
+    def _held(self) -> Needs:
+        if self.holding_friction == "counted" and not self.hold_unpowered:
+            raise ValueError("give hold_unpowered: true with holding_friction: counted")
+        return self
 
 
 class Case(Section):

@@ -1,6 +1,7 @@
 """Holding brakes: which one is chosen, what it holds and stops, where it counts; plain Python over random sets."""
 
 import math
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
+from drivesizer.search.relaxations import relaxations
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import load_spec, read_spec
 
@@ -128,6 +130,64 @@ def test_its_inertia_mass_length_and_power_count(lift):
     assert loose.brake is None and loose.mass == pytest.approx(0.9)
 
 
+def rubbing(lift, friction, detent=math.nan, **needs):
+    """The lift with motors of a printed friction and detent torque, both counted."""
+    problem = lift().problem
+    motors = problem.catalog.motors
+    figures = {"friction_torque": friction, "detent_torque": detent}
+    columns = {**motors.columns, **{name: np.full(len(motors), value) for name, value in figures.items()}}
+    catalog = replace(problem.catalog, motors=replace(motors, columns=columns))
+    counted = {"hold_unpowered": True, "holding_friction": "counted", **needs}
+    return drives(size(load_spec({**problem.machine.entered, "needs": counted}), catalog=catalog, top=20))
+
+
+def test_friction_helps_the_brake_where_it_is_to_be_counted(lift):
+    """4.9 N m; 0.39 N m at 20:1 with the factor 2: 0.3 N m of B2 and 0.1 of friction; 0.21 at 35:1: 0.1 of B1, 0.12."""
+    reaches = {"G20": 20 * 9.80665 * 0.025 * 0.80 / 20, "G35": 20 * 9.80665 * 0.025 * 0.75 / 35}
+    for friction, detent, brakes in ((math.nan, math.nan, ("B4", "B2")), (0.1, math.nan, ("B2", "B2")),
+                                     (0.07, 0.05, ("B2", "B1")), (0.25, math.nan, ("B2", None))):  # fmt: skip
+        found = rubbing(lift, friction, detent)
+        more = np.nansum([friction, detent])
+        for part, brake in zip(("G20", "G35"), brakes, strict=True):
+            one = found["listed", part]
+            assert (one.brake.part if one.brake else None) == brake
+            held = check(one, "holding")
+            own = one.brake.static_torque if one.brake else 0.0
+            assert (held.status, held.demand, held.limit) == (
+                "pass",
+                pytest.approx(reaches[part]),
+                pytest.approx(own + more),
+            )
+    alone = found["bare", "G35"]
+    assert alone.brake is None and check(alone, "brake_fits").status == "pass"
+    assert check(alone, "gearhead_holding").demand == pytest.approx(20 * 9.80665 * 0.025)
+    assert check(found["bare", "G20"], "holding").status == "unknown"  # too little alone, and no brake is listed
+
+
+def test_counted_friction_against_plain_python(lift):
+    draw = np.random.default_rng(11)
+    strengths = {"B1": 0.1, "B2": 0.3, "B4": 0.9}
+    for friction, factor in zip(draw.uniform(0.0, 0.3, 4).tolist(), draw.uniform(1.0, 5.0, 4).tolist(), strict=True):
+        found = rubbing(lift, friction, holding_factor=factor)
+        for part, share in (("G20", 0.80 / 20), ("G35", 0.75 / 35)):
+            need = factor * 20 * 9.80665 * 0.025 * share
+            enough = [name for name, torque in strengths.items() if torque + friction >= need]
+            plain = None if friction >= need else enough[0] if enough else "B4"
+            one = found["listed", part]
+            assert (one.brake.part if one.brake else None) == plain
+            assert check(one, "holding").status == ("pass" if friction >= need or enough else "fail")
+
+
+def test_a_lower_factor_is_among_the_changes(lift):
+    """None holds 10 times 0.105 N m; B4 of 0.9 N m holds 8.57 times, and no change goes below 1."""
+    listed = "motor: {part: listed}"  # of the other whether it holds is unknown
+    problem = lift(needs="holding_factor: 10", select=listed).problem
+    (one,) = (r for r in relaxations(problem, "mass") if r.field == "needs.holding_factor")
+    assert one.after == pytest.approx(0.9 / (20 * 9.80665 * 0.025 * 0.75 / 35), rel=0.011) and one.after < one.before
+    light = lift(needs="holding_factor: 1.2", select=listed, more="brake: {torque: 0.1 N*m}").problem
+    assert "needs.holding_factor" not in {r.field for r in relaxations(light, "mass")}  # 0.95 would do
+
+
 def test_a_motor_without_a_list_has_none_and_that_is_unknown(lift):
     one = drives(lift())["bare", "G35"]
     assert one.brake is None and one.status == "unknown"
@@ -230,6 +290,8 @@ BAD = [
     ({"brake": {"torque": "1 N*m", "energy_per_stop": "9 J", "total_energy": "8 J"}}, "total_energy"),
     ({"brake": {"torque": "1 N*m"}, "select": {"brake": {"part": "AB 28"}}}, "not both"),
     ({"needs": {"hold_unpowered": True, "holding_factor": 0.5}}, "holding_factor"),
+    ({"needs": {"holding_friction": "counted"}}, "hold_unpowered"),
+    ({"needs": {"hold_unpowered": True, "holding_friction": "yes"}}, "holding_friction"),
     ({"needs": {"emergency_stops": 0}}, "emergency_stops"),
 ]
 

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SLIPPING", "Stop", "held_by_brake", "released_power", "stop"]
+__all__ = ["SLIPPING", "Stop", "held_by_brake", "held_by_friction", "released_power", "stop"]
 
 SLIPPING = 1.0 / 3.0, 1.0
 """Torque of a slipping brake as a share of its static torque, where none is printed: no less than the one, no more than
@@ -57,6 +57,27 @@ def held_by_brake(torque: Any, ratio: Any, efficiency: Any) -> Any:
     0.45
     """
     return torque * efficiency / ratio
+
+
+def held_by_friction(motor: Any) -> Any:
+    """Torque at a motor's shaft that its own friction and detent hold without current [N*m].
+
+    Parameters
+    ----------
+    motor
+        Figures by field name: ``friction_torque``, static, and ``detent_torque`` where it has one [N*m]; NaN unknown.
+
+    Returns
+    -------
+    float or array
+        The printed ones; 0 of what no data sheet gives.
+
+    Examples
+    --------
+    >>> float(held_by_friction({"friction_torque": 0.02, "detent_torque": float("nan")}))
+    0.02
+    """
+    return np.nan_to_num(motor["friction_torque"]) + np.nan_to_num(motor["detent_torque"])
 
 
 def released_power(brake: Any) -> Any:

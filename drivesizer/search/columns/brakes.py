@@ -3,7 +3,8 @@
 Smallest by what is summed in the objective of the spec, else by mass; then by torque and part number. A brake that a
 source lists with the motor goes before one that is sold apart, for any shaft: whether that can be mounted is not known.
 Where none is strong enough it is the strongest that is listed, so that its check can say by how much it falls short; a
-motor of which no list was found has none, and whether it holds is unknown. A load that holds itself needs none.
+motor of which no list was found has none, and whether it holds is unknown. A load that holds itself needs none, nor
+one that the motor's friction holds where the spec counts it.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Brake, Catalog, Table
 from drivesizer.catalog.view.own_brake import OWN
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
-from drivesizer.physics.elements.braking import SLIPPING, Stop, held_by_brake, stop
+from drivesizer.physics.elements.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
 from drivesizer.results.check_columns import CheckColumn, at_most, between, fits
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE
@@ -175,7 +176,7 @@ def brakes_for(
         for good in (~failing & (option >= 0), passing & (option >= 0)):  # the second is better than the first
             found = np.where(good.any(axis=1), option[every, good.argmax(axis=1)], found)
     if not spec.names_brake:
-        found = np.where(_needless(problem, cycles), -1, found)
+        found = np.where(_needless(problem, cycles, motor, gearhead), -1, found)
     return found if given is None else np.where(given == FREE, found, given)
 
 
@@ -201,9 +202,12 @@ class _Options:
         return found
 
 
-def _needless(problem: Problem, cycles: Sequence[AtGearhead]) -> bool:
-    """Whether every load case holds itself."""
-    return all(cycle.held == 0.0 for cycle in cycles)
+def _needless(problem: Problem, cycles: Sequence[AtGearhead], motor: Any, gearhead: Any) -> Any:
+    """Whether every load case holds itself, or is held by friction that is to be counted: of all, or of each."""
+    if problem.spec.needs.holding_friction == "ignored":
+        return all(cycle.held == 0.0 for cycle in cycles)
+    cases = zip(problem.cases, cycles, strict=True)
+    return np.logical_and.reduce([_by_friction(case.spec, cycle, motor, gearhead) for case, cycle in cases])
 
 
 def _suits(
@@ -217,7 +221,7 @@ def _suits(
     for case, cycle in zip(problem.cases, cycles, strict=True):
         spec, checks = case.spec, list[CheckColumn]()
         if spec.needs.hold_unpowered:
-            checks = [_holding(spec, cycle, gearhead, brake)]
+            checks = [_holding(spec, cycle, motor, gearhead, brake)]
         if spec.needs.emergency_stops:
             inertia = turning + at_motor(brake, "inertia", gearhead["ratio"] * cycle.belt)
             checks += _stop_limits(spec, cycle, gearhead, brake, inertia)
@@ -252,12 +256,28 @@ def _shaft(brake: Any, total: Any) -> Any:
     return np.where(brake["shaft"] == "load", total, 1.0)
 
 
-def _holding(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any) -> CheckColumn:
+def _holding(spec: RobotSpec, cycle: AtGearhead, motor: Any, gearhead: Any, brake: Any) -> CheckColumn:
     """Torque at rest that reaches the brake, through belt and gearhead or at the load's shaft, against its own."""
     at_load = cycle.held * cycle.belt / spec.belt_efficiency
     behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
     reaches = np.where(brake["shaft"] == "load", at_load, behind)
-    return at_most("holding", reaches, brake["static_torque"], needed=spec.needs.holding_factor - 1.0)
+    if spec.needs.holding_friction == "ignored":
+        return at_most("holding", reaches, brake["static_torque"], needed=spec.needs.holding_factor - 1.0)
+    alone = _by_friction(spec, cycle, motor, gearhead) & (brake["part"] == "")
+    rubbed = np.where(brake["shaft"] == "load", 0.0, held_by_friction(motor))
+    holds = np.where(alone, 0.0, brake["static_torque"]) + rubbed
+    return at_most("holding", reaches, holds, needed=spec.needs.holding_factor - 1.0, note=_COUNTED)
+
+
+_COUNTED = "with the motor's printed friction and detent torque"
+
+
+def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Any, gearhead: Any) -> NDArray[np.bool_]:
+    """Whether the motor's friction is to be counted and holds the load alone, with the safety factor."""
+    behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
+    counted = spec.needs.hold_unpowered and spec.needs.holding_friction == "counted"
+    found: NDArray[np.bool_] = counted & np.asarray(held_by_friction(motor) >= spec.needs.holding_factor * behind)
+    return found
 
 
 def brake_limits(
@@ -283,13 +303,14 @@ def brake_limits(
     list[CheckColumn]
         Columns over candidates.
     """
-    brake, gearhead, needs = parts.brake, parts.gearhead, spec.needs
+    brake, motor, gearhead, needs = parts.brake, parts.motor, parts.gearhead, spec.needs
     there = brake["part"] != ""
-    idle = ~there & np.asarray(cycle.held == 0.0)
+    rubs = needs.holding_friction == "counted" and ~there & _by_friction(spec, cycle, motor, gearhead)
+    idle = ~there & np.asarray(cycle.held == 0.0) | rubs
     found = [fits("brake_fits", listed | idle, listed | idle)]
     if needs.hold_unpowered:
-        found.append(_holding(spec, cycle, gearhead, brake))
-        passed_on = there & (brake["shaft"] == "")
+        found.append(_holding(spec, cycle, motor, gearhead, brake))
+        passed_on = (there | rubs) & (brake["shaft"] == "")
         carried = np.where(passed_on, gearhead["intermittent_torque"], np.inf)
         torque = cycle.held / spec.belt_efficiency
         found.append(at_most("gearhead_holding", torque, carried, needed=spec.margins.torque))
