@@ -262,6 +262,11 @@ def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
         ("supply_mean", "Power out of the supply, mean", bus.on_bus.mean_drawn, "power", "W", None),
         ("energy_left", "Regenerated energy per cycle that no axis draws", bus.on_bus.energy, "energy", "J", None),
     ]
+    if bus.feed.resistance:
+        least = bus.feed.voltage - bus.feed.resistance * float(total.peak.max()) / bus.feed.voltage
+        rows.append(
+            ("bus_voltage_least", "Voltage at the peak, behind the supply's resistance", least, "voltage", "V", at)
+        )
     if not bus.phases:
         rows.append(("exchanged", "Energy per cycle from axis to axis", max(shared, 0.0), "energy", "J", None))
     yield from (Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=a) for n, t, v, k, u, a in rows)

@@ -14,6 +14,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.problem import problem
+from drivesizer.machine.set_cycle import set_cycle, supplied
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
 from drivesizer.multi_axis.waiting import held_torque
@@ -119,6 +120,36 @@ def test_two_axes_exchange_energy_and_share_a_resistor(shelf, drive):
     swapped = common_supply(shared(), shelf, [y, x])
     assert swapped.energy_left == pytest.approx(both.energy_left) and swapped.peak == pytest.approx(both.peak)
     assert swapped.peak_axis == both.peak_axis and swapped.status == both.status
+
+
+def test_sums_are_those_of_the_drives_waveforms(shelf, drive):
+    """Current times voltage of both motors at the middle of a thousand steps of each segment, added up by time."""
+    x = axis(shelf, drive, "x", rest="0.9 s", supply="accepts: all, capacitance: 0.1 mF")
+    y = axis(shelf, drive, "y", start=1.1, up="0.9 s", down="200 ms", rest="0.9 s")
+    power = common_supply(shared(), shelf, [x, y], cycle_time=3.0)
+    assert power.time[-1] == pytest.approx(3.0)
+    at = (np.arange(60_000) + 0.5) * 3.0 / 60_000
+    net = _waveform(x, at) + _waveform(y, (at - 1.1) % 3.0)
+    step, piece = 3.0 / 60_000, 0.06  # a sixteenth of what the power of a segment changes by
+    assert net.max() <= power.peak * (1 + 1e-4) and power.peak <= net.max() * (1 + piece)
+    left = np.maximum(-net, 0.0).sum() * step
+    assert left * 0.999 <= power.energy_left <= left * 1.02
+    assert power.mean == pytest.approx(np.maximum(net, 0.0).sum() / 60_000, rel=0.01)
+    back = sum(np.maximum(-_waveform(one, at), 0.0).sum() * step for one in (x, y))
+    assert power.exchanged == pytest.approx(back - left, rel=0.05) and power.exchanged > 0.05 * back
+
+
+def _waveform(one: AxisPower, time: np.ndarray) -> np.ndarray:
+    """Electrical power of the motor at moments of its cycle; its controller loses nothing."""
+    found = set_cycle(one.problem.spec, one.one, one.problem.cases[0].at_belt)
+    wave, standby = supplied(found), float(found.feed.stage.standby)
+    ends = np.cumsum(wave.duration)
+    place = np.minimum(np.searchsorted(ends, time), len(ends) - 1)
+    share = np.clip((time - ends[place] + wave.duration[place]) / wave.duration[place], 0.0, 1.0)
+    current, voltage = (
+        x[0, place, 0] + share * (x[0, place, 1] - x[0, place, 0]) for x in (wave.current, wave.voltage)
+    )
+    return current * voltage + standby
 
 
 def test_an_axis_that_is_done_waits_at_rest(shelf, drive):
