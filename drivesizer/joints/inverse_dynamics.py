@@ -206,7 +206,7 @@ def _computed(
 ) -> Torques:
     """Each state with each set of masses."""
     data, count = mujoco.MjData(model), len(states[0])
-    order = np.array([model.joint(name).id for name in joints])
+    order = np.array([model.joint(name).id for name in joints], dtype=np.int64)
     place = np.argsort(order)  # the model's joints, each of one degree of freedom, in the order of ours
     columns = [np.ascontiguousarray(state[:, place]) for state in states]
     found = Torques(*(np.zeros((len(sets), count, len(joints))) for _ in range(3)))

@@ -165,23 +165,29 @@ def _moves_at_ends(time: Array, row: Array) -> bool:
     top = np.abs(np.diff(row) / np.diff(time)).max()
     for here, at in ((slice(None, 3), 0), (slice(-3, None), -1)):
         t, x = time[here], row[here]
-        slope, mean = abs(local_parabola(t, x, 0.0)[1][at]), abs(x[-1] - x[0]) / (t[-1] - t[0])
-        if slope > max(_SLOW * mean, _CREEP * top):
+        slope, mean = local_parabola(t, x, 0.0)[1][at], (x[-1] - x[0]) / (t[-1] - t[0])
+        if slope * np.sign(mean) > max(_SLOW * abs(mean), _CREEP * top):  # against the motion: a bend, no speed
             return True
     return False
 
 
 def _from_rest(time: Array, row: Array, smoothing: float) -> _Course:
-    """From rest to rest, and at rest where three samples in a row are the same."""
-    same = np.diff(row) == 0.0
-    beside = np.concatenate([[False], same, [False]])
-    resting = same & (beside[:-2] | beside[2:])
-    edges = (0, *(np.flatnonzero(np.diff(resting)) + 1).tolist(), len(same))
+    """From rest to rest, and at rest where samples in a row are the same: three, and for longer than the smoothing."""
+    resting = np.diff(row) == 0.0
+    for first, last in pairwise(_edges(resting)):
+        if last - first < 2 or time[last] - time[first] < smoothing:
+            resting[first:last] = False
+    edges = _edges(resting)
     curves = [
         _still(float(row[a])) if resting[a] else _rising(time[a : b + 1], row[a : b + 1], smoothing)
         for a, b in pairwise(edges)
     ]
     return _Course(edges, tuple(curves))
+
+
+def _edges(resting: NDArray[np.bool_]) -> tuple[int, ...]:
+    """Intervals at which a stretch of rest or motion starts, and the end."""
+    return (0, *(np.flatnonzero(np.diff(resting)) + 1).tolist(), len(resting))
 
 
 def _still(value: float) -> Curve:
