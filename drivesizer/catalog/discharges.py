@@ -6,13 +6,12 @@ power unknown, and the other way round.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DISCHARGES", "HELD", "INTEGERS", "NO_DISCHARGES", "TABLE", "Discharges", "join_discharges"]
+__all__ = ["DISCHARGES", "HELD", "INTEGERS", "NO_DISCHARGES", "TABLE", "Discharges"]
 
 DISCHARGES = "discharges"  # the section of a catalogue file, and the name for all of a battery's in a note
 HELD = {"current": "A", "power": "W"}  # what is held while a battery empties
@@ -36,29 +35,3 @@ class Discharges(NamedTuple):
 
 INTEGERS = ("battery", "source")
 NO_DISCHARGES = Discharges(*(np.zeros(0, np.int32 if n in INTEGERS else float) for n in Discharges._fields))
-
-
-def join_discharges(given: Sequence[tuple[Discharges, int, int]], places: NDArray[np.int32]) -> Discharges:
-    """Discharges of several catalogues as those of one; of a replaced part only those of the last catalogue remain.
-
-    Parameters
-    ----------
-    given
-        Of each catalogue: its discharges, the first row of its batteries in the table of all, its first source.
-    places
-        Where each row of the table of all goes.
-
-    Returns
-    -------
-    Discharges
-        Entries that refer to rows and sources of the joined catalogue.
-    """
-    last = np.zeros(int(places.max(initial=-1)) + 1, np.int64)
-    last[places] = np.arange(len(places))  # the last assignment counts
-    found = [NO_DISCHARGES]
-    for own, first_row, first_source in given:
-        rows = own.battery + first_row
-        stay = last[places[rows]] == rows
-        moved = own._replace(battery=places[rows], source=(own.source + first_source).astype(np.int32))
-        found.append(moved.on(stay))
-    return Discharges(*(np.concatenate(columns) for columns in zip(*found, strict=True)))

@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.discharges import join_discharges
 from drivesizer.catalog.maker_tolerances import join_maker_tolerances
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, one_of
-from drivesizer.catalog.pull_outs import join_pull_outs
 from drivesizer.catalog.tables import Across, Catalog, Pairs, Table, unique_pairs
 from drivesizer.errors import CatalogError, nearest, quoted
 
@@ -36,18 +34,14 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     for relation, right in RELATIONS.items():
         listed = _joined_pairs(catalogs, relation, first_source)
         pairs[relation] = _moved(listed, places["motors"], places[right])
-    starts = _starts(catalogs, "batteries")
-    printed = [(c.discharges, *first) for c, *first in zip(catalogs, starts, first_source.tolist(), strict=False)]
-    of_steppers = _starts(catalogs, "steppers")
-    curves = [(c.pull_outs, *first) for c, *first in zip(catalogs, of_steppers, first_source.tolist(), strict=False)]
     tolerances, instead = join_maker_tolerances([(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs],
                                   first_source.tolist())  # fmt: skip
     left: dict[str, Any] = {name: _kept(table, places[name]) for name, table in tables.items()}
     return Catalog(
         **left,
         **pairs,
-        discharges=join_discharges(printed, places["batteries"]),
-        pull_outs=join_pull_outs(curves, places["steppers"]),
+        discharges=_printed(catalogs, "discharges", "batteries", places, first_source),
+        pull_outs=_printed(catalogs, "pull_outs", "steppers", places, first_source),
         sources=tuple(source for c in catalogs for source in c.sources),
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
@@ -122,6 +116,30 @@ def _joined_tables(tables: Sequence[Table[Any]], first_source: NDArray[Any]) -> 
     columns = {name: np.concatenate([t[name] for t in tables]) for name in tables[0].columns}
     source = np.concatenate([t.source + first for t, first in zip(tables, first_source, strict=True)])
     return Table(tables[0].section, columns, source, np.concatenate([t.excluded for t in tables]))
+
+
+def _printed(
+    catalogs: Sequence[Catalog],
+    name: str,
+    section: str,
+    places: Mapping[str, NDArray[np.int32]],
+    first_source: NDArray[Any],
+) -> Any:
+    """Printed entries of a section's parts, each with its row first; of a replaced part only those of the last file."""
+    place, number = places[section], 0
+    last = np.zeros(int(place.max(initial=-1)) + 1, np.int64)
+    last[place] = np.arange(len(place))  # the last assignment counts
+    found = []
+    for own, start, first in zip(
+        (getattr(c, name) for c in catalogs), _starts(catalogs, section), first_source, strict=False
+    ):
+        rows = own[0] + start
+        moved = own._replace(**{own._fields[0]: place[rows], "source": (own.source + first).astype(np.int32)})
+        if "curve" in own._fields:  # numbered through all files
+            moved = moved._replace(curve=own.curve + number)
+            number += int(own.curve.max(initial=-1)) + 1
+        found.append(moved.on(last[place[rows]] == rows))
+    return type(found[0])(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
 def _joined_pairs(catalogs: Sequence[Catalog], relation: str, first_source: NDArray[Any]) -> Pairs:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["NO_PULL_OUTS", "PULL_OUTS", "PullOuts", "join_pull_outs", "of_points"]
+__all__ = ["NO_PULL_OUTS", "PULL_OUTS", "PullOuts", "of_points"]
 
 PULL_OUTS = "pull_outs"  # the section of a catalogue file, and the name for all of a stepper's in a note
 
@@ -41,31 +41,3 @@ def of_points(points: Sequence[tuple[Any, ...]]) -> PullOuts:
     """Columns of points, each with the fields of ``PullOuts`` in their order."""
     columns = zip(PullOuts._fields, zip(*points, strict=True), strict=True)
     return PullOuts(*(np.array(values, _TYPES.get(name, np.float64)) for name, values in columns))
-
-
-def join_pull_outs(given: Sequence[tuple[PullOuts, int, int]], places: NDArray[np.int32]) -> PullOuts:
-    """Curves of several catalogues as those of one; of a replaced part only those of the last catalogue remain.
-
-    Parameters
-    ----------
-    given
-        Of each catalogue: its curves, the first row of its steppers in the table of all, its first source.
-    places
-        Where each row of the table of all goes.
-
-    Returns
-    -------
-    PullOuts
-        Entries that refer to rows and sources of the joined catalogue.
-    """
-    last = np.zeros(int(places.max(initial=-1)) + 1, np.int64)
-    last[places] = np.arange(len(places))  # the last assignment counts
-    found, number = [NO_PULL_OUTS], 0
-    for own, first_row, first_source in given:
-        rows = own.stepper + first_row
-        moved = own._replace(
-            stepper=places[rows], source=(own.source + first_source).astype(np.int32), curve=own.curve + number
-        )
-        number += int(own.curve.max(initial=-1)) + 1
-        found.append(moved.on(last[places[rows]] == rows))
-    return PullOuts(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
