@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from math import isnan
 
 from drivesizer.catalog import Controller
-from drivesizer.physics.power_stage import ASSUMED_LOSS
+from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["loss_assumptions"]
+__all__ = ["loss_assumptions", "voltage_assumption"]
 
 
 def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator[str]:
@@ -38,3 +38,29 @@ def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator
         yield "losses of the controllers not counted: neither drop nor efficiency is printed"
     if spec.power_stage.standby is None and isnan(bought.standby_current):
         yield "standby power of the controllers not counted: it is not printed"
+
+
+def voltage_assumption(spec: RobotSpec, controller: Controller | None, limit: float) -> str:
+    """Assumption behind the usable voltage of a controller that does not print what it takes of the supply's.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    controller
+        Of the drive, or None.
+    limit
+        The usable voltage that the motor's was held against [V]; NaN where none decides.
+
+    Returns
+    -------
+    str
+        A sentence; empty where all is printed or nothing is decided.
+    """
+    feed = spec.feed_of(controller)
+    if isnan(limit) or not isnan(feed.usable):
+        return ""
+    if isnan(feed.stage.max_duty):
+        return "the controller's largest duty is not printed: the supply's voltage is the bound"
+    least, most = (show(drop, "V", "voltage") for drop in ASSUMED_BAND)
+    return f"the controller's voltage drop is not printed: {least} to {most} assumed"

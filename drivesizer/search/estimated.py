@@ -13,6 +13,7 @@ from drivesizer.catalog.view.stepper_view import has_steppers
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.results.check import Check
 from drivesizer.results.estimated import EstimatedFigure
+from drivesizer.results.losses import voltage_assumption
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.open_checks import Turn, passing, turns
 from drivesizer.units import show
@@ -103,7 +104,7 @@ def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], floa
     tuple
         Checks, and the probability that none of them fails; NaN where none is open.
     """
-    checks = evaluation.checks_of(index)
+    checks = tuple(_with_assumption(evaluation, index, check) for check in evaluation.checks_of(index))
     names = evaluation.open_checks(index)
     if not names or evaluation.spec.method != "physics":
         return checks, nan
@@ -112,6 +113,16 @@ def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], floa
     probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
     open_ = {name: (probable[name], _turning(turning.get(name))) for name in names}
     return tuple(_with(check, *open_[check.name]) if check.name in names else check for check in checks), probable[""]
+
+
+def _with_assumption(evaluation: Evaluation, index: int, check: Check) -> Check:
+    """A check, that of the voltage with what is assumed of the controller's drop."""
+    if check.name != "supply_voltage" or check.method != "physics" or has_steppers(evaluation.catalog):
+        return check
+    row = int(evaluation.controller[index])
+    controller = evaluation.catalog.controllers.record(row) if row >= 0 else None
+    note = voltage_assumption(evaluation.spec, controller, check.limit)
+    return replace(check, note="; ".join(text for text in (check.note, note) if text)) if note else check
 
 
 def _with(check: Check, probability: float, note: str) -> Check:

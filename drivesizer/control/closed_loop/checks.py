@@ -33,6 +33,7 @@ from drivesizer.physics.thermal import (
     two_bodies,
 )
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
+from drivesizer.results.losses import voltage_assumption
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit
 from drivesizer.results.sizing import Check
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
@@ -157,11 +158,14 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     def peak(x: float) -> CheckColumn:
         return at_most("controller_peak_current", x, controller.peak_current)
 
+    volts = _resisted(case, "stage_voltage", lambda x: at_most("supply_voltage", x, case.usable_for(x)))
+    assumed = voltage_assumption(case.spec, case.drive_set.controller, float(volts.limit))
     yield _check(
-        _resisted(case, "stage_voltage", lambda x: at_most("supply_voltage", x, case.usable_for(x))),
+        volts,
         case.required("stage_voltage_time"),
         f"{ideal}; limit: output of the controller at the lowest supply voltage"
-        + (", with what resistances before the motor take of it" if case.spec.resists else ""),
+        + (", with what resistances before the motor take of it" if case.spec.resists else "")
+        + (f"; {assumed}" if assumed else ""),
     )
     yield _check(_most(case, "current_demand", peak, required=True), case.required("current_demand_time"), ideal)
     share = _peak_share(case)
