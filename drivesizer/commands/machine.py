@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from drivesizer.commands.common import NothingFitsError, print_notes, progress, simulating
+from drivesizer.commands.common import NothingFitsError, print_notes, progress, simulating, working
 from drivesizer.errors import InputError, NoLoopError
 
-__all__ = ["size_all", "sized_machine", "validate_axes"]
+__all__ = ["report_all", "size_all", "sized_machine", "validate_axes"]
 
 
 def size_all(
@@ -56,6 +56,52 @@ def size_all(
         machine_sizing(result, spec=str(spec), checks=checks, quiet=quiet)
         if not quiet:
             print_notes(tuple(f"{axis.name}: {note}" for axis in result.axes for note in axis.result.warnings))
+    return 0 if result.complete and result.status != "fail" else 1
+
+
+def report_all(
+    machine: Any,
+    output: Sequence[Path],
+    given: Mapping[str, object],
+    top: int,
+    objective: str | None,
+    sampling: tuple[Any, ...],
+    drawings: Path | None,
+    paper: str,
+    date: str | None,
+) -> int:
+    """Write the report of all axes of a machine; the exit status.
+
+    Parameters
+    ----------
+    machine
+        Of several axes.
+    output
+        Files to write.
+    given
+        Options that are of a single axis, by name; a value that is not empty is refused.
+    top, objective, sampling
+        As of ``drivesizer size``.
+    drawings
+        A folder for every figure, where they are wanted.
+    paper, date
+        As of ``drivesizer report``.
+
+    Returns
+    -------
+    int
+        As of :func:`size_all`.
+    """
+    from drivesizer.output.report import write_machine, write_machine_figures
+
+    _of_one_axis(given)
+    result = sized_machine(machine, top, objective, sampling)
+    with working("writing the report"):
+        written = write_machine(result, output, paper=paper, date=date)
+        if drawings:
+            written += write_machine_figures(result, drawings)
+    for path in written:
+        typer.echo(path)
     return 0 if result.complete and result.status != "fail" else 1
 
 

@@ -146,13 +146,22 @@ def report(
     processes: Processes = 1,
     paper: Annotated[str, typer.Option(help="Sheets of the PDF: a4 or us-letter.")] = "a4",
     date: Annotated[str | None, typer.Option(metavar="TEXT", help="Date that the PDF and the page carry.")] = None,
+    axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
     from drivesizer.output.report import accept, write, write_figures
 
-    robot = load(spec, catalogs)
+    robot = load_whole(spec, catalogs, axis)
     accept(output)
+    if hasattr(robot, "axes"):
+        from drivesizer.commands.machine import report_all
+
+        given, sampling = (
+            {"--pareto": pareto, "--profile": profile},
+            (confidence, samples, seed, processes, loop_samples),
+        )
+        raise typer.Exit(report_all(robot, output, given, top, objective, sampling, drawings, paper, date))
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
     with simulating("simulating the drive in closed loop"):
         result, proof = _proven(result, profile)

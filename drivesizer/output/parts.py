@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "HEADS", "LEAST", "PartLine", "SharedLine", "Total", "machine_parts", "machine_parts_of_axes", "mass_text",
-    "money_text", "ordered_as", "parts_by_axis", "parts_list", "total_text", "totals",
+    "money_text", "ordered_as", "parts_by_axis", "parts_list", "total_text", "totals", "totals_of_axes",
 ]  # fmt: skip
 
 LEAST = "at least "
@@ -345,26 +345,50 @@ def totals(lines: Sequence[PartLine]) -> list[Total]:
     list of Total
         Mass [kg], then prices.
     """
-    masses = [(x.role, (x.quantity * x.mass, x.quantity * x.mass_low, x.quantity * x.mass_high)) for x in lines]
-    found = [_total("mass", "kg", masses)]
+    return _totals(lines, [line.role for line in lines])
+
+
+def totals_of_axes(lines: Sequence[SharedLine]) -> list[Total]:
+    """Mass and price of a machine of several axes.
+
+    Parameters
+    ----------
+    lines
+        Of :func:`machine_parts_of_axes`.
+
+    Returns
+    -------
+    list of Total
+        As of :func:`totals`; a part whose figure is known on some axes only is left out with the names of the others.
+    """
+    return _totals([one.line for one in lines], [f"{one.line.role} of {', '.join(one.axes)}" for one in lines])
+
+
+def _totals(lines: Sequence[PartLine], names: Sequence[str]) -> list[Total]:
+    """Totals, with a name for each line that no other line of its role has."""
+    masses = [(x.quantity * x.mass, x.quantity * x.mass_low, x.quantity * x.mass_high) for x in lines]
+    wanted: list[tuple[str, str, list[tuple[float, float, float]]]] = [("mass", "kg", masses)]
     for currency in dict.fromkeys(line.currency for line in lines if line.currency):
-        prices = [(x.role, (x.quantity * x.price if x.currency == currency else nan, nan, nan)) for x in lines]
-        found.append(_total("price", currency, prices))
+        prices = [(x.quantity * x.price if x.currency == currency else nan, nan, nan) for x in lines]
+        wanted.append(("price", currency, prices))
+    roles = [(line.role, name) for line, name in zip(lines, names, strict=True)]
+    found = [_total(name, unit, [*zip(roles, values, strict=True)]) for name, unit, values in wanted]
     return [total for total in found if total.over]
 
 
-def _total(name: str, unit: str, values: Sequence[tuple[str, tuple[float, float, float]]]) -> Total:
+def _total(name: str, unit: str, values: Sequence[tuple[tuple[str, str], tuple[float, float, float]]]) -> Total:
     """Sum of value, low and high end of each line; what has no band counts at its value at both ends."""
-    known = [(role, value) for role, value in values if not isnan(value[0])]
+    known = [(role, value) for (role, _), value in values if not isnan(value[0])]
     low, high = (sum(v[0] if isnan(v[end]) else v[end] for _, v in known) for end in (1, 2))
+    over = _once(role for role, _ in known)
     return Total(
-        name=name, value=sum(value[0] for _, value in known), unit=unit, over=_roles(role for role, _ in known),
-        lacks=_roles(role for role, value in values if isnan(value[0])), low=low, high=high,
-        estimated=_roles(role for role, value in known if not isnan(value[1])),
+        name=name, value=sum(value[0] for _, value in known), unit=unit, over=over,
+        lacks=_once(named if role in over else role for (role, named), value in values if isnan(value[0])),
+        low=low, high=high, estimated=_once(role for role, value in known if not isnan(value[1])),
     )  # fmt: skip
 
 
-def _roles(names: Iterable[str]) -> tuple[str, ...]:
+def _once(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 

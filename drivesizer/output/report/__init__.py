@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.writing import put, ready_all
@@ -18,11 +18,12 @@ if TYPE_CHECKING:
     from drivesizer.control.path_following.following import Followed
     from drivesizer.control.validation import Validation
     from drivesizer.load_cases.platform_drive import Driving
+    from drivesizer.results.machine import MachineSizing
     from drivesizer.results.sizing import SizingResult
 
 __all__ = [
-    "KNOWN", "accept", "write", "write_driving", "write_figures", "write_loop_figures", "write_path", "write_series",
-    "write_sets",
+    "KNOWN", "accept", "write", "write_driving", "write_figures", "write_loop_figures", "write_machine",
+    "write_machine_figures", "write_path", "write_series", "write_sets",
 ]  # fmt: skip
 
 # suffix -> module with a function ``render``, and what it takes beside the records
@@ -34,6 +35,14 @@ _RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
     ".json": ("json.file", ()),
 }
 KNOWN = tuple(_RENDERERS)
+# the same of machines, each a function ``render_machine``
+_OF_MACHINES = {
+    ".pdf": ("report.machine.pdf", ("paper", "date")),
+    ".html": ("report.machine.html", ("date",)),
+    ".xlsx": ("report.machine.workbook", ()),
+    ".csv": ("report.machine.csv", ()),
+    ".json": ("report.machine.json", ()),
+}
 
 
 def write(
@@ -70,13 +79,50 @@ def write(
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
         then, and older files stay unchanged.
     """
+    return _written(_RENDERERS, "render", (result, validation), paths, {"paper": paper, "date": date})
+
+
+def write_machine(
+    sizing: MachineSizing, paths: Sequence[Path], *, paper: str = "a4", date: str | None = None
+) -> list[Path]:
+    """Write reports of a machine of several axes; see :func:`write`.
+
+    Parameters
+    ----------
+    sizing
+        The machine.
+    paths, paper, date
+        As there.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
+
+    Raises
+    ------
+    InputError
+        As there.
+    """
+    from drivesizer.output.report.machine.content import MachineContent
+
+    return _written(_OF_MACHINES, "render_machine", (MachineContent(sizing),), paths, {"paper": paper, "date": date})
+
+
+def _written(
+    renderers: Mapping[str, tuple[str, tuple[str, ...]]],
+    function: str,
+    records: tuple[Any, ...],
+    paths: Sequence[Path],
+    given: Mapping[str, Any],
+) -> list[Path]:
+    """Files of several kinds, written together."""
     accept(paths)
-    given = {"paper": paper, "date": date}
     files: dict[Path, bytes] = {}
     for path in paths:
-        module, takes = _RENDERERS[path.suffix.lower()]
-        render = import_module(f"drivesizer.output.{module}").render
-        made: dict[Path, bytes] = render(result, validation, path, **{name: given[name] for name in takes})
+        module, takes = renderers[path.suffix.lower()]
+        render = getattr(import_module(f"drivesizer.output.{module}"), function)
+        made: dict[Path, bytes] = render(*records, path, **{name: given[name] for name in takes})
         twice = files.keys() & made.keys()
         if twice:
             raise InputError(f"{min(twice)}: would be written twice; expected another name")
@@ -253,3 +299,24 @@ def write_figures(result: SizingResult, validation: Validation | None, folder: P
     from drivesizer.output.report.figures.all_figures import report_drawings
 
     return figures_into(report_drawings(result, validation), folder)
+
+
+def write_machine_figures(sizing: MachineSizing, folder: Path) -> list[Path]:
+    """Write every figure of a machine's report as SVG and as PNG; see :func:`write_loop_figures`.
+
+    Parameters
+    ----------
+    sizing
+        The machine.
+    folder
+        Where to; it is made where it does not exist.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written, those of an axis with its number in the file.
+    """
+    from drivesizer.output.report.figure_files import figures_into
+    from drivesizer.output.report.machine.content import MachineContent
+
+    return figures_into(MachineContent(sizing).drawings, folder)

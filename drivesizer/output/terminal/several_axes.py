@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drivesizer.control.validation import Validation
+from drivesizer.output.several_axes import choice_text
 from drivesizer.output.terminal import tables
 from drivesizer.output.terminal.answer import compared, names_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
@@ -139,8 +140,8 @@ def _said(result: MachineSizing) -> list[Text]:
         found.append(Text(f"all axes unknown: {_few(unknown)}", style=STYLE["unknown"]))
     found += [Text(text) for text in _supplied(result.power)] if result.power else []
     found += [Text(note) for note in result.notes]
-    if result.complete and any(axis.carried for axis in result.axes):
-        found.append(Text(_chosen(result), style="dim"))
+    if choice_text(result):
+        found.append(Text(choice_text(result), style="dim"))
     return found
 
 
@@ -164,13 +165,6 @@ def _supplied(power: MachinePower) -> Iterator[str]:
 def _few(titles: Sequence[str]) -> str:
     """Titles of a few checks, else their number."""
     return "; ".join(titles) if len(titles) <= 2 else f"{len(titles)} checks (--checks)"
-
-
-def _chosen(result: MachineSizing) -> str:
-    """Whether another choice of the drives that ride on others can be better."""
-    if result.certain:
-        return f"no other choice of the carried drives gives less {result.objective.replace('_', ' ')} in all"
-    return f"another choice of the carried drives may give less {result.objective.replace('_', ' ')} in all"
 
 
 def _next(console: Console, spec: str, result: MachineSizing) -> None:

@@ -9,12 +9,13 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from drivesizer.control.validation import Validation
+from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.field import conditions
 from drivesizer.output.report.figures.field_panels import panels
 from drivesizer.output.report.figures.style import COLOURS
@@ -31,10 +32,10 @@ from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
 from drivesizer.results.sizing import SizingResult
 
-__all__ = ["render", "report_html"]
+__all__ = ["STILL", "filled_page", "movable", "render", "report_html"]
 
 _FILES = resources.files("drivesizer.output.report.html")
-_STILL = (
+STILL = (
     "way",
     "tornado",
     "fields",
@@ -83,18 +84,39 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     bytes
         The file in that form.
     """
+    content = Content(result, validation)
+    pictures = {name: content.drawings[name] for name in STILL if name in content.drawings}
+    return filled_page(document(content, date), movable(content), pictures)
+
+
+def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: Mapping[str, Drawing]) -> bytes:
+    """A document with its figures as an HTML file.
+
+    Parameters
+    ----------
+    filled
+        Of :func:`drivesizer.output.report.sections.document.document`.
+    figures
+        Those that can be moved, by name.
+    pictures
+        Those that cannot.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
+    """
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
     from drivesizer.output.report.html.kept import packed
 
-    content = Content(result, validation)
-    doc = _unbroken(document(content, date))
+    doc = _unbroken(filled)
     library, script = get_plotlyjs(), _text("page.js")
-    filled = _template(mathml(_mathematics(doc["sections"]))).render(
+    page: str = _template(mathml(_mathematics(doc["sections"]))).render(
         doc=doc,
-        figures=_figures(content),
-        pictures={name: image(content.drawings[name]("svg")) for name in _STILL if name in content.drawings},
+        figures=figures,
+        pictures={name: image(draw("svg")) for name, draw in pictures.items()},
         colours=COLOURS,
         style=Markup(_text("style.css")),  # noqa: S704 - our own file
         script=Markup(script),  # noqa: S704 - our own file
@@ -102,8 +124,7 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
         library=base64.b64encode(packed(library)).decode(),
         digests=[_digest(script), _digest(library)],
     )
-    made: bytes = filled.encode()
-    return made
+    return page.encode()
 
 
 def _text(name: str) -> str:
@@ -163,7 +184,7 @@ def _noted(text: str) -> Any:
     return Markup(re.sub(symbol, r"<var>\1</var><sub>\2</sub>", str(escape(text))))  # noqa: S704 - escaped before
 
 
-def _figures(content: Content) -> dict[str, Plot]:
+def movable(content: Content) -> dict[str, Plot]:
     """The figures that can be moved by name, in the order of the report; those of one kind are numbered."""
     result, validation, best = content.result, content.validation, content.drive
     drives = candidate_numbers(content)

@@ -7,18 +7,19 @@ libraries, and the file carries no date.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from drivesizer.control.validation import Validation
 from drivesizer.errors import DrivesizerError, InputError, quoted
-from drivesizer.output.report.figures.all_figures import IN_TABLES
+from drivesizer.output.report.figures.all_figures import IN_TABLES, Drawing
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
 from drivesizer.results.sizing import SizingResult
 
-__all__ = ["PAPERS", "ReportError", "fonts", "render", "report_pdf"]
+__all__ = ["PAPERS", "ReportError", "fonts", "render", "report_pdf", "typeset"]
 
 _LAST_OWN_LETTER = "\u2fff"  # what the fonts at hand cover ends here; beyond begin the scripts of East Asia and emoji
 
@@ -77,13 +78,43 @@ def report_pdf(
     ReportError
         When the typesetter refuses.
     """
+    _refuse(paper)
+    content = Content(result, validation)
+    drawings = {name: draw for name, draw in content.drawings.items() if name not in IN_TABLES}
+    return typeset(document(content, date), drawings, paper)
+
+
+def _refuse(paper: str) -> None:
     if paper not in PAPERS:
         raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")
-    content = Content(result, validation)
-    drawn = {name: draw("typeset") for name, draw in content.drawings.items() if name not in IN_TABLES}
-    figures = {name: {"svg": svg.decode()} for name, svg in drawn.items()}
-    filled = document(content, date) | {"sheet": paper, "figures": figures}
-    return _set(json.dumps(filled, ensure_ascii=False, allow_nan=False))
+
+
+def typeset(filled: dict[str, Any], drawings: Mapping[str, Drawing], paper: str) -> bytes:
+    """A document with its figures as a PDF file.
+
+    Parameters
+    ----------
+    filled
+        Of :func:`drivesizer.output.report.sections.document.document`.
+    drawings
+        Figures that it shows, by name.
+    paper
+        Format of the sheets.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    InputError
+        When the format of the sheets is not known.
+    ReportError
+        When the typesetter refuses.
+    """
+    _refuse(paper)
+    figures = {name: {"svg": draw("typeset").decode()} for name, draw in drawings.items()}
+    return _set(json.dumps(filled | {"sheet": paper, "figures": figures}, ensure_ascii=False, allow_nan=False))
 
 
 def _set(data: str) -> bytes:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from drivesizer.output.report.sections.blocks import Block, Column, Fragment, Row, Table
 from drivesizer.output.report.sections.content import Content
@@ -13,23 +14,44 @@ from drivesizer.output.report.sections.summary import texts
 from drivesizer.output.report.sections.texts import Code
 from drivesizer.version import __version__
 
-__all__ = ["REPEAT", "SPEC_FILE", "about"]
+__all__ = ["REPEAT", "SPEC_FILE", "about", "about_sheet", "file_sheet", "repeat_blocks"]
 
 _FEW = 4  # catalogues in the table; more are listed in a file of their own
 
 
 def _repeat(content: Content) -> Iterator[Block]:
-    digests = [*content.result.catalog.digests.items()]
-    rows = [Row(("drivesizer", __version__)), Row(("method", content.result.method)),
-            Row(("objective", content.result.objective.replace("_", " ")))]  # fmt: skip
+    result = content.result
+    yield from repeat_blocks(
+        result.catalog.digests, result.method, result.objective, file_name(content), result.spec.text
+    )
+
+
+def repeat_blocks(catalogs: Mapping[str, str], method: str, objective: str, file: str, text: str) -> Iterator[Block]:
+    """Versions, digests and the file that a result came from.
+
+    Parameters
+    ----------
+    catalogs
+        Digests by the name of a catalogue.
+    method, objective
+        Of the sizing.
+    file, text
+        Name and lines of the spec.
+
+    Returns
+    -------
+    Iterator of blocks
+    """
+    digests = [*catalogs.items()]
+    rows = [Row(("drivesizer", __version__)), Row(("method", method)), Row(("objective", objective.replace("_", " ")))]
     few = digests if len(digests) <= _FEW else []
     rows += [Row((f"catalogue {name}, digest", (Code(digest),))) for name, digest in few]
     yield Table("", (Column("", "name"), Column("", width=1.0)), rows, look="figures")
     if len(digests) > _FEW:
         yield Fragment("digests", [list(one) for one in digests])
-    lines = content.result.spec.text.splitlines()
+    lines = text.splitlines()
     if lines:
-        yield Fragment("file", [file_name(content) or "spec.yaml", *lines])
+        yield Fragment("file", [file or "spec.yaml", *lines])
 
 
 REPEAT = Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, tabled=False)
@@ -41,14 +63,30 @@ def _no_blocks(_: Content) -> tuple[()]:
 
 
 def _sheet(content: Content) -> list[Sheet]:
-    """The spec file line by line, comments included; without a file the fields as they were entered."""
+    spec = content.result.spec
+    return [file_sheet(file_name(content), spec.text, spec.entered)]
+
+
+def file_sheet(file: str, text: str, entered: Mapping[str, Any]) -> Sheet:
+    """The spec file line by line, comments included; without a file the fields as they were entered.
+
+    Parameters
+    ----------
+    file, text
+        Its name and its lines.
+    entered
+        The fields.
+
+    Returns
+    -------
+    Sheet
+    """
     import yaml
 
-    spec = content.result.spec
-    text = spec.text or yaml.safe_dump(spec.entered, allow_unicode=True, sort_keys=False)
-    rows = [{"line": number, "text": line} for number, line in enumerate(text.splitlines(), 1)]
-    columns = (SheetColumn("line", "line", "count"), SheetColumn(file_name(content) or "spec", "text", "code", 110))
-    return [Sheet(name="Spec", columns=columns, rows=rows, filtered=False)]
+    written = text or yaml.safe_dump(entered, allow_unicode=True, sort_keys=False)
+    rows = [{"line": number, "text": line} for number, line in enumerate(written.splitlines(), 1)]
+    columns = (SheetColumn("line", "line", "count"), SheetColumn(file or "spec", "text", "code", 110))
+    return Sheet(name="Spec", columns=columns, rows=rows, filtered=False)
 
 
 SPEC_FILE = Section(name="file", title="The spec file", blocks=_no_blocks, appendix=True, sheets=_sheet, tabled=False)
@@ -83,9 +121,28 @@ def about(content: Content, sheets: Sequence[Sheet]) -> Sheet:
     Sheet
     """
     result = content.result
+    return about_sheet(result.catalog.digests, result.method, result.objective, sheets)
+
+
+def about_sheet(catalogs: Mapping[str, str], method: str, objective: str, sheets: Sequence[Sheet]) -> Sheet:
+    """The last sheet of a workbook; see :func:`about`.
+
+    Parameters
+    ----------
+    catalogs
+        Digests by the name of a catalogue.
+    method, objective
+        Of the sizing.
+    sheets
+        The others.
+
+    Returns
+    -------
+    Sheet
+    """
     rows = [{"title": "drivesizer", "note": __version__}]
-    rows += [{"title": f"catalogue {name}, digest", "note": digest} for name, digest in result.catalog.digests.items()]
-    rows += [{"title": "method", "note": result.method}, {"title": "objective", "note": result.objective}]
+    rows += [{"title": f"catalogue {name}, digest", "note": digest} for name, digest in catalogs.items()]
+    rows += [{"title": "method", "note": method}, {"title": "objective", "note": objective}]
     rows += [{"part": "Words"}, *({"title": word, "note": meaning} for word, meaning in _MEANING)]
     rows += texts("Sheets", [f"{sheet.name}: {sheet.note}" for sheet in sheets if sheet.note])
     columns = (SheetColumn("About this file", "title"), SheetColumn("meaning", "note", "", 110))

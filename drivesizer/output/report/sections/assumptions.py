@@ -10,15 +10,32 @@ from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.texts import Mark, Strong
 from drivesizer.results.figures_behind_checks import marked_figures, unknown_figures
 
-__all__ = ["ASSUMPTIONS"]
+__all__ = ["ASSUMPTIONS", "unknown_blocks"]
 
 
 def _blocks(content: Content) -> Iterator[Block]:
-    result, best = content.result, content.drive
+    result = content.result
     if result.assumptions:
         yield Bullets("Assumptions of the sizing:", list(result.assumptions))
     if result.warnings:
         yield Bullets((Strong("Warnings:"),), list(result.warnings), "alarm")
+    yield from unknown_blocks(content)
+
+
+def unknown_blocks(content: Content) -> Iterator[Block]:
+    """Checks that are unknown, and figures behind checks that are from no document.
+
+    Parameters
+    ----------
+    content
+        What the report is about.
+
+    Returns
+    -------
+    Iterator of blocks
+        None without a drive.
+    """
+    result, best = content.result, content.drive
     if best is None:
         return
     unknown = [Row((title, lacks)) for title, lacks in unknown_figures(best)]

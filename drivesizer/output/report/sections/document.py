@@ -5,6 +5,7 @@ Its texts are printed as strings, so that no text of a spec or a catalogue is ev
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from drivesizer.output.report.lines.machine import machine_words
@@ -14,14 +15,14 @@ from drivesizer.output.report.sections.content import Content
 from drivesizer.output.text import cleaned, short
 from drivesizer.version import __version__
 
-__all__ = ["document"]
+__all__ = ["assembled", "document"]
 
 
-def _header(content: Content) -> str:
+def _header(name: str, block: Sequence[tuple[str, str]]) -> str:
     """The machine's name, and the project with its revision where they are given."""
-    given = dict(content.title_block)
+    given = dict(block)
     revision = f"revision {given['Revision']}" if "Revision" in given else ""
-    return ", ".join(filter(None, (content.result.spec.name, given.get("Project", ""), revision)))
+    return ", ".join(filter(None, (name, given.get("Project", ""), revision)))
 
 
 def document(content: Content, date: str | None = None) -> dict[str, Any]:
@@ -45,9 +46,41 @@ def document(content: Content, date: str | None = None) -> dict[str, Any]:
         {"name": section.name, "title": section.headed(content), "level": section.level, "new_page": section.new_page,
          "appendix": section.appendix, "blocks": as_data(blocks)} for section, blocks in printed if blocks
     ]  # fmt: skip
+    name, words = result.spec.name, machine_words(result.spec)
+    return assembled(name, words, content.title_block, sections, date, found=bool(result.sets))
+
+
+def assembled(
+    name: str,
+    machine: str,
+    block: Sequence[tuple[str, str]],
+    sections: Sequence[dict[str, Any]],
+    date: str | None,
+    *,
+    found: bool,
+) -> dict[str, Any]:
+    """The document of a report out of its sections.
+
+    Parameters
+    ----------
+    name, machine
+        The machine's name, and what it is in words.
+    block
+        Rows of the title block.
+    sections
+        As plain data.
+    date
+        Printed where it is given.
+    found
+        Whether there is a drive.
+
+    Returns
+    -------
+    dict
+        For the templates of PDF and HTML.
+    """
     made: dict[str, Any] = cleaned({
-        "name": result.spec.name, "header": short(_header(content)), "block": content.title_block,
-        "machine": machine_words(result.spec),
-        "version": __version__, "date": short(date or "", 40), "found": bool(result.sets), "sections": sections,
+        "name": name, "header": short(_header(name, block)), "block": block, "machine": machine,
+        "version": __version__, "date": short(date or "", 40), "found": found, "sections": sections,
     })  # fmt: skip
     return made

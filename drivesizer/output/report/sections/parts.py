@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of, one_of
@@ -21,10 +21,10 @@ from drivesizer.output.report.sections.texts import Mark
 from drivesizer.results.drive_set import section_of
 from drivesizer.units import KINDS, from_si
 
-__all__ = ["DATA_SHEETS", "PARTS"]
+__all__ = ["DATA_SHEETS", "PARTS", "PART_COLUMNS", "part_sheet_row", "sheet_blocks"]
 
 
-_PARTS = (
+PART_COLUMNS = (
     SheetColumn("role", "role"), SheetColumn("maker", "maker"), SheetColumn("family", "family"),
     SheetColumn("part", "part"), SheetColumn("order number", "order_number"), STATUS, SheetColumn("is", "said"),
     SheetColumn("quantity", "quantity", "count"), SheetColumn("mass of one (g)", "mass_g"),
@@ -40,13 +40,14 @@ _PARTS = (
 
 
 def _sheet(content: Content) -> list[Sheet]:
-    rows = [_sheet_row(line) for line in content.bought]
+    rows = [part_sheet_row(line) for line in content.bought]
     known = "mass and price are empty where no catalogue has them; a mass with from and to is estimated"
     note = known if rows else "no drive meets all limits: nothing to buy"
-    return [Sheet(name="Parts list", columns=_PARTS, rows=rows, note=note, still=1)]
+    return [Sheet(name="Parts list", columns=PART_COLUMNS, rows=rows, note=note, still=1)]
 
 
-def _sheet_row(line: PartLine) -> table.Row:
+def part_sheet_row(line: PartLine) -> table.Row:
+    """A part by the keys of ``PART_COLUMNS``."""
     grams, low, high = (from_si(mass, "g", "mass") for mass in (line.mass, line.mass_low, line.mass_high))
     row = {name: getattr(line, name) for name in line.__slots__}
     return row | {"status": "" if line.order_number else "unknown", "mass_g": grams, "mass_low_g": low,
@@ -71,15 +72,29 @@ PARTS = Section(name="parts", title="Parts list", level=2, blocks=_no_blocks, sh
 
 
 def _datasheets(content: Content) -> Iterator[Block]:
-    if content.drive is None:
-        return
+    if content.drive is not None:
+        yield from sheet_blocks(datasheets(content.drive, content.result.catalog))
+
+
+def sheet_blocks(sheets: Sequence[dict[str, Any]]) -> Iterator[Block]:
+    """Data sheets of parts, below the meaning of their marks.
+
+    Parameters
+    ----------
+    sheets
+        Of :func:`drivesizer.output.datasheet.datasheets`.
+
+    Returns
+    -------
+    Iterator of blocks
+    """
     yield Words((
         "Figures without a mark are quoted from the maker's own document. Marked ones are not: ", Mark("secondary"),
         " copied by others, ", Mark("derived"), " computed or inferred, ", Mark("recalled"),
         " from memory, to be checked before anything is built. Figures that the catalogue does not know are not "
         "listed.",
     ))  # fmt: skip
-    yield Fragment("datasheets", datasheets(content.drive, content.result.catalog))
+    yield Fragment("datasheets", sheets)
 
 
 _FIGURES = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from drivesizer.output.parts import LEAST, PartLine, machine_parts, totals
+from drivesizer.output.parts import LEAST, PartLine, Total, machine_parts, totals
 from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import case_of, check_row, tight_of, tightest_checks
@@ -23,7 +23,18 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, worst
 from drivesizer.units import KINDS
 
-__all__ = ["OUTCOMES", "SUMMARY", "meet", "texts"]
+__all__ = [
+    "OUTCOMES",
+    "SUMMARY",
+    "change_blocks",
+    "check_line",
+    "meet",
+    "outcome_texts",
+    "priced",
+    "summed_tile",
+    "texts",
+    "tiles",
+]
 
 OUTCOMES = {
     "found": "the selected drive",
@@ -34,24 +45,24 @@ OUTCOMES = {
 
 def _blocks(content: Content) -> Iterator[Block]:
     result, best = content.result, content.drive
-    yield Verdict(bool(result.sets), [*_outcome(content)])
+    yield Verdict(bool(result.sets), [*outcome_texts(content)])
     if best:
         lines = machine_parts(best, result.problem)
         yield parts_table(lines, content.motors, OUTCOMES[content.outcome])
-        yield Tiles(_tiles(content, lines))
+        yield Tiles(tiles(content, lines))
         yield Checks(
             ("The smallest margins; all checks are in ", TableLink("checks")),
             [*map(check_row, tightest_checks(best))],
             "tightest",
         )
-        yield from _changes(content)
+        yield from change_blocks(content)
         yield confidence_table(content)
         yield field_picture(content)
     else:
-        yield from _changes(content)
+        yield from change_blocks(content)
 
 
-def _changes(content: Content) -> Iterator[Block]:
+def change_blocks(content: Content) -> Iterator[Block]:
     """Changes of the spec after which a drive passes, where none does."""
     result = content.result
     if content.outcome == "missed" and result.relaxations:
@@ -87,7 +98,7 @@ def meet(count: int, of: int, status: str = "pass") -> str:
     return f"{count or 'None'} of {of} candidates {'meets' if count < 2 else 'meet'} all limits"
 
 
-def _outcome(content: Content) -> Iterator[Text]:
+def outcome_texts(content: Content) -> Iterator[Text]:
     """Result of the search, and whether the closed loop passes."""
     yield from _found(content) if content.outcome != "missed" else _missed(content)
     v = content.validation
@@ -123,8 +134,21 @@ def _missed(content: Content) -> Iterator[Text]:
     yield Strong("No drive."), f" {meet(0, counts.considered)}. {said}"
 
 
-def _tiles(content: Content, lines: Sequence[PartLine]) -> list[tuple[str, str, str]]:
-    """The figures that a reader wants first."""
+def tiles(content: Content, lines: Sequence[PartLine]) -> list[tuple[str, str, str]]:
+    """The figures that a reader wants first.
+
+    Parameters
+    ----------
+    content
+        With a drive.
+    lines
+        Its parts list.
+
+    Returns
+    -------
+    list of tuple of str
+        Head, value and note of each.
+    """
     behaviour, best = content.behaviour, content.drive
     assert behaviour is not None and best is not None
     several = ", as specified" if len(content.result.problem.cases) > 1 else ""
@@ -132,19 +156,34 @@ def _tiles(content: Content, lines: Sequence[PartLine]) -> list[tuple[str, str, 
     tight = tight_of(best)
     return [
         ("Smallest margin", tight["margin"], tight["title"]),
-        _summed(lines, "mass", drives),
-        _summed(lines, "price", drives),
+        summed_tile(totals(lines), "mass", drives),
+        summed_tile(totals(lines), "price", drives),
         ("Energy per cycle", behaviour.cost,
          f"drawn from the supply, {drives}" + (", each at its wheel" if content.wheel else several)),
         ("Total ratio", f"{best.total_ratio:.4g}", f"motor turns per turn of the {content.shaft}"),
     ]  # fmt: skip
 
 
-def _summed(lines: Sequence[PartLine], name: str, drives: str) -> tuple[str, str, str]:
-    """A total of the parts list: its name, its value, and the parts that it leaves out or estimates."""
-    found = [total for total in totals(lines) if total.name == name]
-    lacks = [role for role in dict.fromkeys(line.role for line in lines) if all(role in t.lacks for t in found)]
-    least = ", at least" if found and lacks else ""
+def summed_tile(every: Sequence[Total], name: str, drives: str) -> tuple[str, str, str]:
+    """A total of the parts list: its name, its value, and the parts that it leaves out or estimates.
+
+    Parameters
+    ----------
+    every
+        All totals of the list.
+    name
+        Of the wanted ones, one for each currency.
+    drives
+        That the list is of.
+
+    Returns
+    -------
+    tuple of str
+        Head, value and note.
+    """
+    found = [total for total in every if total.name == name]
+    lacks = [role for role in found[0].lacks if all(role in t.lacks for t in found)] if found else []
+    least = ", at least" if lacks else ""
     notes = [f"without {', '.join(lacks)}"] if least else []
     notes += [f"estimated: {', '.join(total.estimated)}" for total in found if total.estimated]
     value = " + ".join(total_of(total).removeprefix(LEAST) for total in found) or "unknown"
@@ -165,12 +204,12 @@ def _sheet(content: Content) -> list[Sheet]:
     rows = [*_verdict(content)]
     if best:
         rows += [_part(OUTCOMES[content.outcome].capitalize()), *_drive(best, content)]
-        rows += [_part("Its smallest margins"), *map(_tight, tightest_checks(best))]
+        rows += [_part("Its smallest margins"), *map(check_line, tightest_checks(best))]
         grounds = confidence_table(content)
         rows += [_part(text_of(grounds.caption)), *_grounds(grounds)]
     if content.bought:
         rows += [_part(f"All parts of the machine, {content.motors} of each")]
-        rows += map(_priced, table.total_rows(totals(content.bought)))
+        rows += map(priced, table.total_rows(totals(content.bought)))
     rows += _closed_loop(content)
     counts = table.count_rows(result)
     rows += [_part("Candidates"), *(row | {"value": Cell(row["value"], "count")} for row in counts)]
@@ -230,13 +269,13 @@ def _drive(best: DriveSet, content: Content) -> Iterator[table.Row]:
         note = ": ".join(filter(None, (f"{line.maker} {named}".strip(), line.said)))
         yield {"title": line.role.capitalize(), "status": "" if note else "unknown", "note": note}
     shown = ("total_ratio", "mass", "price", "verdict")
-    yield from (_priced(row) for row in table.set_rows(best, "") if row["name"] in shown)
+    yield from (priced(row) for row in table.set_rows(best, "") if row["name"] in shown)
     if best.reliability:
         yield {"title": "All checks pass, with tolerances", "value": Cell(best.reliability.passing, "share"),
                "unit": "of samples", "note": error_and_weakest(best.reliability)}  # fmt: skip
 
 
-def _priced(row: table.Row) -> table.Row:
+def priced(row: table.Row) -> table.Row:
     """A price with two decimals."""
     return row | {"value": Cell(row["value"], "money")} if row.get("unit") in _CURRENCIES else row
 
@@ -244,7 +283,8 @@ def _priced(row: table.Row) -> table.Row:
 _CURRENCIES = {KINDS[kind].si for kind in KINDS if kind.startswith("price")}
 
 
-def _tight(c: Check) -> table.Row:
+def check_line(c: Check) -> table.Row:
+    """A check in a row of the summary: its margin as value, demand and limit in the note."""
     row = check_row(c)
     against = f"{row['demand']} against {row['limit']}" if row["demand"] else ""
     note = "; ".join(filter(None, (against, case_of(c), c.note)))
@@ -259,7 +299,7 @@ def _closed_loop(content: Content) -> Iterator[table.Row]:
     yield {"title": f"Over {driven_over(v)}", "status": v.status, "note": v.drive_set.label}
     tight = worst(v.checks)
     if tight:
-        yield _tight(tight)
+        yield check_line(tight)
     yield from (table.figure_row("validation", f) for f in v.figures[:3])
     yield from texts("Assumptions of the simulation", v.assumptions)
     yield from texts("Warnings of the simulation", v.warnings)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from drivesizer.units import KINDS, from_si, show
 
 __all__ = [
-    "Code", "Inline", "Mark", "Math", "Number", "Status", "Strong", "TableLink", "Text", "quantity", "text_of",
+    "Code", "Inline", "Mark", "Math", "Number", "Small", "Status", "Strong", "TableLink", "Text", "quantity", "text_of",
 ]  # fmt: skip
 
 
@@ -21,6 +21,10 @@ class _Marked:
 
 class Strong(_Marked):
     """Bold letters."""
+
+
+class Small(_Marked):
+    """Small letters on a line of their own, below what is before them."""
 
 
 class Code(_Marked):
@@ -49,7 +53,7 @@ class TableLink:
     name: str
 
 
-Inline = Strong | Code | Status | Mark | Math | TableLink
+Inline = Strong | Small | Code | Status | Mark | Math | TableLink
 Text = str | tuple[str | Inline, ...]
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.cells import csv_cell
-from drivesizer.output.parts import HEADS, PartLine
+from drivesizer.output.parts import HEADS, PartLine, SharedLine
 from drivesizer.output.report.lines.reliability_rows import QUANTILES, chance_columns, chances, every_list
 from drivesizer.output.report.lines.rows import COLUMNS, Row
 from drivesizer.output.report.sections import SECTIONS
@@ -27,7 +27,10 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult, worst
 from drivesizer.units import KINDS, from_si
 
-__all__ = ["COLUMNS", "parts_csv", "render", "report_csv", "sets_csv", "timeseries_csv"]
+__all__ = [
+    "COLUMNS", "columns_csv", "encoded", "parts_csv", "render", "report_csv", "set_columns", "sets_csv",
+    "shared_parts_csv", "timeseries_csv",
+]  # fmt: skip
 
 
 def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
@@ -67,7 +70,7 @@ def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
     bytes
     """
     columns = COLUMNS if result.uncertainty is None else (*COLUMNS, *QUANTILES)
-    return _encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(result, validation)))
+    return encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(result, validation)))
 
 
 def _rows(result: SizingResult, validation: Validation | None) -> Iterator[Row]:
@@ -93,7 +96,14 @@ _PARTS = (
 def parts_csv(lines: Iterable[PartLine]) -> bytes:
     """A parts list: a row for each part, mass and price of one piece, and how many the machine has."""
     heads = (HEADS.get(name, name) for name in _PARTS)
-    return _encoded(heads, ([getattr(line, name) for name in _PARTS] for line in lines))
+    return encoded(heads, ([getattr(line, name) for name in _PARTS] for line in lines))
+
+
+def shared_parts_csv(lines: Iterable[SharedLine]) -> bytes:
+    """The parts list of several axes: as :func:`parts_csv`, with the names of the axes that need a part."""
+    heads = (HEADS.get(name, name) for name in _PARTS)
+    rows = ([*(getattr(one.line, name) for name in _PARTS), "; ".join(one.axes)] for one in lines)
+    return encoded([*heads, "axes"], rows)
 
 
 def timeseries_csv(validation: Validation) -> bytes:
@@ -106,7 +116,7 @@ def columns_csv(columns: Mapping[str, tuple[NDArray[np.float64], str, str]]) -> 
     """Columns over time by name, each with its kind and the unit that it is written in."""
     heads = [f"{name} ({unit})" for name, (_, _, unit) in columns.items()]
     written = (from_si(values, unit, kind).tolist() for values, kind, unit in columns.values())
-    return _encoded(heads, zip(*written, strict=True))
+    return encoded(heads, zip(*written, strict=True))
 
 
 def sets_csv(result: SizingResult) -> bytes:
@@ -115,14 +125,31 @@ def sets_csv(result: SizingResult) -> bytes:
     Their probabilities are behind all other columns.
     """
     sets = every_list(result)
-    checks = list(dict.fromkeys(c.name for _, s in sets for c in s.own_checks))
-    figures = {f.name: f.kind for _, s in sets for f in s.figures}
-    objective = f"objective_{_slug(result.objective)}_si"
-    heads = [*_SET_HEADS, "price_of", objective, "smallest_margin", "smallest_margin_check"]
+    heads, rows = set_columns([one for _, one in sets], result.objective)
+    return encoded(["list", *heads], ([name, *row] for (name, _), row in zip(sets, rows, strict=True)))
+
+
+def set_columns(sets: Sequence[DriveSet], objective: str) -> tuple[list[str], list[list[Any]]]:
+    """Drives in rows, with all that they are, do and hold.
+
+    Parameters
+    ----------
+    sets
+        The drives.
+    objective
+        That ranked them.
+
+    Returns
+    -------
+    tuple
+        Heads of the columns, and a row for each drive.
+    """
+    checks = list(dict.fromkeys(c.name for s in sets for c in s.own_checks))
+    figures = {f.name: f.kind for s in sets for f in s.figures}
+    heads = [*_SET_HEADS, "price_of", f"objective_{_slug(objective)}_si", "smallest_margin", "smallest_margin_check"]
     heads += [*(f"margin_{name}" for name in checks), *(f"figure_{name}_{KINDS[k].si}" for name, k in figures.items())]
-    chance = chance_columns(one for _, one in sets)
-    rows = ([name, *_set_row(one, checks, list(figures)), *chances(one, chance)] for name, one in sets)
-    return _encoded([*heads, *chance], rows)
+    chance = chance_columns(iter(sets))
+    return [*heads, *chance], [[*_set_row(one, checks, list(figures)), *chances(one, chance)] for one in sets]
 
 
 def _slug(title: str) -> str:
@@ -131,11 +158,11 @@ def _slug(title: str) -> str:
     >>> _slug("2 mass + 1 price")
     '2_mass_1_price'
     """
-    return "_".join(title.replace("+", " ").split())
+    return "_".join(title.replace("+", " ").replace(",", " ").split())
 
 
 _SET_HEADS = (
-    "list", "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
+    "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
     "belt_ratio", "driving_pulley_part", "belt_part", "driven_pulley_part", "centre_distance_m", "teeth_in_mesh",
     "screw_part", "brake_family", "brake_part", "encoder_family", "encoder_part", "controller_family",
     "controller_part", "total_ratio", "mass_kg", "mass_of", "price_EUR",
@@ -168,7 +195,20 @@ def _belt(s: DriveSet) -> list[Any]:
     )
 
 
-def _encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
+def encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
+    """A table as the bytes of a file.
+
+    Parameters
+    ----------
+    heads
+        Of the columns.
+    rows
+        Their cells.
+
+    Returns
+    -------
+    bytes
+    """
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(heads)

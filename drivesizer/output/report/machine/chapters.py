@@ -1,0 +1,138 @@
+"""Chapters of a machine's report on all axes: their loads side by side, who carries whom, assumptions, the appendix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple
+
+from drivesizer.output.datasheet import datasheets
+from drivesizer.output.report.machine.content import MachineContent
+from drivesizer.output.report.machine.summary import summary_blocks
+from drivesizer.output.report.sections.appendix import repeat_blocks
+from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Picture, Row, Table, Words
+from drivesizer.output.report.sections.parts import sheet_blocks
+from drivesizer.output.report.sections.texts import Strong
+from drivesizer.output.several_axes import Branch, mass_tree
+from drivesizer.results.machine import AxisSizing, CarriedMass
+from drivesizer.units import show
+
+__all__ = ["BACK", "FRONT", "Chapter", "assumptions", "warnings"]
+
+
+class Chapter(NamedTuple):
+    """A chapter by its name, which is also its address on the page."""
+
+    name: str
+    title: str
+    blocks: Callable[[MachineContent], Iterable[Block]]
+    appendix: bool = False
+    level: int = 1
+
+
+# -- loads
+
+
+def _loads(content: MachineContent) -> Iterator[Block]:
+    cases = any(len(one.content.cycles) > 1 for one in content.axes)
+    first = " Of several load cases the first is drawn." if cases else ""
+    lacking = [one.name for one in content.axes if one.sizing.best is None and one.content.drive]
+    missed = f" Of {', '.join(lacking)} it is the closest rejected drive." if lacking else ""
+    names = [*content.loads]
+    for name in names:
+        last = name == names[-1]
+        caption = (f"Torque and speed of the motor of each axis, its rotor's acceleration included; below 0 it brakes. "
+                   f"The shaded field is allowed continuously.{first}{missed}")  # fmt: skip
+        yield Picture(name, caption if last else "The first axes.", "torque-speed field of each axis with its cycle",
+                      about="sets the load of each axis against the limits of its motor.")  # fmt: skip
+
+
+# -- who carries whom
+
+
+def _carried(content: MachineContent) -> Iterator[Block]:
+    sizing = content.sizing
+    if not any(one.carried for one in sizing.axes):
+        return
+    rows = [_branch_row(branch, sizing.axis(branch.name), sizing.axis(branch.on) if branch.on else None)
+            for branch in mass_tree(sizing.machine)]  # fmt: skip
+    turning = any(one.distance is not None for axis in sizing.axes for one in axis.carried)
+    columns = (Column("axis", "name"), Column("drive", width=1.0), Column("its drives on the axis above", "number"),
+               *([Column("at", "number")] if turning else []), Column("all drives on it", "number"))  # fmt: skip
+    caption = "Each axis below the one that carries its drives; masses are in the load of the carrying axis"
+    shown = [Row(row if turning else (*row[:3], *row[4:])) for row in rows]
+    yield Table(caption, columns, shown, "carried", "wide carried")
+    yield Words("Controllers stay in the cabinet: they are in no carried mass. An estimated mass counts at the upper "
+                "end of its band.", "note")  # fmt: skip
+
+
+def _branch_row(branch: Branch, axis: AxisSizing, above: AxisSizing | None) -> tuple[str, ...]:
+    """Name, drive, own mass, distance, and mass on it."""
+    found = next((one for one in above.carried if one.of == branch.name), None) if above else None
+    indent = f"└{'──' * (branch.depth - 1)} " if branch.depth else ""
+    drive = axis.best.label if axis.best else "none"
+    distance = "" if found is None or found.distance is None else show(found.distance, "mm", "length")
+    on_it = show(axis.carried_mass, "g", "mass") if axis.carried else ""
+    return indent + branch.name, drive, _mass(found), distance, on_it
+
+
+def _mass(found: CarriedMass | None) -> str:
+    if found is None:
+        return ""
+    return f"{'at least ' if found.lacking else ''}{show(found.mass, 'g', 'mass')}"
+
+
+# -- assumptions
+
+
+def assumptions(content: MachineContent) -> list[str]:
+    """Assumptions of the sizing: those of all axes once, those of some with their names."""
+    return _with_axes(content, [(one.name, one.content.result.assumptions) for one in content.axes])
+
+
+def warnings(content: MachineContent) -> list[str]:
+    """Warnings, as the assumptions."""
+    return _with_axes(content, [(one.name, one.content.result.warnings) for one in content.axes])
+
+
+def _with_axes(content: MachineContent, given: Iterable[tuple[str, tuple[str, ...]]]) -> list[str]:
+    found: dict[str, list[str]] = {}
+    for name, texts in given:
+        for text in texts:
+            found.setdefault(text, []).append(name)
+    whole = len(content.axes)
+    return [text if len(names) == whole else f"{', '.join(names)}: {text}" for text, names in found.items()]
+
+
+def _assumptions(content: MachineContent) -> Iterator[Block]:
+    if assumptions(content):
+        yield Bullets("Assumptions of the sizing:", assumptions(content))
+    if warnings(content):
+        yield Bullets((Strong("Warnings:"),), warnings(content), "alarm")
+
+
+# -- appendix
+
+
+def _repeat(content: MachineContent) -> Iterator[Block]:
+    sizing = content.sizing
+    yield from repeat_blocks(content.catalogs, content.method, sizing.objective, content.file, sizing.machine.text)
+
+
+def _datasheets(content: MachineContent) -> Iterator[Block]:
+    """Every part once, however many axes have it."""
+    sheets = [sheet for one in content.axes if one.content.drive
+              for sheet in datasheets(one.content.drive, one.content.result.catalog)]  # fmt: skip
+    if sheets:
+        yield from sheet_blocks([sheet for n, sheet in enumerate(sheets) if sheet not in sheets[:n]])
+
+
+FRONT = (
+    Chapter("summary", "Summary", summary_blocks),
+    Chapter("loads", "Loads of the axes", _loads),
+    Chapter("carried", "Carried drives", _carried),
+)
+BACK = (
+    Chapter("assumptions", "Assumptions", _assumptions),
+    Chapter("repeat", "How to repeat this", _repeat, appendix=True),
+    Chapter("datasheets", "Data sheets", _datasheets, appendix=True),
+)

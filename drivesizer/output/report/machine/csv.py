@@ -1,0 +1,46 @@
+"""CSV of a machine: a row for each axis, and beside it the parts list of all axes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from drivesizer.output.report.machine.content import AxisContent, MachineContent
+from drivesizer.output.report.table.csv import encoded, set_columns, shared_parts_csv
+
+__all__ = ["axes_csv", "render_machine"]
+
+
+def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
+    """The files of a CSV report.
+
+    Parameters
+    ----------
+    content
+        What the report is about.
+    path
+        Of the table of axes; the parts list has its name with ``-parts``.
+
+    Returns
+    -------
+    dict[Path, bytes]
+    """
+    parts = path.with_name(f"{path.stem}-parts{path.suffix}")
+    return {path: axes_csv(content), parts: shared_parts_csv(content.bought)}
+
+
+def axes_csv(content: MachineContent) -> bytes:
+    """A row for each axis with its drive; of one without a drive its name and what it carries."""
+    best = [one.best for one in content.sizing.axes if one.best]
+    heads, found = set_columns(best, content.sizing.objective)
+    rows = iter(found)
+    made = [[*_axis(one), *(next(rows) if one.sizing.best else [""] * len(heads))] for one in content.axes]
+    return encoded([*_AXIS, *heads], made)
+
+
+_AXIS = ("axis", "axis_status", "drives", "carried_axes", "carried_mass_kg")
+
+
+def _axis(one: AxisContent) -> list[Any]:
+    names = "; ".join(found.of for found in one.sizing.carried)
+    return [one.name, one.status, one.sizing.drives, names, one.sizing.carried_mass]

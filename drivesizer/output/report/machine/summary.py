@@ -1,0 +1,118 @@
+"""The first page of a machine's report: its verdict, a row for each axis, all parts, and the machine's own checks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import inf, isnan
+from typing import Any
+
+from drivesizer.output.parts import LEAST, Total, totals
+from drivesizer.output.report.lines.drive import check_row, tight_of
+from drivesizer.output.report.machine.content import AxisContent, MachineContent
+from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Table, Tiles, Verdict, Words
+from drivesizer.output.report.sections.part_lines import shared_parts_table, total_of
+from drivesizer.output.report.sections.summary import summed_tile
+from drivesizer.output.report.sections.texts import Status, Strong, Text
+from drivesizer.output.several_axes import choice_text
+from drivesizer.results.check import tightest
+from drivesizer.results.objectives import objective_figure
+from drivesizer.units import show
+
+__all__ = ["drive_name", "notes", "summary_blocks", "verdict_text"]
+
+
+def summary_blocks(content: MachineContent) -> Iterator[Block]:
+    """The answer.
+
+    Parameters
+    ----------
+    content
+        What the report is about.
+
+    Returns
+    -------
+    Iterator of blocks
+    """
+    sizing = content.sizing
+    yield Verdict(sizing.complete, [(Status(sizing.status), " ", *verdict_text(content))])
+    yield _axes_table(content)
+    if sizing.checks:
+        yield Checks("Checks of all axes together", [*map(check_row, sizing.checks)], "machine_checks")
+    yield Tiles([*_tiles(content)])
+    if content.bought:
+        axes = [one.name for one in content.axes if one.sizing.best]
+        whole = f"{_drives(content)} of {len(axes)} axes" if len(axes) > 1 else f"{_drives(content)} of {axes[0]}"
+        yield shared_parts_table(content.bought, content.totals, whole)
+    if notes(content):
+        yield Words(" ".join(f"{note}." for note in notes(content)))
+
+
+def verdict_text(content: MachineContent) -> tuple[Any, ...]:
+    """Axes that have a drive, as a text with marks."""
+    sizing = content.sizing
+    without = [one.name for one in sizing.axes if one.best is None]
+    drives = f"{content.drives} drive{'' if content.drives == 1 else 's'}"
+    ranked = f"ranked by {sizing.objective.replace('_', ' ')}"
+    if without:
+        others = f" The others: {drives}, {ranked}." if content.drives else ""
+        return Strong(f"No drive for {', '.join(without)}."), others
+    return Strong("Every axis has a drive."), f" {drives} on {len(sizing.axes)} axes, {ranked}."
+
+
+def notes(content: MachineContent) -> list[str]:
+    """Choice of the drives, as sentences."""
+    found = [*content.sizing.notes, choice_text(content.sizing)]
+    return [note[:1].upper() + note[1:] for note in found if note]
+
+
+# -- a row for each axis
+
+
+def _axes_table(content: MachineContent) -> Table:
+    columns = (Column("axis", "name", 0.5), Column("drive", width=1.2), Column("carries", "number"),
+               Column("mass", "number"), Column("price", "number"), Column("energy", "number"),
+               Column("margin", "number"), Column("tightest check", "small", 0.8), Column("", "status"))  # fmt: skip
+    rows = [Row(_axis_cells(one), {"axis": one.name}, one.status) for one in content.axes]
+    caption = ("The axes: mass of other axes' drives on each, mass and price of its own parts as far as known, "
+               "energy of its cycle")  # fmt: skip
+    return Table(caption, columns, rows, "axes", dense=True)
+
+
+def _axis_cells(one: AxisContent) -> tuple[Any, ...]:
+    drive, carried = one.content.drive, one.sizing.carried_mass
+    riding = show(carried, "kg", "mass", 3) if one.sizing.carried else ""
+    if drive is None:
+        return one.name, "no candidate", riding, "", "", "", "", "", (Status("fail"),)
+    tight, energy = tight_of(drive), objective_figure(drive, "energy").text
+    sums = totals(one.lines)
+    return (one.name, drive_name(one), riding, _sum(sums, "mass"), _sum(sums, "price"), energy,
+            tight["margin"], tight["title"], (Status(one.status),))  # fmt: skip
+
+
+def drive_name(one: AxisContent) -> Text:
+    """The drive of an axis; of one without the closest rejected, and that it is."""
+    assert one.content.drive is not None
+    count = f"{one.sizing.drives} × " if one.sizing.drives > 1 else ""
+    label = f"{count}{one.content.drive.label}"
+    return label if one.sizing.best else (Strong("none; closest:"), f" {label}")
+
+
+def _sum(sums: Sequence[Total], name: str) -> str:
+    return " + ".join(total_of(total).replace(LEAST, "≥ ") for total in sums if total.name == name) or "–"
+
+
+# -- figures in large letters
+
+
+def _tiles(content: MachineContent) -> Iterator[tuple[str, str, str]]:
+    checks = [(check, one.name) for one in content.axes if one.sizing.best
+              for check in tightest(one.sizing.best.deciding, 1)]  # fmt: skip
+    if checks:
+        check, name = min(checks, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
+        yield "Smallest margin", check_row(check)["margin"] or "none", f"{name}: {check.title}"
+    for figure in ("mass", "price"):
+        yield summed_tile(content.totals, figure, _drives(content))
+
+
+def _drives(content: MachineContent) -> str:
+    return "the one drive" if content.drives == 1 else f"all {content.drives} drives"

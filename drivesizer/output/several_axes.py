@@ -1,0 +1,65 @@
+"""A machine of several axes, for several kinds of output: its axes as a tree, and how its drives were chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from drivesizer.results.machine import MachineSizing
+from drivesizer.spec.machine import MachineSpec
+
+__all__ = ["Branch", "choice_text", "mass_tree"]
+
+
+class Branch(NamedTuple):
+    """An axis in the tree of a machine: below the one that its drives ride on."""
+
+    name: str
+    depth: int  # 0 for one that rides on none
+    on: str  # the axis that carries it; empty for one that rides on none
+
+
+def mass_tree(machine: MachineSpec) -> list[Branch]:
+    """The axes of a machine from those that carry all others to the outermost.
+
+    Parameters
+    ----------
+    machine
+        Its axes with what they carry; an axis on two others stands below each of them.
+
+    Returns
+    -------
+    list of Branch
+        Each before those that ride on it, otherwise in the order of the file.
+    """
+    riding = {axis.name: list(machine.carried(axis.name)) for axis in machine.axes}
+    carried = {name for names in riding.values() for name in names}
+
+    def below(name: str, depth: int, on: str) -> Iterator[Branch]:
+        yield Branch(name, depth, on)
+        further = {other for one in riding[name] for other in riding[one]}
+        for other in riding[name]:
+            if other not in further:
+                yield from below(other, depth + 1, name)
+
+    return [branch for axis in machine.axes if axis.name not in carried for branch in below(axis.name, 0, "")]
+
+
+def choice_text(result: MachineSizing) -> str:
+    """Whether another choice of the drives that ride on others can be better.
+
+    Parameters
+    ----------
+    result
+        A machine in which every axis has a drive.
+
+    Returns
+    -------
+    str
+        A sentence without its point; empty where no drive rides on another axis.
+    """
+    if not result.complete or not any(axis.carried for axis in result.axes):
+        return ""
+    said = "no other choice of the carried drives gives"
+    said = said if result.certain else "another choice of the carried drives may give"
+    return f"{said} less {result.objective.replace('_', ' ')} in all"
