@@ -218,4 +218,6 @@ def _proven(result: Any, profile: str | None) -> tuple[Any, Any]:
         return result, validated(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
     except NoLoopError as error:
         print_notes((str(error),))
-        return replace(result, warnings=(*result.warnings, f"not simulated in closed loop: {error}")), None
+        return replace(
+            result, warnings=(*result.warnings, f"not simulated in {'open' if best.steps else 'closed'} loop: {error}")
+        ), None

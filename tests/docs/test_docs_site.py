@@ -163,6 +163,17 @@ def proofs():
     return [validate(spec, chosen) for spec in specs]
 
 
+def test_every_check_and_figure_of_the_open_loop_is_on_its_page():
+    text = page("steppers")
+    checks = " | ".join(row[0] for row in rows(text, "## Lost steps", r"\| check"))
+    for declared in CHECKS["open loop"].values():
+        assert declared.title in checks
+    printed = text.split("Figures of the open loop", 1)[1].split("```", 1)[0]
+    figures = " | ".join(row[0] for row in rows(text, "## Lost steps", r"\| figure"))
+    for first in ("Full steps lost, largest", "Load angle left", "Position error at the load", "Motor torque, peak"):
+        assert first in figures and first in printed
+
+
 def test_every_check_and_figure_of_the_closed_loop_is_on_its_page(proofs):
     text = page("validation")
     checks = " | ".join(row[0] for row in rows(text, "## Checks and figures"))

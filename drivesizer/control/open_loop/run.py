@@ -96,7 +96,7 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: Pull
     motion = _motion(spec, profile, shaft, _SETTLES / stepper.natural_frequency)
     out = simulate(stepper, motion)
     return OpenLoop(spec, drive_set, profile, stepper, shaft.radius, ready.microsteps, out,
-                    least_share(stepper, motion), _start(spec, stepper), ready.assumptions)  # fmt: skip
+                    least_share(stepper, motion), _start(spec, stepper, motion), ready.assumptions)  # fmt: skip
 
 
 def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> Prepared:
@@ -180,9 +180,11 @@ def _torques(drive_set: DriveParts, pull_out: PullOut, top: float) -> Array:
     """Pull-out torque at even steps of the speed."""
     speed = np.linspace(0.0, top or 1.0, _POINTS)
     found = pull_out(speed)
-    if np.isnan(found).any():
-        first = show(float(speed[np.isnan(found)][0]), "rpm", "rotary_speed", 4)
-        raise NoLoopError(f"motor {drive_set.motor.part}: its pull-out torque is unknown from {first} on")
+    lacks = np.flatnonzero(np.isnan(found))
+    if len(lacks):
+        known = show(float(speed[lacks[0] - 1]), "rpm", "rotary_speed", 3)
+        above = f" above {known}" if lacks[0] else ": no curve, and a figure of its model is unknown"
+        raise NoLoopError(f"motor {drive_set.motor.part}: its pull-out torque is unknown{above}; not simulated without")
     if not found[0] > 0.0:
         raise NoLoopError(f"motor {drive_set.motor.part}: it has no pull-out torque at rest")
     return found
@@ -200,13 +202,16 @@ def _motion(spec: RobotSpec, profile: Profile, shaft: AtShaft, settles: float) -
     return Motion(time=time, speed=speed, load_time=when, load_torque=torque)
 
 
-def _start(spec: RobotSpec, stepper: Stepper) -> float:
-    """Share of the pull-out torque of a start without a ramp, in the heavier direction."""
+def _start(spec: RobotSpec, stepper: Stepper, motion: Motion) -> float:
+    """Share of the pull-out torque of a start without a ramp, in the heavier direction at its largest load."""
     speed = spec.needs.start_speed
     if speed is None:
         return math.nan
     undamped = replace(stepper, damping_ratio=0.0)  # the safe side: damping helps a start
     lasts = _STARTS / stepper.natural_frequency
-    heavier = 1.0 if stepper.forward_torque >= -stepper.backward_torque else -1.0
-    speeds = (heavier * speed / stepper.ratio,) * 2
-    return least_share(undamped, Motion(time=(0.0, lasts), speed=speeds), at_rest=True)
+    high, low = max(motion.load_torque, default=0.0), min(motion.load_torque, default=0.0)
+    forward = stepper.forward_torque + high >= -stepper.backward_torque - low
+    speeds = ((speed if forward else -speed) / stepper.ratio,) * 2
+    loads = (high if forward else low,) * 2
+    start = Motion(time=(0.0, lasts), speed=speeds, load_time=(0.0, lasts), load_torque=loads)
+    return least_share(undamped, start, at_rest=True)

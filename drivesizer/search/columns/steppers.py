@@ -250,7 +250,9 @@ def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -
     steps = 4.0 * motor["pole_pairs"]
     load, inertia = _inertia(cycle, demand)
     if spec.needs.inertia_ratio is None:
-        found.append(at_most("inertia_ratio", load / (inertia - load), _RATIO, advice=True, note=_HEAVY))
+        with np.errstate(divide="ignore"):  # nothing is known of what turns with the motor
+            ratio = load / (inertia - load)
+        found.append(at_most("inertia_ratio", ratio, _RATIO, advice=True, note=_HEAVY))
     ends = np.abs(cycle.base.functions[:, :, SPEED])
     steady = np.unique(ends[(ends[:, 0] == ends[:, 1]) & (ends[:, 0] > 0.0), 0])
     if len(steady):
