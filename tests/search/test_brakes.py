@@ -11,6 +11,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.search.relaxations import relaxations
+from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import load_spec, read_spec
 
@@ -162,6 +163,21 @@ def test_friction_helps_the_brake_where_it_is_to_be_counted(lift):
     assert alone.brake is None and check(alone, "brake_fits").status == "pass"
     assert check(alone, "gearhead_holding").demand == pytest.approx(20 * 9.80665 * 0.025)
     assert check(found["bare", "G20"], "holding").status == "unknown"  # too little alone, and no brake is listed
+
+
+def test_samples_hold_by_the_friction_that_is_printed(lift):
+    """Motors that print none: whatever share of the no-load torque is dry in a sample, nothing more is held."""
+    problem = lift().problem
+    motors = problem.catalog.motors
+    brushless = {"kind": np.full(len(motors), "brushless"), "pole_pairs": np.full(len(motors), 2.0)}
+    catalog = replace(problem.catalog, motors=replace(motors, columns={**motors.columns, **brushless}))
+    found = []
+    for word in ("counted", "ignored"):
+        needs = {"hold_unpowered": True, "holding_factor": 2.85, "holding_friction": word}
+        spec = load_spec({**problem.machine.entered, "needs": needs})
+        found.append(size(spec, catalog=catalog, top=1, sampling=Sampling(64, 1, None)))
+    chances = [[repr(one.reliability) for one in (*each.sets, *each.unsure)] for each in found]
+    assert chances[0] == chances[1] and len(chances[0]) > 0
 
 
 def test_counted_friction_against_plain_python(lift):

@@ -340,7 +340,8 @@ def _of_a_case(
     required, warmth, peaks, found = loaded(spec, at, parts, factors, energies=energies)
     moving = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
     if parts.brake is not None:
-        moving += brake_limits(spec, at, parts, required, np.array([listed]))
+        bought = _Figures(parts.motor.table, parts.motor.row, parts.motor.count, {})  # friction that holds is printed
+        moving += brake_limits(spec, at, parts._replace(motor=bought), required, np.array([listed]))
     electrical = [*moving, *electrical_limits(spec, at, required, peaks, parts), *waveform_limits(spec, *found, parts)]
     sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies
     drawn = found[0].agreed(found[1])
