@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from typing import Any
+from xml.etree import ElementTree
 
 import jsonschema
 import numpy as np
@@ -17,6 +18,7 @@ from drivesizer.output.json import schema
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.machine import machine_document
 from drivesizer.output.parts import machine_parts_of_axes
+from drivesizer.output.report.figures.power_of_axes import power_of_axes
 from drivesizer.output.terminal.several_axes import machine_sizing
 from drivesizer.results.machine import MachineSizing
 from drivesizer.spec.machine import load_machine
@@ -82,6 +84,16 @@ def test_its_resistor_is_bought_once_and_printed(sizing, capsys):
     assert "\nsupply: " in printed and "regenerated per cycle: " in printed and "\nall " in printed
     machine_sizing(sizing, spec="m.yaml", checks=True)
     assert "all axes on one supply" in capsys.readouterr().out
+
+
+def test_its_powers_are_drawn_stacked(sizing):
+    figure = ElementTree.fromstring(power_of_axes(sizing.power, "typeset"))
+    texts = {"".join(one.itertext()).strip() for one in figure.iter("{http://www.w3.org/2000/svg}text")}
+    assert {"x", "y", "all axes", "power (W)", "time (s)"} <= texts
+    assert "supply, largest current" not in texts  # 144 W, far above
+    weak = {**MACHINE, "supply": {"nominal": "48 V", "current": "0.6 A"}}
+    near = power_of_axes(machine_power(load_machine(weak), sizing.axes), "typeset").decode()
+    assert "supply, largest current" in near
 
 
 def test_an_axis_on_a_supply_of_its_own_is_left_out(sizing):
