@@ -125,6 +125,28 @@ def _cycle(spec: Any) -> Any:
     return load_cycle(spec)
 
 
+def test_belts_in_one_go_are_as_each_alone(path: Path, catalog: Catalog) -> None:
+    """Torque, speed, steps and energy behind two belts, in two load cases, against those of a spec with one."""
+
+    def of(belt: dict[str, Any]) -> list[DriveSet]:
+        stage = {"kind": "belt", "efficiency": 0.95, "inertia": "0.2 kg*cm^2", **belt}
+        spec = load_spec(spec_of(
+            path, transmission=[{"kind": "direct"}, stage],
+            needs={"start_speed": "10 rpm", "resolution_at_load": "1 deg"},
+            cases=[{"name": "heavy", "load": {"inertia": "6e-4 kg*m^2"}}],
+        ))  # fmt: skip
+        return explained(spec, "A2", "direct", catalog=load_parts(spec, catalog)).sets
+
+    together = {one.belt_ratio: one for one in of({"ratios": [1.2, 2.3]})}
+    for ratio in (1.2, 2.3):
+        (alone,) = of({"ratio": ratio})
+        one = together[ratio]
+        for x, y in [*zip(alone.checks, one.checks, strict=True), *zip(alone.figures, one.figures, strict=True)]:
+            for name in ("demand", "limit", "value"):
+                figure = getattr(x, name, 0.0)
+                assert getattr(y, name, 0.0) == pytest.approx(figure, rel=1e-12, nan_ok=True), x.name
+
+
 # --- one drive -------------------------------------------------------------------------------------------------------
 
 
