@@ -40,12 +40,12 @@ class Torques(NamedTuple):
 
     torque: Array  # N*m or N
     static: Array  # the same at rest: of weight alone
-    inertia: Array  # kg*m^2 or kg, of each joint alone: the diagonal of the mass matrix
+    inertia: Array  # kg*m^2 or kg, of each direction alone: of single joints the diagonal of the mass matrix
 
 
 def torques_of(
     robot: Robot, held: Mapping[str, float], points: Sequence[Attached], joints: Sequence[str],
-    states: tuple[Array, Array, Array], gravity: Array,
+    states: tuple[Array, Array, Array], gravity: Array, directions: Array | None = None,
 ) -> Torques:  # fmt: skip
     """Torques of joints in several states.
 
@@ -63,11 +63,13 @@ def torques_of(
         Positions [rad or m], speeds and accelerations, each of shape (states, joints).
     gravity
         Acceleration of free fall in the frame of the roots [m/s^2], shape (3,).
+    directions
+        Motions of the joints, one a column, that torques and inertias are of; single joints where not given.
 
     Returns
     -------
     Torques
-        Of each set of masses: torques in the direction of each joint, with which drives move it.
+        Of each set of masses: torques in each direction, with which drives move the robot.
 
     Raises
     ------
@@ -79,7 +81,7 @@ def torques_of(
     model, bodies = _model(mujoco, robot, held, points)
     model.opt.gravity[:] = gravity
     sets = _masses(model, robot, bodies, len(points))
-    return _computed(mujoco, model, sets, joints, states)
+    return _computed(mujoco, model, sets, joints, states, np.eye(len(joints)) if directions is None else directions)
 
 
 def _mujoco() -> Any:
@@ -202,15 +204,16 @@ def _subtrees(model: Any, mass: Array) -> Array:
 
 
 def _computed(
-    mujoco: Any, model: Any, sets: Sequence[_Masses], joints: Sequence[str], states: tuple[Array, Array, Array]
-) -> Torques:
+    mujoco: Any, model: Any, sets: Sequence[_Masses], joints: Sequence[str], states: tuple[Array, Array, Array],
+    directions: Array,
+) -> Torques:  # fmt: skip
     """Each state with each set of masses."""
     data, count = mujoco.MjData(model), len(states[0])
     order = np.array([model.joint(name).id for name in joints], dtype=np.int64)
     place = np.argsort(order)  # the model's joints, each of one degree of freedom, in the order of ours
     columns = [np.ascontiguousarray(state[:, place]) for state in states]
     found = Torques(*(np.zeros((len(sets), count, len(joints))) for _ in range(3)))
-    still, result, unit = np.zeros(len(joints)), np.zeros(len(joints)), np.eye(len(joints))
+    still, result, units = np.zeros(len(joints)), np.zeros(len(joints)), np.ascontiguousarray(directions.T[:, place])
     gravity = model.opt.gravity.copy()
     for row, (position, speed, acceleration) in enumerate(zip(*columns, strict=True)):
         data.qpos[:] = position
@@ -224,9 +227,10 @@ def _computed(
                 mujoco.mj_rne(model, data, 1, result)
                 values[number, row] = result
             model.opt.gravity[:] = 0.0
-            for column, one in enumerate(unit):  # torque of one joint's acceleration alone, at rest
+            for column, one in enumerate(units):  # torque of one direction's acceleration alone, at rest
                 data.qacc[:] = one
                 mujoco.mj_rne(model, data, 1, result)
-                found.inertia[number, row, column] = result[column]
+                found.inertia[number, row, column] = result @ one
             model.opt.gravity[:] = gravity
-    return Torques(*(values[:, :, order] for values in found))
+    torque, static = (values[:, :, order] @ directions for values in (found.torque, found.static))
+    return Torques(torque, static, found.inertia)

@@ -2,7 +2,8 @@ r"""Load cycle of one joint at the shaft that its drive turns, and the load that
 
 .. math:: T = r \, (\tau + d \dot q + f \, \mathrm{sgn} \, \dot q), \quad \omega = \dot q / r, \quad J = r^2 M_{jj}
 
-d and f damping and Coulomb friction of the joint, M the mass matrix. A joint that turns has r = 1; one that slides
+d and f damping and Coulomb friction of the joint, M the mass matrix (``coupling``: of a drive whose belt passes other
+joints). A joint that turns has r = 1; one that slides
 r = p / 2π with p the travel per turn of the shaft.
 
 The inertia is the largest over the trajectory of what resists this joint when it moves alone; the torque is that of
@@ -96,27 +97,28 @@ def radius_of(joint: Joint, travel_per_turn: float | None) -> float:
 
 
 def cycle_of(
-    joint: Joint, duration: Array, moving: tuple[Array, Array], torque: Array, static: Array, inertia: float, *,
-    radius: float = 1.0, friction: bool = True,
+    name: str, duration: Array, moving: tuple[Array, Array], torque: Array, static: Array, inertia: float, *,
+    radius: float = 1.0, friction: float = 0.0,
 ) -> LoadCycle:  # fmt: skip
     """Load cycle at the shaft of one joint's drive.
 
     Parameters
     ----------
-    joint
-        With its damping and friction.
+    name
+        Of the joint.
     duration
         Of each segment [s], shape (segments,).
     moving
-        Speed and acceleration of the joint at both ends of each, shape (segments, 2) [rad/s, rad/s^2 or m/s, m/s^2].
+        Speed and acceleration in the joint's direction at both ends of each, shape (segments, 2) [rad/s, rad/s^2 or
+        m/s, m/s^2].
     torque, static
-        Of inverse dynamics, moving and at rest [N*m or N], shape (segments, 2).
+        Moving, damping included, and at rest [N*m or N], shape (segments, 2).
     inertia
         Largest of the joint alone [kg*m^2 or kg].
     radius
         Travel of the joint per angle of the shaft [1 or m].
     friction
-        Whether the joint's damping and friction act.
+        Coulomb friction against the speed [N*m or N].
 
     Returns
     -------
@@ -125,12 +127,11 @@ def cycle_of(
     """
     speed, acceleration = moving
     held = float(np.abs(static).max()) * radius
-    total = torque + joint.damping * speed if friction else torque
     cycle = LoadCycle(
-        f"joint {joint.name}", duration, speed / radius, acceleration / radius, total * radius,
+        f"joint {name}", duration, speed / radius, acceleration / radius, torque * radius,
         inertia * radius**2, radius=radius, held=held,
     ).split()  # fmt: skip
-    if not (friction and joint.friction):
+    if not friction:
         return cycle
-    resisting = joint.friction * radius * np.sign(cycle.speed.mean(axis=1, keepdims=True))
+    resisting = friction * radius * np.sign(cycle.speed.mean(axis=1, keepdims=True))
     return replace(cycle, torque=cycle.torque + resisting).split()

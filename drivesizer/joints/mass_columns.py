@@ -17,7 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drivesizer.errors import InputError, quoted
 from drivesizer.files.csv_columns import beside
+from drivesizer.joints.coupling import coupling
 from drivesizer.joints.inverse_dynamics import Attached, Torques, torques_of
 from drivesizer.joints.joint_load import JointLoad, cycle_of, joint_load, radius_of
 from drivesizer.joints.moving import held_joints, unit_of
@@ -54,9 +56,8 @@ class JointTorques:
     held: Mapping[str, float]  # rad or m, of joints that do not
     points: tuple[str, ...]  # of the columns behind the description's own: drives by joint, then the payload, ""
     cases: tuple[JointsCase, ...]  # the trajectory first
-    carried: Mapping[
-        str, tuple[str, ...]
-    ]  # by joint, those whose drives ride beyond it: their masses count in its load
+    carried: Mapping[str, tuple[str, ...]]  # by joint, those whose drives ride beyond it and so count in its load
+    coupling: Array  # angles of drives per angle of joints, shape (drives, joints)
     order: tuple[str, ...]  # joints, each behind those that it carries
     notes: tuple[str, ...]  # of what was assumed
 
@@ -79,14 +80,30 @@ class JointTorques:
         """
         motion, column = self.cases[case].motion, self.joints.index(joint)
         torque, static, inertia = (self._sum(values, column, masses, case) for values in self.cases[case].torques)
-        own, place = self.robot.joints[joint], self.section.drives.get(joint)
+        resisting, coulomb = self._friction(motion, column)
+        place = self.section.drives.get(joint)
         cycle = cycle_of(
-            own, motion.duration, (motion.speed[:, :, column], motion.acceleration[:, :, column]),
-            torque.reshape(-1, 2), static.reshape(-1, 2), float(inertia.max()),
-            radius=radius_of(own, place.travel_per_turn if place else None),
-            friction=self.section.friction == "keep",
+            joint, motion.duration, (motion.speed @ self.coupling[column], motion.acceleration @ self.coupling[column]),
+            torque.reshape(-1, 2) + resisting, static.reshape(-1, 2), float(inertia.max()),
+            radius=radius_of(self.robot.joints[joint], place.travel_per_turn if place else None), friction=coulomb,
         )  # fmt: skip
         return joint_load(cycle, joint, self.cases[case].name)
+
+    def _friction(self, motion: JointMotion, column: int) -> tuple[Array, float]:
+        """Friction of joints at the drive of one: by their speeds, and Coulomb's against its own speed.
+
+        A belt that passes other joints brings in part of theirs, by the direction of each over a segment.
+        """
+        joints = [self.robot.joints[name] for name in self.joints]
+        if self.section.friction == "leave":
+            return np.zeros(motion.speed.shape[:2]), 0.0
+        share = np.linalg.inv(self.coupling)[:, column]
+        resisting = motion.speed @ (share * [joint.damping for joint in joints])
+        alone = np.count_nonzero(share) == np.count_nonzero(self.coupling[column]) == 1
+        if alone:
+            return resisting, joints[column].friction
+        direction = np.sign(motion.speed.mean(axis=1, keepdims=True))
+        return resisting + direction @ (share * [joint.friction for joint in joints]), 0.0
 
     def loads(self, masses: Mapping[str, float]) -> dict[str, JointLoad]:
         """Loads of all joints along the trajectory; parameters as of ``load``."""
@@ -168,11 +185,14 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
         place = section.drives.get(joint)
         radius_of(robot.joints[joint], place.travel_per_turn if place else None)
     carried = carried_by(robot, drives, motion.joints)
-    order = outermost_first(carried)
+    order, coupled = outermost_first(carried), coupling(section, robot, held, motion.joints)
     down = rotation(np.array([section.mounting.roll, section.mounting.pitch, section.mounting.yaw])).T[:, 2] * -gravity
-    cases = tuple(_cases(section, robot, motion, held, list(points.values()), down))
+    directions = np.asarray(np.linalg.inv(coupled), dtype=np.float64)
+    system = _System(robot, held, list(points.values()), directions, down)
+    cases = tuple(_cases(section, system, motion))
+    _massive(cases[0], robot)
     notes = (*robot.notes, *_notes(section, robot, motion, held))
-    return JointTorques(section, robot, motion.joints, held, tuple(points), cases, carried, order, notes)
+    return JointTorques(section, robot, motion.joints, held, tuple(points), cases, carried, coupled, order, notes)
 
 
 def _ordered(motion: JointMotion, robot: Robot) -> JointMotion:
@@ -183,30 +203,46 @@ def _ordered(motion: JointMotion, robot: Robot) -> JointMotion:
     return JointMotion(names, motion.duration, *columns)
 
 
-def _cases(
-    section: RobotSection, robot: Robot, motion: JointMotion, held: Mapping[str, float], points: Sequence[Attached],
-    down: Array,
-) -> Iterator[JointsCase]:  # fmt: skip
+class _System(NamedTuple):
+    """The robot that all load cases move."""
+
+    robot: Robot
+    held: Mapping[str, float]
+    points: Sequence[Attached]
+    directions: Array  # motions of the joints when drives turn alone, one a column
+    down: Array  # m/s^2
+
+
+def _cases(section: RobotSection, system: _System, motion: JointMotion) -> Iterator[JointsCase]:
     """The trajectory, the same with other payloads, and poses that are held."""
-    found = _columns(robot, held, points, motion, down)
+    found = _columns(system, motion)
     payload = section.payload.mass if section.payload else 0.0
     yield JointsCase("", payload, motion, found)
     for case in section.payloads:
         yield JointsCase(case.name, case.mass, motion, found)
-    for name, mass, pose in held_poses(section, robot, motion):
-        yield JointsCase(name, payload if mass is None else mass, pose, _columns(robot, held, points, pose, down))
+    for name, mass, pose in held_poses(section, system.robot, motion):
+        yield JointsCase(name, payload if mass is None else mass, pose, _columns(system, pose))
 
 
-def _columns(
-    robot: Robot, held: Mapping[str, float], points: Sequence[Attached], motion: JointMotion, down: Array
-) -> Torques:
+def _columns(system: _System, motion: JointMotion) -> Torques:
     """Torques at both ends of each segment; one state where a segment starts as the one before ends."""
     count = len(motion.joints)
     states = [c.reshape(-1, count) for c in (motion.position, motion.speed, motion.acceleration)]
     new = np.concatenate([[True], np.any([(c[1:] != c[:-1]).any(axis=1) for c in states], axis=0)])
     position, speed, acceleration = (c[new] for c in states)
-    found = torques_of(robot, held, points, motion.joints, (position, speed, acceleration), down)
+    found = torques_of(
+        system.robot, system.held, system.points, motion.joints, (position, speed, acceleration), system.down,
+        system.directions,
+    )  # fmt: skip
     return Torques(*(values[:, np.cumsum(new) - 1] for values in found))
+
+
+def _massive(case: JointsCase, robot: Robot) -> None:
+    """Refuse a joint that nothing hangs on."""
+    for column, name in enumerate(case.motion.joints):
+        if not case.torques.inertia[0, :, column].max() > 0.0 and not case.payload:
+            where = f"{robot.file}:{robot.joints[name].line}: joint {quoted(name)}"
+            raise InputError(f"{where} moves no mass; expected <inertial> of its links, or a payload")
 
 
 def _notes(section: RobotSection, robot: Robot, motion: JointMotion, held: Mapping[str, float]) -> Iterator[str]:

@@ -149,6 +149,10 @@ class DrivePlace(Section):
     )
     link: Name | None = Field(default=None, description="with on: link")
     at: Point | None = Field(default=None, description="x, y, z in the frame of its link; on the joint's axis else")
+    belt_passes: bool = Field(
+        default=False,
+        description="whether a belt over the axes between makes it turn by the sum of their angles and its joint's",
+    )
     travel_per_turn: Length | None = Field(
         default=None, description="of a joint that slides, per turn of the shaft that the drive turns"
     )
@@ -157,6 +161,8 @@ class DrivePlace(Section):
     def _somewhere(self) -> DrivePlace:
         if (self.link is not None) != (self.on == "link"):
             raise ValueError("give link with on: link, and with no other")
+        if self.belt_passes and self.on == "link_before":
+            raise ValueError("belt_passes: at its joint a drive has none between; expected on: base, or on: link")
         if self.at is not None and self.on == "base":
             raise ValueError("at: no joint carries a drive on the base; leave it out")
         return self

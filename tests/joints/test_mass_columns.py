@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drivesizer.errors import InputError
 from drivesizer.joints.mass_columns import joint_loads, joint_torques
 from drivesizer.spec.robot_section import RobotSection
 
@@ -90,3 +91,73 @@ def test_load_cases_of_payloads_and_poses(tmp_path: Path) -> None:
     assert own.torque[0, 0] - empty.torque[0, 0] == pytest.approx(0.6 * G, rel=1e-12)
     assert held.total == 5.0 and not held.speed.any()
     assert held.torque == pytest.approx((2 * 0.3 + 0.8 + 2 * 0.6) * G, rel=1e-12)
+
+
+@pytest.mark.parametrize("opposite", [False, True])
+def test_a_remotely_driven_link_as_in_a_textbook(opposite: bool, tmp_path: Path) -> None:
+    """Spong, Hutchinson, Vidyasagar, section 7.4: in the angles of the drives; m2 swings about the elbow's axis alone.
+
+    D = [[m1 lc1^2 + m2 l1^2 + I1, m2 l1 lc2 cos(p2 - p1)], [the same, m2 lc2^2 + I2]], C221 = -m2 l1 lc2 sin(p2 - p1),
+    C112 = +m2 l1 lc2 sin(p2 - p1), weight (m1 lc1 + m2 l1) g cos p1 and m2 lc2 g cos p2.
+    """
+    text = ARM.replace('<axis xyz="0 -1 0"/><limit lower="-2" upper="2" velocity="5" effort="1"/></joint>',
+                       '<axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="5" effort="1"/></joint>')  # fmt: skip
+    made, file = section(tmp_path, drives={"elbow": {"on": "base", "belt_passes": True}}, friction="leave")
+    if opposite:
+        (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    found = joint_torques(made, file)
+    motion, s = found.cases[0].motion, -1.0 if opposite else 1.0
+    q, v, a = (c.reshape(-1, 2) * [1.0, s] for c in (motion.position, motion.speed, motion.acceleration))
+    p1, p2 = q[:, 0], q[:, 0] + q[:, 1]
+    w1, w2, b1, b2 = v[:, 0], v[:, 0] + v[:, 1], a[:, 0], a[:, 0] + a[:, 1]
+    both = 1.0 * 0.6 * 0.2
+    d11, d12, d22 = 0.02 + 2 * 0.09 + 1 * 0.36, both * np.cos(p2 - p1), 0.01 + 1 * 0.04
+    t1 = d11 * b1 + d12 * b2 - both * np.sin(p2 - p1) * w2**2 + (2 * 0.3 + 0.6) * G * np.cos(p1)
+    t2 = d12 * b1 + d22 * b2 + both * np.sin(p2 - p1) * w1**2 + 0.2 * G * np.cos(p2)
+    first, second = (column.torque[0] for column in [found.cases[0].torques] * 2)
+    assert first[:, 0] == pytest.approx(t1, rel=1e-9, abs=1e-9)
+    assert second[:, 1] * s == pytest.approx(t2, rel=1e-9, abs=1e-9)
+    loads = found.loads({})
+    assert loads["shoulder"].shaft_inertia == pytest.approx(d11) and loads["elbow"].shaft_inertia == pytest.approx(d22)
+    assert np.abs(loads["elbow"].cycle.speed).max() == pytest.approx(np.abs(w2).max())
+
+
+def test_coupled_drives_do_the_work_of_the_joints(tmp_path: Path) -> None:
+    """Friction of both bearings is in the sum, whichever drive it loads."""
+    drives = {"elbow": {"on": "base", "belt_passes": True}}
+    works = []
+    for given in (drives, {"elbow": {"on": "base"}}):
+        loads = joint_loads(*section(tmp_path, drives=given), {})
+        works.append(sum(float((c.cycle.duration * c.cycle.power.mean(axis=1)).sum()) for c in loads.values()))
+    assert works[0] == pytest.approx(works[1], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("drives", "said"),
+    [
+        ({"shoulder": {"on": "base", "belt_passes": True}}, 'no joint moves between the drive of "shoulder" and its'),
+        (
+            {"elbow": {"on": "link", "link": "upper", "belt_passes": True}},
+            'joint moves between the drive of "elbow"',
+        ),
+    ],
+)
+def test_belts_that_pass_no_joint(drives: dict[str, Any], said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        joint_torques(*section(tmp_path, drives=drives))
+
+
+def test_a_belt_passes_parallel_axes_alone(tmp_path: Path) -> None:
+    made, file = section(tmp_path, drives={"elbow": {"on": "base", "belt_passes": True}})
+    (tmp_path / "arm.urdf").write_text(ARM.replace('"0 -1 0"', '"0 -1 0.01"', 1), encoding="utf-8")
+    with pytest.raises(InputError, match='belt of "elbow" passes joint "shoulder"; expected one about a parallel axis'):
+        joint_torques(made, file)
+
+
+def test_a_joint_without_anything_on_it(tmp_path: Path) -> None:
+    made, file = section(tmp_path)
+    text = ARM.replace('<mass value="1"/>', '<mass value="0"/>').replace('ixx="0.001" iyy="0.01" izz="0.01"',
+                                                                         'ixx="0" iyy="0" izz="0"')  # fmt: skip
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match='joint "elbow" moves no mass; expected <inertial> of its links, or a payload'):
+        joint_torques(made, file)
