@@ -1,4 +1,4 @@
-r"""Drives that stand before other joints, their belts passing over the axes of those: coupled angles.
+r"""Drives mounted before other joints, their belts passing over the axes of those: coupled angles.
 
 The pulleys over the passed axes turn freely, 1:1, so that the shaft of drive k keeps its angle against its own link,
 whatever the joints between do. With parallel axes, s = 1 or -1 by their direction:
