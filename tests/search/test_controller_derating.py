@@ -12,6 +12,8 @@ from drivesizer.results.ratings import controller_current
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import load_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 ZERO = 273.15
 SPEC = {
     "name": "axis",

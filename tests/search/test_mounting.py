@@ -16,6 +16,8 @@ from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.mounting import Mounting, mounting_words
 from drivesizer.spec.robot import load_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 ZERO = 273.15
 RPM = np.pi / 30
 SPEC = {
@@ -153,8 +155,8 @@ def test_the_mounted_motor_by_hand(printed):
 
 
 def test_as_printed_is_as_without_the_section(printed):
-    same = size(load_spec(SPEC | OFF | {"mounting": {"kind": "as_printed"}}))
-    assert repr([(s.label, s.checks) for s in same.sets]) == repr([(s.label, s.checks) for s in printed.sets])
+    same = size(load_spec(SPEC | OFF | {"mounting": {"kind": "as_printed"}}), top=2)
+    assert repr([(s.label, s.checks) for s in same.sets]) == repr([(s.label, s.checks) for s in printed.sets[:2]])
     assert same.assumptions == printed.assumptions
 
 
