@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from drivesizer.commands.common import DEFAULT, Json
-from drivesizer.commands.starting import KINDS, at_terminal, by_questions, copy_example, starter
+from drivesizer.commands.starting import KINDS, MACHINES, at_terminal, by_questions, copy_example, starter
 from drivesizer.errors import InputError, quoted
 
 __all__ = ["doctor", "equations", "init", "schema", "start_by_questions"]
@@ -37,7 +37,10 @@ def equations(
 
 
 def init(
-    kind: Annotated[str | None, typer.Option(help=f"Kind of load: {', '.join(KINDS)}.")] = None,
+    kind: Annotated[
+        str | None,
+        typer.Option(help=f"Kind of load: {', '.join(KINDS)}; or a machine: {', '.join(MACHINES)}."),
+    ] = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
     example: Annotated[str | None, typer.Option(metavar="NAME", help="An example, such as sps_robot.")] = None,
     urdf: Annotated[

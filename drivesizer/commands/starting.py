@@ -12,20 +12,23 @@ import typer
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.shipped import shipped_folder
 
-__all__ = ["KINDS", "at_terminal", "by_questions", "copy_example", "examples", "starter"]
+__all__ = ["KINDS", "MACHINES", "at_terminal", "by_questions", "copy_example", "examples", "starter"]
 
 _STARTERS = Path(__file__).parents[1] / "spec" / "starters"
+_MACHINES = _STARTERS / "machines"
 KINDS = sorted(path.stem for path in _STARTERS.glob("*.yaml"))
 """Kinds of load that have a starter."""
+MACHINES = sorted(path.stem for path in _MACHINES.glob("*.yaml"))
+"""Machines of several axes that have one; ``machine`` is the first that people build, a gantry."""
 
 
 def starter(kind: str) -> str:
-    """The commented spec that ships for a kind of load.
+    """The commented spec that ships for a kind of load, or for a machine.
 
     Parameters
     ----------
     kind
-        One of ``KINDS``.
+        One of ``KINDS`` or ``MACHINES``, or ``machine``.
 
     Returns
     -------
@@ -37,9 +40,11 @@ def starter(kind: str) -> str:
     InputError
         When there is none.
     """
-    if kind not in KINDS:
-        raise InputError(f"--kind: {quoted(kind)} is not known; expected {', '.join(KINDS)}")
-    return (_STARTERS / f"{kind}.yaml").read_text(encoding="utf-8")
+    name = "gantry" if kind == "machine" else kind
+    if name not in KINDS and name not in MACHINES:
+        known = ", ".join([*KINDS, "machine", *MACHINES])
+        raise InputError(f"--kind: {quoted(kind)} is not known; expected {known}")
+    return ((_STARTERS if name in KINDS else _MACHINES) / f"{name}.yaml").read_text(encoding="utf-8")
 
 
 # --- examples ---------------------------------------------------------------------------------------------------------
