@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import fsum, isnan
+from math import isnan
 
 from rich.console import Console
 from rich.text import Text
 
 from drivesizer.control.validation import Validation
+from drivesizer.output.parts import SharedLine, machine_parts_of_axes, mass_text, money_text, total_text, totals
 from drivesizer.output.several_axes import choice_text
 from drivesizer.output.terminal import tables
 from drivesizer.output.terminal.answer import compared, names_of
@@ -41,7 +42,8 @@ def machine_sizing(result: MachineSizing, *, spec: str = "", checks: bool = Fals
     status = MARK[result.status] if result.complete else "no drive for every axis"
     tables.heading(console, result.machine.name, status, STYLE[result.status])
     _drives(console, result)
-    _totals(console, result)
+    if not quiet:
+        _parts(console, result)
     if checks:
         _all_checks(console, result)
     else:
@@ -77,16 +79,35 @@ def _riding(axis: AxisSizing) -> str:
     return f"on it {', '.join(one.of for one in axis.carried)}: {show(axis.carried_mass, 'g', 'mass', 3)}"
 
 
-def _totals(console: Console, result: MachineSizing) -> None:
-    """Mass and price of all drives: motors, gearheads and brakes."""
-    bests = [(axis.drives, axis.best) for axis in result.axes if axis.best]
-    mass = fsum(drives * best.mass for drives, best in bests)
-    prices = [drives * best.price for drives, best in bests if not isnan(best.price)]
-    least = "at least " if len(prices) < len(bests) or any(len(b.price_of) < len(b.parts) for _, b in bests) else ""
-    count = sum(drives for drives, _ in bests)
-    price = f"; {least}{fsum(prices):.0f} EUR" if prices else "; no price is known"
-    text = f"{count} drives, {show(mass, 'kg', 'mass', 3)} of motors, gearheads and brakes{price}"
-    console.print(Text.assemble(("total: ", "bold"), text))
+def _parts(console: Console, result: MachineSizing) -> None:
+    """One parts list of all axes with its totals; equal parts of several axes are one line."""
+    shared = machine_parts_of_axes(result)
+    heads = [("", "right"), ("", "left"), ("part", "left"), ("axis", "left"), ("price", "right"), ("mass", "right")]
+    table = tables.bare(*heads, edged=False)
+    for one in shared:
+        table.add_row(*_part_row(one))
+    for column in (*table.columns[:2], *table.columns[4:]):
+        column.no_wrap = True
+    console.print()
+    console.print(table)
+    lines = [one.line for one in shared]
+    known = "; ".join(total_text(total, 3) for total in totals(lines))
+    lacks = list(dict.fromkeys(line.role for line in lines if isnan(line.price)))
+    unpriced = f"; without the price of some: {', '.join(lacks)}" if lacks else ""
+    console.print(Text.assemble(("total: ", "bold"), known, unpriced))
+
+
+def _part_row(one: SharedLine) -> tuple[str | Text, ...]:
+    """A part with all its axes: quantity, role, name and number, price of one, mass of all."""
+    line, axes = one.line, ", ".join(one.axes)
+    if not line.part:
+        said = line.said or "none is listed"
+        return f"{line.quantity} ×", line.role, Text(said, style="yellow"), axes, "", mass_text(line)
+    maker = "" if line.maker in line.family else line.maker
+    name = Text(" ".join(filter(None, (maker, line.family))), style="bold")
+    number = Text(f"\n{line.part}", style="" if line.order_number else "dim") if line.part != line.family else ""
+    price = Text(money_text(line.price, line.currency), style="yellow" if isnan(line.price) else "")
+    return f"{line.quantity} ×", line.role, Text.assemble(name, number), axes, price, mass_text(line)
 
 
 def _tightest(console: Console, result: MachineSizing) -> None:

@@ -1,0 +1,94 @@
+"""Commands over machines of several axes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from drivesizer import cli
+from drivesizer.commands.starting import MACHINES, starter
+from drivesizer.errors import InputError
+from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.output.terminal.several_axes import machine_sizing
+from drivesizer.spec.machine import load_machine
+
+runner = CliRunner()
+
+
+@pytest.fixture(scope="module")
+def leg(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("leg") / "leg.yaml"
+    path.write_text(starter("leg"), encoding="utf-8")
+    return path
+
+
+def called(*words: object, columns: int = 80) -> tuple[int, str]:
+    found = runner.invoke(cli.app, [str(word) for word in words], env={"COLUMNS": str(columns)})
+    if found.exception and not isinstance(found.exception, SystemExit):
+        raise found.exception
+    return found.exit_code, found.output
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_every_machine_that_starts_is_read(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "machine.yaml"
+    assert called("init", "--kind", name, "-o", path)[0] == 0
+    machine = load_machine(path)
+    assert len(machine.axes) > 1 and machine.name.startswith("my ")
+
+
+def test_kind_machine_is_the_gantry() -> None:
+    assert starter("machine") == starter("gantry")
+
+
+def test_size_prints_every_axis_and_one_parts_list_within_80_columns(leg: Path) -> None:
+    status, text = called("size", leg)
+    assert status == 0
+    assert all(word in text for word in ("hip", "knee", "total:", "2 ×", "hip, knee", f"validate {leg}"))
+    table = text.split("next:")[0]
+    assert max(map(len, table.splitlines())) <= 80
+
+
+def test_json_has_the_document_of_every_axis(leg: Path) -> None:
+    status, text = called("size", leg, "--json", "--top", 1)
+    document = json.loads(text)
+    assert status == 0 and list(document["axes"]) == ["hip", "knee"] and document["status"] == "pass"
+    one = json.loads(called("size", leg, "--axis", "knee", "--json", "--top", 1)[1])
+    assert document["axes"]["knee"]["sizing"]["sets"][0]["motor"] == one["sets"][0]["motor"]
+    assert document["axes"]["knee"]["sizing"]["sets"][0]["checks"] == one["sets"][0]["checks"]
+
+
+def test_the_closed_loop_of_one_axis_is_that_of_all(leg: Path) -> None:
+    together = json.loads(called("validate", leg, "--json")[1])["axes"]
+    alone = json.loads(called("validate", leg, "--axis", "hip", "--json")[1])
+    assert set(together) == {"hip", "knee"} and together["hip"]["checks"] == alone["checks"]
+
+
+def test_no_drive_is_said_with_the_axis(leg: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = leg.read_text(encoding="utf-8").replace("mass: 6 kg", "mass: 6000 kg").replace("0.06 kg", "60 kg")
+    path = leg.parent / "heavy.yaml"
+    path.write_text(text, encoding="utf-8")
+    found = size_machine(load_machine(path), top=1)
+    machine_sizing(found, spec="heavy.yaml")
+    said = capsys.readouterr().out
+    assert "no drive for every axis" in said and "no drive meets all limits" in said and "--axis knee" in said
+    assert "knee: no drive meets all limits" in said.replace("\n", " ")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("explain", "LEG", "--motor", "1"), "a machine of several axes; expected --axis, one of hip, knee"),
+        (("size", "LEG", "--axis", "ankle"), 'there is no axis "ankle"'),
+        (("size", "LEG", "--pareto", "mass,price"), "--pareto: it is of a single axis"),
+        (("validate", "LEG", "--all"), "--all: it is of a single axis"),
+        (("size", "examples/sps_robot.yaml", "--axis", "x"), "has no axes"),
+    ],
+)
+def test_what_is_of_one_axis_is_refused_in_one_line(words: tuple[str, ...], said: str, leg: Path) -> None:
+    with pytest.raises(InputError) as error:
+        called(*(leg if word == "LEG" else word for word in words))
+    assert said in str(error.value) and "\n" not in str(error.value)
