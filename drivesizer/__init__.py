@@ -21,12 +21,15 @@ __all__ = [
     "CatalogError",
     "DrivesizerError",
     "InputError",
+    "MachineSizing",
     "RobotSpec",
     "SizingResult",
     "explain",
     "load_catalog",
+    "load_machine",
     "load_spec",
     "size",
+    "size_machine",
     "validate",
 ]
 
@@ -35,21 +38,27 @@ if TYPE_CHECKING:
 
     from drivesizer.catalog import load as load_catalog
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
+    from drivesizer.multi_axis.sizing import size_machine
+    from drivesizer.results.machine import MachineSizing
     from drivesizer.results.sizing import SizingResult
     from drivesizer.simulate import validate
     from drivesizer.sizing import explain, size
+    from drivesizer.spec.machine_file import load_machine
     from drivesizer.spec.robot import RobotSpec, load_spec
 
 _HOME = {
     "CatalogError": "errors",
     "DrivesizerError": "errors",
     "InputError": "errors",
+    "MachineSizing": "results.machine",
     "RobotSpec": "spec.robot",
     "SizingResult": "results.sizing",
     "explain": "sizing",
     "load_catalog": "catalog:load",
+    "load_machine": "spec.machine_file",
     "load_spec": "spec.robot",
     "size": "sizing",
+    "size_machine": "multi_axis.sizing",
     "validate": "simulate",
 }
 

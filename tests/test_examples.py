@@ -10,8 +10,11 @@ from by_hand import friction
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.export import FORMATS, export_of, files
 from drivesizer.sizing import size
+from drivesizer.spec.machine import MachineSpec
+from drivesizer.spec.machine_file import load_any
 from drivesizer.spec.robot import load_spec
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -41,7 +44,11 @@ def test_every_starter_finds_a_drive(name, tmp_path, catalog):
 
 @pytest.mark.parametrize("name", sorted(p.name for p in (ROOT / "examples").glob("*.yaml") if p.name != "study.yaml"))
 def test_every_example_finds_a_drive(name, catalog):
-    assert size(load_spec(ROOT / "examples" / name), catalog=catalog, top=1).sets
+    spec = load_any(ROOT / "examples" / name)
+    if isinstance(spec, MachineSpec):
+        assert size_machine(spec, top=1).complete
+    else:
+        assert size(spec, catalog=catalog, top=1).sets
 
 
 def arm_in_closed_form(s, seconds=20_000):

@@ -64,9 +64,12 @@ def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> 
         if axis is not None:
             raise InputError(f"--axis: {path} has no axes; leave it out")
         return found
-    if axis is None and len(found.axes) > 1:
+    if axis is None and found.is_several:
         names = ", ".join(one.name for one in found.axes)
-        raise InputError(f"{path}: a machine of several axes; expected --axis, one of {names}")
+        joints = f"{names} or a joint" if names else "a joint"
+        raise InputError(
+            f"{path}: a machine of several axes; expected --axis, one of {joints if found.robot else names}"
+        )
     from drivesizer.multi_axis.sizing import laden
 
     return laden(found, found.axes[0].name if axis is None else axis)
@@ -86,12 +89,12 @@ def load_whole(path: Path, more: list[str] | None = None, axis: str | None = Non
         The latter of several axes.
     """
     found = _read(path, more)
-    return found if axis is None and len(getattr(found, "axes", ())) > 1 else load(path, more, axis)
+    return found if axis is None and getattr(found, "is_several", False) else load(path, more, axis)
 
 
 def _read(path: Path, more: list[str] | None) -> Any:
     """The file, and further catalogues in all its axes."""
-    from drivesizer.spec.machine import load_any
+    from drivesizer.spec.machine_file import load_any
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")
@@ -105,7 +108,7 @@ def _read(path: Path, more: list[str] | None) -> Any:
         return one.model_copy(update={"select": select})
 
     if hasattr(spec, "axes"):
-        return spec.with_axes({axis.name: with_more(axis.spec) for axis in spec.axes})
+        return spec.changed(with_more)
     return with_more(spec)
 
 

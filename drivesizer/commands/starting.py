@@ -57,7 +57,7 @@ def examples() -> dict[str, Path]:
 
 
 def copy_example(name: str, output: Path) -> list[Path]:
-    """Write an example, and the CSV files that it names beside it, where no such files are yet.
+    """Write an example, and the CSV and URDF files that it names beside it, where no such files are yet.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def copy_example(name: str, output: Path) -> list[Path]:
         raise InputError(f"--example: {quoted(name)} is not known; expected {', '.join(known)}{nearest(name, known)}")
     source = known[name]
     text = source.read_text(encoding="utf-8")
-    named = [source.parent / file for file in dict.fromkeys(re.findall(r"[\w-]+\.csv\b", text))]
+    named = [source.parent / file for file in dict.fromkeys(re.findall(r"[\w-]+\.(?:csv|urdf)\b", text))]
     files = {output: text.encode()} | {output.parent / file.name: file.read_bytes() for file in named if file.is_file()}
     for path in files:
         if os.path.lexists(path):

@@ -10,6 +10,7 @@ from typing import Any
 from drivesizer.catalog import Catalog
 from drivesizer.machine.budgets import rows_of_drive
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, best_combination
+from drivesizer.multi_axis.joint_axes import with_joints
 from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, of_all_drives
@@ -36,7 +37,8 @@ class _Sizings:
     def __init__(
         self, machine: MachineSpec, top: int, objective: Ranking | None, sampling: SamplingOf, progress: Progress | None
     ) -> None:
-        self.machine, self.top, self.ranking, self.sampling, self.progress = machine, top, objective, sampling, progress
+        self.machine, self.joints = with_joints(machine)
+        self.top, self.ranking, self.sampling, self.progress = top, objective, sampling, progress
         self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
 
@@ -48,7 +50,7 @@ class _Sizings:
     def result(self, axis: str, masses: tuple[float, ...]) -> SizingResult:
         """The sizing of an axis with carried drives of these masses [kg]."""
         if (axis, masses) not in self.made:
-            spec = _laden(self.machine, axis, masses)
+            spec = self.laden(axis, masses)
             self.made[axis, masses] = size(
                 spec, catalog=self._parts(spec), top=self.top, objective=self.ranking, pareto=self._front(axis),
                 progress=self.progress, sampling=self.sampling(spec),
@@ -70,14 +72,15 @@ class _Sizings:
             self.catalogs[key] = load_parts(spec)
         return self.catalogs[key]
 
-
-def _laden(machine: MachineSpec, axis: str, masses: tuple[float, ...]) -> RobotSpec:
-    """The spec of an axis with the drives of others on it."""
-    one = machine.axis(axis)
-    on_it = list(zip(masses, machine.carried(axis).values(), strict=True))
-    if not any(masses):
-        return one.spec
-    return one.spec.changed(lambda spec: spec.model_copy(update={"load": carrying(spec.load, on_it)}))
+    def laden(self, axis: str, masses: tuple[float, ...]) -> RobotSpec:
+        """The spec of an axis with carried drives of these masses [kg]."""
+        one, carried = self.machine.axis(axis), self.machine.carried(axis)
+        if self.joints.has(axis):
+            return self.joints.laden(one.spec, axis, dict(zip(carried, masses, strict=True)))
+        if not any(masses):
+            return one.spec
+        on_it = list(zip(masses, carried.values(), strict=True))
+        return one.spec.changed(lambda spec: spec.model_copy(update={"load": carrying(spec.load, on_it)}))
 
 
 def size_machine(
@@ -110,6 +113,7 @@ def size_machine(
         As ``size`` does.
     """
     sizings = _Sizings(machine, top, objective, sampling, progress)
+    machine = sizings.machine
     carried = {axis.name: tuple(machine.carried(axis.name)) for axis in machine.axes}
 
     def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
@@ -125,8 +129,8 @@ def size_machine(
         axes=axes,
         objective=", ".join(objectives),
         searches=len(sizings.made),
-        certain=found.certain and all(_bounded(sizings, axis.name) for axis in machine.axes),
-        notes=tuple(_notes(machine, found, axes)),
+        certain=found.certain and all(_bounded(sizings, axis.name, found) for axis in machine.axes),
+        notes=(*_notes(machine, found, axes), *sizings.joints.notes),
         checks=power.checks if power else (),
         power=power,
     )
@@ -152,16 +156,20 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     InputError
         When there is no such axis, or as ``size`` does.
     """
-    one = machine.axis(axis)
-    return size_machine(machine).axis(axis).spec if one.carries else one.spec
+    if machine.robot is None and not machine.axis(axis).carries:
+        return machine.axis(axis).spec
+    return size_machine(machine).axis(axis).spec
 
 
-def _bounded(sizings: _Sizings, axis: str) -> bool:
+def _bounded(sizings: _Sizings, axis: str, found: Combination) -> bool:
     """Whether the sum that is least is that of the objective, and more mass on the axis never lightens its load."""
     objective, load = sizings.objective(axis), sizings.machine.axis(axis).spec.load
-    summed = isinstance(objective, str) and objective in SUMMED
-    balanced = sizings.machine.axis(axis).carries and getattr(load, "counterweight", 0.0) > 0.0
-    return summed and not balanced
+    if not isinstance(objective, str) or objective not in SUMMED:
+        return False
+    carried = sizings.machine.carried(axis)
+    if sizings.joints.has(axis) and not found.missing:
+        return sizings.joints.rises(axis, {other: found.chosen[other].mass for other in carried})
+    return not carried or not getattr(load, "counterweight", 0.0) > 0.0
 
 
 def _choices(result: SizingResult, objective: Ranking) -> list[Choice]:

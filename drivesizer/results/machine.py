@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import fsum, isnan, nan
 from typing import NamedTuple
 
+from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.results.check import Check, Status, verdict
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine_power import MachinePower
@@ -105,8 +106,17 @@ class MachineSizing:
         return all(axis.best for axis in self.axes)
 
     def axis(self, name: str) -> AxisSizing:
-        """The axis of a name."""
-        return next(axis for axis in self.axes if axis.name == name)
+        """The axis of a name.
+
+        Raises
+        ------
+        InputError
+            When there is none.
+        """
+        found = next((axis for axis in self.axes if axis.name == name), None)
+        if found is None:
+            raise InputError(f"--axis: there is no axis {quoted(name)}{nearest(name, [one.name for one in self.axes])}")
+        return found
 
     @property
     def total(self) -> float:

@@ -10,12 +10,13 @@ from typing import Any
 import pytest
 from small_arms import arm, least_of_all
 
+from drivesizer.errors import InputError
 from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.documents import sizing as document
 from drivesizer.results.machine import MachineSizing
 from drivesizer.sizing import size
-from drivesizer.spec.machine import load_machine
+from drivesizer.spec.machine_file import load_machine
 from drivesizer.spec.robot import load_spec
 
 MOTION = {"profile": "trapezoid", "speed": "0.5 m/s", "acceleration_time": "0.3 s", "cruise_time": "0.5 s",
@@ -104,3 +105,77 @@ def test_the_arm_is_the_best_of_all_combinations(seed: int, objective: str, tmp_
     machine = arm(Random(seed), tmp_path, objective)
     found = size_machine(machine, top=1)
     assert found.certain and found.total == pytest.approx(least_of_all(machine, objective), rel=1e-9)
+
+
+# --- joints of a description ------------------------------------------------------------------------------------------
+
+
+def two_joints(folder: Path, **robot: Any) -> dict[str, Any]:
+    """A level arm of two thin links with point masses at their ends: 1 kg at 0.4 m and 0.5 kg at 0.7 m."""
+    link = '<link name="{}"><inertial><origin xyz="{} 0 0"/><mass value="{}"/>'
+    link += '<inertia ixx="1e-9" iyy="1e-9" izz="1e-9"/></inertial></link>'
+    joint = '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/><origin xyz="{} 0 0"/>'
+    joint += '<axis xyz="0 1 0"/><limit lower="-3" upper="3" velocity="5" effort="99"/></joint>'
+    parts = [link.format("upper", 0.4, 1.0), link.format("fore", 0.3, 0.5)]
+    parts += [joint.format("shoulder", "base", "upper", 0), joint.format("elbow", "upper", "fore", 0.4)]
+    (folder / "arm.urdf").write_text(f'<robot name="arm"><link name="base"/>{"".join(parts)}</robot>', encoding="utf-8")
+    poses = [{"positions": {"shoulder": "0 deg", "elbow": "0 deg"}, "pause": "1 s"},
+             {"positions": {"shoulder": "-40 deg", "elbow": "-30 deg"}}]  # fmt: skip
+    section = {
+        "description": str(folder / "arm.urdf"),
+        "waypoints": poses,
+        "limits": {"all": {"acceleration": "4 rad/s^2"}},
+    }
+    return {"name": "arm", "supply": {"nominal": "48 V"}, "robot": {**section, **robot}}
+
+
+def test_the_elbow_s_drive_is_load_of_the_shoulder_at_its_place(tmp_path: Path) -> None:
+    found = size_machine(load_machine(two_joints(tmp_path)), top=1)
+    shoulder, elbow = found.axes
+    assert (shoulder.name, elbow.name) == ("shoulder", "elbow") and found.complete
+    (riding,) = shoulder.carried
+    assert riding.of == "elbow" and riding.mass > elbow.best.mass * 0.999 and not elbow.carried
+    level = 9.80665 * (1.0 * 0.4 + riding.mass * 0.4 + 0.5 * 0.7)
+    assert float(shoulder.spec.load.cycle.torque[0, 0]) == pytest.approx(-level, rel=1e-6)
+    assert float(elbow.spec.load.cycle.torque[0, 0]) == pytest.approx(-9.80665 * 0.5 * 0.3, rel=1e-6)
+
+
+def test_a_drive_on_the_base_is_no_load(tmp_path: Path) -> None:
+    machine = load_machine(two_joints(tmp_path, drives={"elbow": {"on": "base"}}))
+    shoulder = size_machine(machine, top=1).axis("shoulder")
+    assert not shoulder.carried
+    assert float(shoulder.spec.load.cycle.torque[0, 0]) == pytest.approx(-9.80665 * 0.75, rel=1e-6)
+
+
+def test_a_vehicle_carries_an_arm_of_joints(tmp_path: Path) -> None:
+    machine = two_joints(tmp_path)
+    machine["axes"] = {
+        "base": {
+            "load": {"kind": "wheeled_vehicle", "mass": "40 kg", "driven_wheels": 2, "wheel_diameter": "150 mm",
+                     "rolling_resistance": 0.02, "inertia": "10 kg*cm^2"},
+            "motion": {"speed": "1 m/s", "acceleration_time": "1 s", "cruise_time": "3 s"},
+            "carries": ["shoulder"],
+        },
+        "elbow": {"needs": {"hold_unpowered": True}},
+    }  # fmt: skip
+    found = size_machine(load_machine(machine), top=1)
+    base = found.axis("base")
+    assert [one.of for one in base.carried] == ["shoulder", "elbow"]
+    assert base.spec.load.mass == pytest.approx(40.0 + base.carried_mass, rel=1e-12)
+    assert found.axis("elbow").best.brake is not None and found.axis("shoulder").best.brake is None
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"axes": {"elbov": {"needs": {"hold_unpowered": True}}}}, 'axes.elbov: no joint "elbov" moves; the nearest'),
+        ({"axes": {"elbow": {"carries": ["shoulder"]}}}, "it is in the description; leave it out"),
+        ({"axes": {"elbow": {"load": {"kind": "flywheel", "inertia": "1 kg*m^2"},
+                             "motion": {"profile": "hold", "time": "1 s"}}}}, "has a joint of this name"),
+        ({"robot": {"description": "none.urdf", "trajectory": "a.csv"}}, "none.urdf"),
+    ],
+)  # fmt: skip
+def test_faults_of_joints_are_one_line(change: dict[str, Any], said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        size_machine(load_machine({**two_joints(tmp_path), **change}))
+    assert said in str(error.value) and "\n" not in str(error.value)

@@ -9,7 +9,7 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.spec.carried import carrying
-from drivesizer.spec.machine import load_any, load_machine
+from drivesizer.spec.machine_file import load_any, load_machine
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 TEXT = """\

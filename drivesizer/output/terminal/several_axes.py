@@ -88,6 +88,7 @@ def _parts(console: Console, result: MachineSizing) -> None:
         table.add_row(*_part_row(one))
     for column in (*table.columns[:2], *table.columns[4:]):
         column.no_wrap = True
+    table.columns[2].min_width = max((len(one.line.part) for one in shared), default=0)
     console.print()
     console.print(table)
     lines = [one.line for one in shared]

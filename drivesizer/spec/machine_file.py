@@ -1,0 +1,358 @@
+"""machine.yaml to typed data: the only place where its text becomes numbers.
+
+Sections at the top are defaults of every axis; an axis has them field by field over these, as load cases have theirs
+over a spec's. Battery, equipment, budget and brake resistor are of the whole machine: of one axis they are its own.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import reduce
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, field_validator
+
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.fields import Duration, Pause, Place, Section, default
+from drivesizer.files.yaml_overlay import overlay
+from drivesizer.files.yaml_source import Path_, YamlSource, read, written
+from drivesizer.spec.battery import Battery, Consumer
+from drivesizer.spec.brake_resistor import BrakeResistor
+from drivesizer.spec.carried import check_carrier
+from drivesizer.spec.machine import AxisSpec, Carried, MachineSpec
+from drivesizer.spec.messages import explained
+from drivesizer.spec.platform import Budget
+from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.spec.robot_section import RobotSection
+from drivesizer.spec.sections import Environment, Supply, TitleBlock
+
+__all__ = ["in_order", "is_machine", "joint_axis", "load_any", "load_machine", "read_machine"]
+
+_OWN = ("axes", "timing", "cycle_time", "total", "robot")  # fields of a machine that no axis has
+_WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
+_COMPUTED = {"kind": "recorded", "file": "of the description"}  # the load of a joint, until it is computed
+_NAME = re.compile(r"[^\W_][\w .-]{0,59}")  # of an axis, which names files of exports too
+
+
+class _Place(Section):
+    """Place of a carried drive."""
+
+    at: Place | None = Field(default=None, description="distance of its drive from the carrying axis, where that turns")
+
+
+class _Axis(Section):
+    """Fields of an axis that a robot.yaml lacks."""
+
+    carries: list[str] | dict[str, _Place] = Field(
+        default_factory=list, description="axes whose drives ride on this one; where it turns, each with its distance"
+    )
+
+    @field_validator("carries", mode="before")
+    @classmethod
+    def _names(cls, given: Any) -> Any:
+        if not isinstance(given, list | dict) or not all(isinstance(name, str) for name in given):
+            raise ValueError("expected names of axes, e.g. [wrist], or each with its distance, {wrist: {at: 300 mm}}")
+        return given
+
+    start: Pause = default("0 s", description="of its motion, after that of the machine's cycle")
+
+
+class _Machine(Section):
+    """Fields of a machine beside the sections that are defaults of its axes."""
+
+    name: str = Field(min_length=1, max_length=200)
+    axes: Annotated[dict[str, dict[str, Any]], Field(max_length=100)] = Field(
+        default_factory=dict, description="by name, each with sections of a robot.yaml over those of the machine"
+    )
+    robot: RobotSection | None = Field(default=None, description="joints of a description, each an axis by its name")
+    timing: Literal["synchronised", "independent"] = Field(
+        default="synchronised", description="common start of the axes' motions; or each at any time"
+    )
+    cycle_time: Duration | None = Field(
+        default=None, description="of the machine; that of its longest axis if not given"
+    )
+    total: Literal["best", "axis_by_axis"] = Field(
+        default="best", description="whether carried drives are chosen so that the sum over all axes is best"
+    )
+    supply: Supply
+    environment: Environment = Field(default_factory=Environment)
+    battery: Battery | None = None
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(default_factory=list)
+    budget: Budget | None = None
+    brake_resistor: BrakeResistor | None = None
+    report: TitleBlock = Field(default_factory=TitleBlock)
+
+
+def is_machine(source: YamlSource) -> bool:
+    """Whether a document has axes or joints, and is no spec of a single one."""
+    return isinstance(source.data, dict) and ("axes" in source.data or "robot" in source.data)
+
+
+def load_any(path: str | Path) -> RobotSpec | MachineSpec:
+    """The spec of one axis or of a machine, as the file has one or the other.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+
+    Returns
+    -------
+    RobotSpec or MachineSpec
+        A machine where there are ``axes`` or a ``robot``.
+
+    Raises
+    ------
+    InputError
+        As of ``load_spec``.
+    """
+    source = read(Path(path))
+    return read_machine(source) if is_machine(source) else read_spec(source)
+
+
+def load_machine(given: str | Path | Mapping[str, Any]) -> MachineSpec:
+    """A machine from a file, or from the same fields as a dict.
+
+    Parameters
+    ----------
+    given
+        As of ``load_spec``.
+
+    Returns
+    -------
+    MachineSpec
+        The machine.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or something in it is wrong: one line with place and reason.
+    """
+    return read_machine(written(given, "machine") if isinstance(given, Mapping) else read(Path(given)))
+
+
+def read_machine(source: YamlSource) -> MachineSpec:
+    """A machine from YAML source.
+
+    Parameters
+    ----------
+    source
+        The document.
+
+    Returns
+    -------
+    MachineSpec
+        Its axes in the order of the file.
+
+    Raises
+    ------
+    InputError
+        One line with file, line, field, what was found and what is expected.
+    """
+    head = _head(source)
+    if not head.axes and head.robot is None:
+        raise InputError(
+            f"{source.where(('axes',))}: expected at least one axis by name, or robot: {{description: ...}}"
+        )
+    alone = len(head.axes) == 1 and head.robot is None
+    shared = _shared(source, alone=alone)
+    axes = tuple(_axis(source, shared, name, own, alone) for name, own in head.axes.items())
+    if not alone:
+        _check_whole(source, head)
+        axes = tuple(_on_common_bus(axis, head.brake_resistor) for axis in axes)
+    machine = MachineSpec(
+        name=head.name,
+        axes=axes,
+        order=(),
+        synchronised=head.timing == "synchronised",
+        cycle_time=head.cycle_time,
+        whole=head.total == "best",
+        supply=head.supply,
+        environment=head.environment,
+        battery=head.battery,
+        equipment=tuple(head.equipment),
+        budget=head.budget,
+        brake_resistor=head.brake_resistor,
+        report=head.report,
+        robot=head.robot,
+        source=source,
+    )
+    return machine if head.robot else in_order(machine)
+
+
+def _check_whole(source: YamlSource, head: _Machine) -> None:
+    """Refuse sections of the machine that do not go together: each as it is refused of a single axis."""
+    name, own = next(iter(head.axes.items()), (head.name, {}))
+    sections = {field: value for field, value in own.items() if field not in (*_Axis.model_fields, "supply")}
+    if head.robot is not None and "load" not in sections:
+        sections["load"] = _COMPUTED
+    read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
+
+
+def _on_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
+    """The axis on a bus that rises to its chopper's voltage, for the choice of its controllers."""
+    volts = resistor.chopper_voltage if resistor else None
+    if volts is None or axis.own_supply:
+        return axis
+
+    def raised(spec: RobotSpec) -> RobotSpec:
+        highest = max(volts, spec.supply.highest)
+        return spec.model_copy(update={"supply": spec.supply.model_copy(update={"max": highest})})
+
+    return replace(axis, spec=axis.spec.changed(raised))
+
+
+def _shared(source: YamlSource, *, alone: bool) -> dict[str, Any]:
+    """Sections of the machine that are defaults of its axes."""
+    left = _OWN if alone else (*_OWN, *_WHOLE)
+    return {name: value for name, value in source.data.items() if name not in left}
+
+
+def _head(source: YamlSource) -> _Machine:
+    """Fields of the machine itself; sections that only axes have are left to these."""
+    data = source.data
+    given = {name: value for name, value in data.items() if name in _Machine.model_fields}
+    unknown = next((name for name in data if name not in _Machine.model_fields | RobotSpec.model_fields), None)
+    if unknown is not None:
+        names = {*_Machine.model_fields, *RobotSpec.model_fields}
+        raise InputError(f"{source.where((unknown,))}: unknown key{nearest(unknown, names)}")
+    try:
+        return _Machine.model_validate(given)
+    except ValidationError as error:
+        raise explained(error, source, _Machine, given) from None
+
+
+def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisSpec:
+    """A joint of a machine's robot as an axis, which the file need not name.
+
+    Parameters
+    ----------
+    machine
+        With a robot.
+    name
+        Of the joint.
+    carried
+        Joints whose drives ride beyond it.
+
+    Returns
+    -------
+    AxisSpec
+        Its load has yet to be computed.
+
+    Raises
+    ------
+    InputError
+        When a section is wrong, or the file gives it a load of its own.
+    """
+    axis = next((axis for axis in machine.axes if axis.name == name), None)
+    if axis is not None and not axis.is_joint:
+        where = machine.where(("axes", name, "load"))
+        raise InputError(f"{where}: the description has a joint of this name; expected no load, or another name")
+    if axis is None:
+        axis = _axis(machine.source, _shared(machine.source, alone=False), name, {}, alone=False)
+        axis = _on_common_bus(axis, machine.brake_resistor)
+        axis = replace(axis, spec=reduce(lambda one, change: one.changed(change), machine.changes, axis.spec))
+    return replace(axis, carries=tuple(Carried(other, None) for other in carried))
+
+
+def _axis(source: YamlSource, shared: dict[str, Any], name: str, own: dict[str, Any], alone: bool) -> AxisSpec:
+    """An axis of the file."""
+    at: Path_ = ("axes", name)
+    if not _NAME.fullmatch(name):
+        raise InputError(f"{source.where(at)}: {quoted(name)} names no axis; expected letters and digits, e.g. lift")
+    given = {field: own[field] for field in _Axis.model_fields if field in own}
+    try:
+        head = _Axis.model_validate(given)
+    except ValidationError as error:
+        raise explained(error, source, _Axis, given, at) from None
+    sections = _sections(source, at, own, alone)
+    is_joint = source.data.get("robot") is not None and "load" not in sections
+    if is_joint and head.carries:
+        raise InputError(f"{source.where((*at, 'carries'))}: it is in the description; leave it out")
+    if is_joint:
+        sections["load"] = _COMPUTED
+    spec = read_spec(overlay(source, at, shared if alone else {**shared, "name": name}, sections))
+    own_supply = not alone and "nominal" in (sections.get("supply") or ())
+    axis = AxisSpec(
+        name=name,
+        spec=spec if alone or own_supply else _on_common_supply(spec),
+        carries=_carries(head),
+        start=head.start,
+        own_supply=own_supply,
+        is_joint=is_joint,
+    )
+    _check_carried(source, at, axis)
+    return axis
+
+
+def _sections(source: YamlSource, at: Path_, own: dict[str, Any], alone: bool) -> dict[str, Any]:
+    """Sections of an axis that a robot.yaml has too."""
+    sections = {field: value for field, value in own.items() if field not in _Axis.model_fields}
+    unknown = next((field for field in sections if field not in RobotSpec.model_fields), None)
+    if unknown is not None:
+        names = [*_Axis.model_fields, *RobotSpec.model_fields]
+        raise InputError(f"{source.where((*at, unknown))}: unknown key{nearest(unknown, names)}")
+    whole = next((field for field in _WHOLE if field in sections and not alone), None)
+    if whole:
+        raise InputError(f"{source.where((*at, whole))}: it is of the machine; expected at the top of the file")
+    return sections
+
+
+def _carries(head: _Axis) -> tuple[Carried, ...]:
+    """Carried axes, with their distances where these are given."""
+    places = head.carries if isinstance(head.carries, dict) else dict.fromkeys(head.carries, _Place())
+    return tuple(Carried(other, place.at) for other, place in places.items())
+
+
+def _on_common_supply(spec: RobotSpec) -> RobotSpec:
+    """An axis of several: what it regenerates is judged with the others', in the machine."""
+    shared = {"accepts": "all", "overvoltage_trip": None, "part": None}
+    return spec.changed(lambda one: one.model_copy(update={"supply": one.supply.model_copy(update=shared)}))
+
+
+def _check_carried(source: YamlSource, at: Path_, axis: AxisSpec) -> None:
+    if not axis.carries:
+        return
+    try:
+        for _, case in axis.spec.load_cases:
+            check_carrier(case.load, (one.distance for one in axis.carries))
+    except InputError as error:
+        raise InputError(f"{source.where((*at, 'carries'))}: {error}") from None
+
+
+def in_order(machine: MachineSpec) -> MachineSpec:
+    """The machine with the order in which its axes are sized: carried ones before those that carry them.
+
+    Parameters
+    ----------
+    machine
+        With all its axes.
+
+    Returns
+    -------
+    MachineSpec
+        The same in the order of the file where nothing is carried.
+
+    Raises
+    ------
+    InputError
+        When an axis carries one that there is not, or that carries it.
+    """
+    names = [axis.name for axis in machine.axes]
+    for axis in machine.axes:
+        for other in axis.carries:
+            if other.name not in names:
+                where = machine.where(("axes", axis.name, "carries"))
+                raise InputError(f"{where}: there is no axis {quoted(other.name)}{nearest(other.name, names)}")
+    sorter = TopologicalSorter({axis.name: [one.name for one in axis.carries] for axis in machine.axes})
+    try:
+        return replace(machine, order=tuple(sorter.static_order()))
+    except CycleError as error:
+        ring = error.args[1]
+        where = machine.where(("axes", ring[1], "carries"))
+        text = f"{' carries '.join(ring[::-1])}: no order to size them in; expected axes that do not carry each other"
+        raise InputError(f"{where}: {text}") from None
