@@ -21,6 +21,7 @@ from drivesizer.units import show
 
 __all__ = ["machine_proofs", "machine_sizing"]
 
+_AXES = 16  # characters of the names of axes in a parts list, where there is no room for more
 _WIDE = 110  # columns from which on a drive has a single line
 
 
@@ -88,6 +89,8 @@ def _parts(console: Console, result: MachineSizing) -> None:
         table.add_row(*_part_row(one))
     for column in (*table.columns[:2], *table.columns[4:]):
         column.no_wrap = True
+    if console.width < _WIDE:
+        table.columns[3].max_width = _AXES
     table.columns[2].min_width = max((len(one.line.part) for one in shared), default=0)
     console.print()
     console.print(table)
