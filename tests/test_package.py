@@ -56,12 +56,15 @@ def test_the_public_names() -> None:
         "CatalogError",
         "DrivesizerError",
         "InputError",
+        "MachineSizing",
         "RobotSpec",
         "SizingResult",
         "explain",
         "load_catalog",
+        "load_machine",
         "load_spec",
         "size",
+        "size_machine",
         "validate",
     ]
 
