@@ -9,9 +9,9 @@ import numpy as np
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
-from drivesizer.spec.machine import MachineSpec
-from drivesizer.spec.machine_file import in_order, joint_axis
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.several_axes.machine import MachineSpec
+from drivesizer.spec.several_axes.machine_file import in_order, joint_axis
 
 __all__ = ["Joints", "with_joints"]
 

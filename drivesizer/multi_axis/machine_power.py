@@ -8,8 +8,8 @@ from drivesizer.catalog import Catalog
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
 from drivesizer.results.machine import AxisSizing
 from drivesizer.results.machine_power import MachinePower
-from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.several_axes.machine import MachineSpec
 
 __all__ = ["machine_power"]
 

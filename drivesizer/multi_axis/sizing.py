@@ -20,10 +20,10 @@ from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.sizing import load_parts, size
-from drivesizer.spec.carried import carrying
-from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES
+from drivesizer.spec.several_axes.carried import carrying
+from drivesizer.spec.several_axes.machine import MachineSpec
 
 __all__ = ["laden", "size_machine"]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from drivesizer.results.machine import MachineSizing
-from drivesizer.spec.machine import MachineSpec
+from drivesizer.spec.several_axes.machine import MachineSpec
 
 __all__ = ["Branch", "choice_text", "mass_tree"]
 

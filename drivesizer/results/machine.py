@@ -11,9 +11,9 @@ from drivesizer.results.check import Check, Status, verdict
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine_power import MachinePower
 from drivesizer.results.sizing import SizingResult
-from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES
+from drivesizer.spec.several_axes.machine import MachineSpec
 
 __all__ = ["SUMMED", "AxisSizing", "CarriedMass", "MachineSizing", "of_all_drives"]
 

@@ -13,7 +13,7 @@ from drivesizer.commands.starting import MACHINES, starter
 from drivesizer.errors import InputError
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.terminal.several_axes import machine_sizing
-from drivesizer.spec.machine_file import load_machine
+from drivesizer.spec.several_axes.machine_file import load_machine
 
 runner = CliRunner()
 

@@ -21,7 +21,7 @@ from drivesizer.output.parts import machine_parts_of_axes
 from drivesizer.output.report.figures.power_of_axes import power_of_axes
 from drivesizer.output.terminal.several_axes import machine_sizing
 from drivesizer.results.machine import MachineSizing
-from drivesizer.spec.machine_file import load_machine
+from drivesizer.spec.several_axes.machine_file import load_machine
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

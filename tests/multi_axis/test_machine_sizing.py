@@ -16,8 +16,8 @@ from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.documents import sizing as document
 from drivesizer.results.machine import MachineSizing
 from drivesizer.sizing import size
-from drivesizer.spec.machine_file import load_machine
 from drivesizer.spec.robot import load_spec
+from drivesizer.spec.several_axes.machine_file import load_machine
 
 MOTION = {"profile": "trapezoid", "speed": "0.5 m/s", "acceleration_time": "0.3 s", "cruise_time": "0.5 s",
           "rest_time": "0.5 s", "there_and_back": True}  # fmt: skip

@@ -10,7 +10,7 @@ from forty_motors import catalogue
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals
 from drivesizer.results.machine import MachineSizing
-from drivesizer.spec.machine_file import load_machine
+from drivesizer.spec.several_axes.machine_file import load_machine
 
 LONG = "carriage of the second portal behind the guard door"  # an axis may have 60 letters
 _PRICES = "price: 80 EUR, price_5: 70 EUR"

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.spec.carried import carrying
-from drivesizer.spec.machine_file import load_any, load_machine
 from drivesizer.spec.robot import RobotSpec, load_spec
+from drivesizer.spec.several_axes.carried import carrying
+from drivesizer.spec.several_axes.machine_file import load_any, load_machine
 
 TEXT = """\
 name: cell

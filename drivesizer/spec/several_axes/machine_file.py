@@ -22,13 +22,13 @@ from drivesizer.files.yaml_overlay import overlay
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.brake_resistor import BrakeResistor
-from drivesizer.spec.carried import check_carrier
-from drivesizer.spec.machine import AxisSpec, Carried, MachineSpec
 from drivesizer.spec.messages import explained
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.robot_section import RobotSection
 from drivesizer.spec.sections import Environment, Supply, TitleBlock
+from drivesizer.spec.several_axes.carried import check_carrier
+from drivesizer.spec.several_axes.machine import AxisSpec, Carried, MachineSpec
 
 __all__ = ["in_order", "is_machine", "joint_axis", "load_any", "load_machine", "read_machine"]
 
