@@ -119,7 +119,7 @@ class MachineSpec:
 
     @property
     def is_several(self) -> bool:
-        """Whether there is more than one axis, or joints that the description alone tells."""
+        """Whether there is more than one axis, or a robot with joints."""
         return len(self.axes) > 1 or self.robot is not None
 
     @property
