@@ -4,8 +4,8 @@ Makers print the thermal resistance from housing to ambient, R_th2, of a mountin
 it, with bands:
 
 - ``metal_flange``: 0.5 (0.2 to 0.8). maxon prints the operating range of its DCX motors at half R_th2 too, and up to
-  80 % less on a good heat sink; Faulhaber prints recommended values at 55 % less (3564 B); Copley prints 18 to 30 %
-  less with a plate of 25 x 25 x 2.5 cm (ServoTube 38).
+  80 % less on a good heat sink (recalled, not quoted); Faulhaber prints recommended values at 55 % less (3564 B);
+  Copley prints 18 to 30 % less with a plate of 25 x 25 x 2.5 cm (ServoTube 38).
 - ``insulated``: 1.2 (1 to 1.45). maxon's figures are of a plastic plate already; motors that are rated on a plate lose
   it: Copley prints 0.87 to 0.50 K/W without and 0.61 to 0.41 K/W with one, 22 to 43 % more.
 - ``plate``: a thermal resistance of its own beside the housing's, both to ambient.
@@ -35,7 +35,8 @@ class Share(NamedTuple):
 AS_PRINTED = Share(1.0, 1.0, 1.0)
 _SHARES = {"metal_flange": Share(0.5, 0.2, 0.8), "insulated": Share(1.2, 1.0, 1.45)}
 _SOURCES = {
-    "metal_flange": "maxon: half in operating ranges, up to 80 % less; Faulhaber: 55 % less; Copley: 18 to 30 % less",
+    "metal_flange": "maxon: half in operating ranges, up to 80 % less (recalled); Faulhaber: 55 % less; "
+    "Copley: 18 to 30 % less",
     "insulated": "maxon's figures are of a plastic plate; Copley: 22 to 43 % more without a plate",
 }
 
