@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from drivesizer.results.machine import MachineSizing
+from drivesizer.results.machine_power import MachinePower
 from drivesizer.spec.several_axes.machine import MachineSpec
+from drivesizer.units import show
 
-__all__ = ["Branch", "choice_text", "mass_tree"]
+__all__ = ["Branch", "choice_text", "mass_tree", "supply_texts"]
 
 
 class Branch(NamedTuple):
@@ -63,3 +65,31 @@ def choice_text(result: MachineSizing) -> str:
     said = "no other choice of the carried drives gives"
     said = said if result.certain else "another choice of the carried drives may give"
     return f"{said} less {result.objective.replace('_', ' ')} in all"
+
+
+def supply_texts(power: MachinePower) -> Iterator[str]:
+    """Power of all axes in a sentence each: peak, mean, what is regenerated and what burns it.
+
+    Parameters
+    ----------
+    power
+        Of all axes on the supply.
+
+    Returns
+    -------
+    Iterator of str
+        Sentences without their points.
+    """
+    if power.unknown:
+        yield f"power of all axes unknown: {'; '.join(power.unknown)}"
+        return
+    peak, mean = (show(value, "W", "power") for value in (power.peak, power.mean))
+    moment = f"at {show(power.peak_time, 's', 'time')}" if power.synchronised else "at the worst phase"
+    yield f"supply: {peak} at most, {moment}, most of it {power.peak_axis}; {mean} in the mean"
+    if power.energy_left > 0.0:
+        left, shared = (show(value, "J", "energy") for value in (power.energy_left, power.exchanged))
+        resistor = power.braking.name if power.braking else ""
+        burnt = f", brake resistor {resistor}" if resistor else ""
+        yield f"regenerated per cycle: {left} that no axis draws, {shared} from axis to axis{burnt}"
+    if power.energy:
+        yield f"battery: {show(power.energy.autonomy, 'h', 'time')} with all axes"

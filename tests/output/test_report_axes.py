@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from math import isnan
 
+import openpyxl
 import pytest
 from forty_motors import catalogue
+from lxml import html
+from printed import blank_figures, text_of
 
 from drivesizer.multi_axis.sizing import size_machine
-from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals
+from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals, totals_of_axes
+from drivesizer.output.report import write_machine
+from drivesizer.output.report.machine.content import MachineContent
+from drivesizer.output.report.machine.document import document
+from drivesizer.output.text import margin
+from drivesizer.results.check import tightest
 from drivesizer.results.machine import MachineSizing
 from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.units import show
 
 LONG = "carriage of the second portal behind the guard door"  # an axis may have 60 letters
 _PRICES = "price: 80 EUR, price_5: 70 EUR"
@@ -59,3 +70,103 @@ def test_a_price_is_that_of_all_pieces_of_the_machine(machine):
     assert [found[1].value for found in by_axis] == [140.0, 210.0]
     assert sum(found[0].value for found in by_axis) == pytest.approx(mass.value) == pytest.approx(5 * (0.3 + 0.1))
     assert isnan(together.mass_low)
+
+
+# -- one document, four kinds of file
+
+
+@pytest.fixture(scope="module")
+def files(machine: MachineSizing, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("report")
+    kinds = ["report.pdf", "report.html", "report.xlsx", "report.csv"]
+    with blank_figures():
+        written = write_machine(machine, [folder / name for name in kinds])
+    return {path.name: path.read_bytes() for path in written}
+
+
+@pytest.fixture(scope="module")
+def chapters(machine: MachineSizing) -> dict[str, dict]:
+    return {section["name"]: section for section in document(MachineContent(machine))["sections"]}
+
+
+def block(chapter: dict, name: str) -> dict:
+    return next(one for one in chapter["blocks"] if one.get("name") == name)
+
+
+def test_the_first_page_has_a_row_for_each_axis_and_names_the_one_without_a_drive(machine, chapters):
+    first = chapters["summary"]
+    assert not first["blocks"][0]["found"] and "No drive for z." in str(first["blocks"][0])
+    rows = [row["cells"] for row in block(first, "axes")["rows"]]
+    assert [row[0] for row in rows] == ["x", LONG, "z"]
+    for row, axis in zip(rows, machine.axes[:2], strict=False):
+        check = tightest(axis.best.deciding, 1)[0]
+        assert row[1] == f"{axis.drives} × {axis.best.label}" and row[-2:-1] == [check.title]
+        assert row[-3] == margin(check.margin) and row[-1][0]["text"] == axis.best.status
+    assert rows[0][2] == show(machine.axes[0].carried_mass, "kg", "mass", 3) == "0.9 kg"  # three motors of 300 g
+    assert rows[2][1][0]["text"] == "none; closest:" and rows[2][-1][0]["text"] == "fail"
+    assert machine.status == "fail"
+
+
+def test_every_axis_has_a_chapter_with_names_of_its_own(chapters, machine):
+    titles = [one["title"] for one in chapters.values() if one["level"] == 1]
+    assert titles[-6:] == ["Axis x", f"Axis {LONG}", "Axis z", "Assumptions", "How to repeat this", "Data sheets"]
+    named = [
+        (one["kind"], one["name"]) for chapter in chapters.values() for one in chapter["blocks"] if one.get("name")
+    ]
+    assert len(named) == len(set(named)) and {("checks", f"axis{n}-checks") for n in (1, 2, 3)} <= set(named)
+    checks = block(chapters["axis2_1"], "axis2-checks")["rows"]
+    assert {row["exact"]["name"] for row in checks} == {one.name for one in machine.axes[1].best.checks}
+
+
+def test_drives_that_ride_on_an_axis_stand_below_it(chapters, machine):
+    rows = [row["cells"] for row in block(chapters["carried"], "carried")["rows"]]
+    assert [row[0] for row in rows] == ["x", f"└ {LONG}", "z"]
+    assert (rows[0][-1], rows[1][-2]) == ("900 g", "900 g")
+
+
+def test_pdf_and_page_print_the_sums_of_the_parts_list(machine, files):
+    lines = machine_parts_of_axes(machine)
+    mass, price = totals_of_axes(lines)
+    pdf = text_of(files["report.pdf"], 3)
+    page = html.document_fromstring(files["report.html"].decode()).text_content()
+    assert (mass.value, price.value) == (pytest.approx(2.0), 350.0)
+    for text in (pdf, " ".join(page.split())):
+        assert "at least 2 kg" in text and "at least 350.00 EUR" in text and "No drive for z." in text
+        assert f"x, {LONG}" in text and "5 ×" in text and "Axis z" in text
+
+
+def test_tables_have_the_records_figures(machine, files):
+    rows = {row["axis"]: row for row in csv.DictReader(io.StringIO(files["report.csv"].decode()))}
+    assert [*rows] == ["x", LONG, "z"] and rows["z"]["motor_part"] == "" and rows["z"]["axis_status"] == "fail"
+    for axis in machine.axes[:2]:
+        row, best = rows[axis.name], axis.best
+        assert (row["motor_part"], int(row["drives"])) == (best.motor.part, axis.drives)
+        assert float(row["carried_mass_kg"]) == axis.carried_mass
+        assert float(row["smallest_margin"]) == tightest(best.deciding, 1)[0].margin
+    parts = [*csv.DictReader(io.StringIO(files["report-parts.csv"].decode()))]
+    assert (parts[0]["part"], int(parts[0]["quantity"]), parts[0]["axes"]) == ("m00", 5, f"x; {LONG}")
+
+
+def test_the_workbook_has_a_sheet_for_each_axis(machine, files):
+    book = openpyxl.load_workbook(io.BytesIO(files["report.xlsx"]))
+    assert book.sheetnames == ["Machine", "Axes", "Parts list", "x", LONG[:31].strip(), "z", "Spec", "About"]
+    heads, *rows = book["Axes"].iter_rows(values_only=True)
+    axes = [dict(zip(heads, row, strict=True)) for row in rows]
+    sums = [totals(lines) for lines in parts_by_axis(machine).values()]
+    assert [one["mass of its parts (kg)"] for one in axes[:2]] == [found[0].value for found in sums[:2]]
+    assert [one["price of its parts"] for one in axes] == [140, 210, None]
+    quantity = [row[book["Parts list"][1].index(cell)].value for row in book["Parts list"].iter_rows(min_row=2)
+                for cell in book["Parts list"][1] if cell.value == "quantity"]  # fmt: skip
+    assert quantity == [5, 5, 5]
+    checks = {row[0]: row for row in book["x"].iter_rows(values_only=True)}
+    for check in machine.axes[0].best.checks:
+        if check.demand == check.demand:
+            assert pytest.approx(check.demand) in checks[check.title]
+
+
+def test_the_same_machine_gives_the_same_bytes(machine, files, tmp_path):
+    with blank_figures():
+        written = write_machine(machine, [tmp_path / "report.html", tmp_path / "report.xlsx"])
+    assert {path.name: path.read_bytes() for path in written} == {path.name: files[path.name] for path in written}
+    (figure,) = MachineContent(machine).loads.values()
+    assert figure("svg") == figure("svg")

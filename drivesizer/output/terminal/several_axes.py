@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import isnan
 
 from rich.console import Console
@@ -10,13 +10,12 @@ from rich.text import Text
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.parts import SharedLine, machine_parts_of_axes, mass_text, money_text, total_text, totals
-from drivesizer.output.several_axes import choice_text
+from drivesizer.output.several_axes import choice_text, supply_texts
 from drivesizer.output.terminal import tables
 from drivesizer.output.terminal.answer import compared, names_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.check import Check, tightest, worst
 from drivesizer.results.machine import AxisSizing, MachineSizing
-from drivesizer.results.machine_power import MachinePower
 from drivesizer.units import show
 
 __all__ = ["machine_proofs", "machine_sizing"]
@@ -163,28 +162,11 @@ def _said(result: MachineSizing) -> list[Text]:
     unknown = [check.title for check in result.checks if check.status == "unknown" and not check.advice]
     if unknown:
         found.append(Text(f"all axes unknown: {_few(unknown)}", style=STYLE["unknown"]))
-    found += [Text(text) for text in _supplied(result.power)] if result.power else []
+    found += [Text(text) for text in supply_texts(result.power)] if result.power else []
     found += [Text(note) for note in result.notes]
     if choice_text(result):
         found.append(Text(choice_text(result), style="dim"))
     return found
-
-
-def _supplied(power: MachinePower) -> Iterator[str]:
-    """Power of all axes in a sentence each: peak, mean, what is regenerated and what burns it."""
-    if power.unknown:
-        yield f"power of all axes unknown: {'; '.join(power.unknown)}"
-        return
-    peak, mean = (show(value, "W", "power") for value in (power.peak, power.mean))
-    moment = f"at {show(power.peak_time, 's', 'time')}" if power.synchronised else "at the worst phase"
-    yield f"supply: {peak} at most, {moment}, most of it {power.peak_axis}; {mean} in the mean"
-    if power.energy_left > 0.0:
-        left, shared = (show(value, "J", "energy") for value in (power.energy_left, power.exchanged))
-        resistor = power.braking.name if power.braking else ""
-        burnt = f", brake resistor {resistor}" if resistor else ""
-        yield f"regenerated per cycle: {left} that no axis draws, {shared} from axis to axis{burnt}"
-    if power.energy:
-        yield f"battery: {show(power.energy.autonomy, 'h', 'time')} with all axes"
 
 
 def _few(titles: Sequence[str]) -> str:

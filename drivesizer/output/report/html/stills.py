@@ -20,6 +20,7 @@ _DARK = {  # of colours that have a meaning: those of style.css
     COLOURS["purple"].lower(): "#cc79a7", COLOURS["orange"].lower(): "#e69f00", COLOURS["sky"].lower(): "#4b86a8",
 }  # fmt: skip
 _BLACK = "#000000"  # of letters and lines that name no colour
+_GROUND = re.compile(r'(<rect [^>]*)fill="(#[0-9a-f]{6})"(?=/>)')  # below a hatch: a colour that is no style
 _COLOUR = re.compile(r"(?<=: )#[0-9a-f]{6}\b")
 
 
@@ -50,8 +51,9 @@ def both_schemes(svg: str) -> str:
     -------
     str
     """
-    named = _COLOUR.sub(lambda found: f"var(--{found[0][1:]})", svg)
-    used = sorted({_BLACK, *_COLOUR.findall(svg)})
+    styled = _GROUND.sub(r'\1style="fill: \2"', svg)
+    named = _COLOUR.sub(lambda found: f"var(--{found[0][1:]})", styled)
+    used = sorted({_BLACK, *_COLOUR.findall(styled)})
     light = "".join(f"--{colour[1:]}:{colour};" for colour in used)
     dark = "".join(f"--{colour[1:]}:{_dark(colour)};" for colour in used)
     style = (f"<style>:root{{{light}fill:var(--{_BLACK[1:]})}}"

@@ -6,14 +6,29 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 from drivesizer.output.datasheet import datasheets
+from drivesizer.output.report.lines.drive import figure_row
 from drivesizer.output.report.machine.content import MachineContent
 from drivesizer.output.report.machine.summary import summary_blocks
 from drivesizer.output.report.sections.appendix import repeat_blocks
-from drivesizer.output.report.sections.blocks import Block, Bullets, Column, Picture, Row, Table, Words
+from drivesizer.output.report.sections.blocks import (
+    Block,
+    Bullets,
+    Column,
+    Facts,
+    Pair,
+    Picture,
+    Row,
+    Table,
+    Words,
+)
+from drivesizer.output.report.sections.machine import consumers
 from drivesizer.output.report.sections.parts import sheet_blocks
 from drivesizer.output.report.sections.texts import Strong
 from drivesizer.output.several_axes import Branch, mass_tree
+from drivesizer.results.braking import BrakingBudget
+from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.machine import AxisSizing, CarriedMass
+from drivesizer.results.machine_power import MachinePower
 from drivesizer.units import show
 
 __all__ = ["BACK", "FRONT", "Chapter", "assumptions", "warnings"]
@@ -44,6 +59,45 @@ def _loads(content: MachineContent) -> Iterator[Block]:
                    f"The shaded field is allowed continuously.{first}{missed}")  # fmt: skip
         yield Picture(name, caption if last else "The first axes.", "torque-speed field of each axis with its cycle",
                       about="sets the load of each axis against the limits of its motor.")  # fmt: skip
+
+
+# -- power
+
+
+def _power(content: MachineContent) -> Iterator[Block]:
+    power = content.sizing.power
+    if power is None:
+        return
+    if power.unknown:
+        yield Bullets("Of some axes the power is unknown; they are in no sum:", list(power.unknown), "alarm")
+    together = "" if power.synchronised else " Every axis starts at any time; here all their peaks fall together."
+    case = f" Load case {power.case}." if power.case else ""
+    yield Picture("power", f"Power at the controllers of all axes, stacked: above 0 what each draws, below what each "
+                  f"returns. The black line is what the source gives.{case}{together}",
+                  "power of every axis over time", about="shows the power over the machine's cycle.")  # fmt: skip
+    yield Facts("All axes on one supply", [*map(figure_row, power.figures)], "machine_figures", halves=True)
+    if power.exceeded:
+        yield _exceeded(power)
+    if power.braking:
+        of = f" with brake resistor {power.braking.name}" if power.braking.name else ""
+        yield Facts(f"What is regenerated, stored and burnt{of}", [*map(figure_row, power.braking.figures)])
+    if power.energy:
+        yield Pair([consumers(power.energy)], [Facts("The battery", [*map(figure_row, power.energy.figures)])])
+    yield Bullets("Assumptions:", list(_once((power, power.braking, power.energy))))
+
+
+def _exceeded(power: MachinePower) -> Table:
+    """Share of the time in which axes at random phases exceed a limit of the supply."""
+    columns = Column("limit of the supply", "name"), Column("power", "number"), Column("share of the time", "number")
+    titles = {check.name: check.title for check in power.checks}
+    rows = [Row((titles.get(one.check, one.check), show(one.limit, "W", "power"),
+                 f"{show(one.least, '%', 'dimensionless')} to {show(one.most, '%', 'dimensionless')}"))
+            for one in power.exceeded]  # fmt: skip
+    return Table("Share of the time in which axes at random phases draw more than the supply gives", columns, rows)
+
+
+def _once(records: Iterable[MachinePower | BrakingBudget | EnergyBudget | None]) -> dict[str, None]:
+    return dict.fromkeys(text for record in records if record for text in record.assumptions)
 
 
 # -- who carries whom
@@ -129,6 +183,7 @@ def _datasheets(content: MachineContent) -> Iterator[Block]:
 FRONT = (
     Chapter("summary", "Summary", summary_blocks),
     Chapter("loads", "Loads of the axes", _loads),
+    Chapter("supply", "Power of all axes", _power),
     Chapter("carried", "Carried drives", _carried),
 )
 BACK = (

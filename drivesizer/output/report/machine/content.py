@@ -8,6 +8,7 @@ from functools import cached_property, partial
 
 from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.report.figures.all_figures import Drawing
+from drivesizer.output.report.figures.axes_power import axes_power
 from drivesizer.output.report.figures.field import MOST_FIELDS, torque_speed_each
 from drivesizer.output.report.figures.field_panels import Panel, panels
 from drivesizer.output.report.sections.content import Content
@@ -106,7 +107,14 @@ class MachineContent:
                 yield replace(panel, cases=((number, one.name, field),), points=())
 
     @cached_property
+    def supply(self) -> dict[str, Drawing]:
+        """The power of all axes over time, where it is known of any."""
+        power = self.sizing.power
+        known = power is not None and len(power.unknown) < len(power.axes)
+        return {"power": partial(axes_power, power)} if power is not None and known else {}
+
+    @cached_property
     def drawings(self) -> dict[str, Drawing]:
         """Every figure by name: those of all axes, then those of each."""
         own = {f"{one.key}{name}": draw for one in self.axes for name, draw in one.content.drawings.items()}
-        return self.loads | own
+        return self.loads | self.supply | own

@@ -30,7 +30,7 @@ def render_machine(content: MachineContent, path: Path, *, date: str | None = No
     """
     filled = document(content, date)
     wanted, drawings = set(shown(filled["sections"])), content.drawings
-    still = [*content.loads, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
+    still = [*content.loads, *content.supply, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
     pictures = {name: drawings[name] for name in still if name in wanted and name in drawings}
     figures = {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
     several = {name: re.sub(r"-\d+$", "", name) for name in figures}  # those of one kind are numbered

@@ -13,7 +13,7 @@ from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row,
 from drivesizer.output.report.sections.part_lines import shared_parts_table, total_of
 from drivesizer.output.report.sections.summary import summed_tile
 from drivesizer.output.report.sections.texts import Status, Strong, Text
-from drivesizer.output.several_axes import choice_text
+from drivesizer.output.several_axes import choice_text, supply_texts
 from drivesizer.results.check import tightest
 from drivesizer.results.objectives import objective_figure
 from drivesizer.units import show
@@ -60,8 +60,9 @@ def verdict_text(content: MachineContent) -> tuple[Any, ...]:
 
 
 def notes(content: MachineContent) -> list[str]:
-    """Choice of the drives, as sentences."""
-    found = [*content.sizing.notes, choice_text(content.sizing)]
+    """Power of the supply and choice of the drives, as sentences."""
+    power = content.sizing.power
+    found = [*(supply_texts(power) if power else ()), *content.sizing.notes, choice_text(content.sizing)]
     return [note[:1].upper() + note[1:] for note in found if note]
 
 
