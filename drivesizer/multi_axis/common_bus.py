@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from math import isnan, nan
 from typing import NamedTuple
 
-from drivesizer.errors import InputError, quoted
+from drivesizer.errors import FieldError, quoted
 from drivesizer.machine.regenerated import OnTheBus, regenerated_of
 from drivesizer.machine.supply_power import DrivePower, drive_power, together
 from drivesizer.multi_axis.exchange import MOST_PIECES, common_period, exchanged, fitted, from_start, summed_up
@@ -88,7 +88,7 @@ def common_bus(
 
     Raises
     ------
-    InputError
+    FieldError
         When a motion is longer than the cycle.
     """
     feed = shared.feed_of(None)._replace(drives=1)
@@ -141,7 +141,9 @@ def _cycle(
     for axis, period, one in zip(axes, periods, waits, strict=True):
         if one and cycle_time is not None and period > cycle_time * (1.0 + 1e-9):
             taken, given = (show(value, "s", "time") for value in (period, cycle_time))
-            raise InputError(f"cycle_time: axis {quoted(axis.name)} moves for {taken}; expected no less, not {given}")
+            raise FieldError(
+                ("cycle_time",), f"axis {quoted(axis.name)} moves for {taken}; expected no less, not {given}"
+            )
     ends = [axis.start + period for axis, period, one in zip(axes, periods, waits, strict=True) if one]
     return max(ends) if cycle_time is None else cycle_time
 

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from drivesizer.catalog import Catalog
+from drivesizer.errors import FieldError, InputError
+from drivesizer.machine.supply_unit import with_parts_of_supply
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
 from drivesizer.results.machine import AxisSizing
 from drivesizer.results.machine_power import MachinePower
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.several_axes.machine import MachineSpec
+from drivesizer.spec.several_axes.machine_file import on_common_bus
 
-__all__ = ["machine_power"]
+__all__ = ["machine_power", "with_choppers"]
 
 
 def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePower | None:
@@ -35,18 +39,50 @@ def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePo
         As of ``common_supply``.
     """
     on_it = [one for one in axes if not machine.axis(one.name).own_supply]
-    if len(axes) == 1 or not on_it or any(one.best is None for one in on_it):
+    if _alone(machine) or not on_it or any(one.best is None for one in on_it):
         return None
     found = [
         AxisPower(one.name, one.result.problem, one.best, machine.axis(one.name).start) for one in on_it if one.best
     ]
-    return common_supply(
-        _shared(machine, on_it[0].spec),
-        _catalog(machine, on_it),
-        found,
-        synchronised=machine.synchronised,
-        cycle_time=machine.cycle_time,
-    )
+    shared = _shared(machine, on_it[0].spec)
+    catalog = _listing(machine, [one.result.problem.catalog for one in on_it])
+    try:
+        return common_supply(shared, catalog, found, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
+    except FieldError as error:
+        raise InputError(f"{machine.where(error.field)}: {error}") from None
+
+
+def with_choppers(machine: MachineSpec, catalog_of: Callable[[RobotSpec], Catalog]) -> MachineSpec:
+    """The machine on a bus that rises to the lowest voltage of the choppers among which its spec leaves the choice.
+
+    Parameters
+    ----------
+    machine
+        As it was read.
+    catalog_of
+        Catalogues of an axis.
+
+    Returns
+    -------
+    MachineSpec
+        The same where its spec gives that voltage, or has no brake resistor.
+
+    Raises
+    ------
+    InputError
+        When no catalogue has the resistor or the power supply.
+    """
+    section, on_it = machine.brake_resistor, [one.spec for one in machine.axes if not one.own_supply]
+    if section is None or section.chopper_voltage is not None or _alone(machine) or not on_it:
+        return machine
+    catalog = _listing(machine, [catalog_of(spec) for spec in on_it])
+    resistor = with_parts_of_supply(_shared(machine, on_it[0]), catalog).brake_resistor
+    return replace(machine, axes=tuple(on_common_bus(one, resistor) for one in machine.axes))
+
+
+def _alone(machine: MachineSpec) -> bool:
+    """Whether the only axis has the sections of the machine as its own."""
+    return len(machine.axes) == 1 and machine.robot is None
 
 
 def _shared(machine: MachineSpec, first: RobotSpec) -> RobotSpec:
@@ -60,13 +96,12 @@ def _shared(machine: MachineSpec, first: RobotSpec) -> RobotSpec:
     )
 
 
-def _catalog(machine: MachineSpec, axes: Sequence[AxisSizing]) -> Catalog:
+def _listing(machine: MachineSpec, catalogs: Sequence[Catalog]) -> Catalog:
     """The catalogues of the axis that lists power supply and battery, or brake resistors; else those of the first."""
-    every = [one.result.problem.catalog for one in axes]
     battery = machine.battery.part if machine.battery else None
 
     def listed(catalog: Catalog) -> int:
         named = machine.supply.part in catalog.power_supplies.rows, battery in catalog.batteries.rows
         return 2 * sum(named) + (len(catalog.brake_resistors) > 0)
 
-    return max(every, key=listed)
+    return max(catalogs, key=listed)

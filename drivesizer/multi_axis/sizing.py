@@ -11,7 +11,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.machine.budgets import rows_of_drive
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, best_combination
 from drivesizer.multi_axis.joint_axes import with_joints
-from drivesizer.multi_axis.machine_power import machine_power
+from drivesizer.multi_axis.machine_power import machine_power, with_choppers
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, of_all_drives
 from drivesizer.results.problem import Problem
@@ -41,6 +41,7 @@ class _Sizings:
         self.top, self.ranking, self.sampling, self.progress = top, objective, sampling, progress
         self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
+        self.machine = with_choppers(self.machine, self._parts)
 
     def objective(self, axis: str) -> Ranking:
         """Objective of the ranking of an axis' drives."""
@@ -157,7 +158,7 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
         When there is no such axis, or as ``size`` does.
     """
     if machine.robot is None and not machine.axis(axis).carries:
-        return machine.axis(axis).spec
+        return with_choppers(machine, load_parts).axis(axis).spec
     return size_machine(machine).axis(axis).spec
 
 

@@ -90,6 +90,7 @@ def supply_texts(power: MachinePower) -> Iterator[str]:
         left, shared = (show(value, "J", "energy") for value in (power.energy_left, power.exchanged))
         resistor = power.braking.name if power.braking else ""
         burnt = f", brake resistor {resistor}" if resistor else ""
-        yield f"regenerated per cycle: {left} that no axis draws, {shared} from axis to axis{burnt}"
+        drawn = f"{left} that no axis draws, {shared} from axis to axis" if power.synchronised else f"{left} at most"
+        yield f"regenerated per cycle: {drawn}{burnt}"
     if power.energy:
         yield f"battery: {show(power.energy.autonomy, 'h', 'time')} with all axes"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from typing import Any
-from xml.etree import ElementTree
 
 import jsonschema
 import numpy as np
@@ -13,12 +12,11 @@ from pydantic import TypeAdapter
 
 from drivesizer.errors import InputError
 from drivesizer.multi_axis.machine_power import machine_power
-from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.output.json import schema
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.machine import machine_document
 from drivesizer.output.parts import machine_parts_of_axes
-from drivesizer.output.report.figures.power_of_axes import power_of_axes
 from drivesizer.output.terminal.several_axes import machine_sizing
 from drivesizer.results.machine import MachineSizing
 from drivesizer.spec.several_axes.machine_file import load_machine
@@ -86,19 +84,24 @@ def test_its_resistor_is_bought_once_and_printed(sizing, capsys):
     assert "all axes on one supply" in capsys.readouterr().out
 
 
-def test_its_powers_are_drawn_stacked(sizing):
-    figure = ElementTree.fromstring(power_of_axes(sizing.power, "typeset"))
-    texts = {"".join(one.itertext()).strip() for one in figure.iter("{http://www.w3.org/2000/svg}text")}
-    assert {"x", "y", "all axes", "power (W)", "time (s)"} <= texts
-    assert "supply, largest current" not in texts  # 144 W, far above
-    weak = {**MACHINE, "supply": {"nominal": "48 V", "current": "0.6 A"}}
-    near = power_of_axes(machine_power(load_machine(weak), sizing.axes), "typeset").decode()
-    assert "supply, largest current" in near
-
-
 def test_an_axis_on_a_supply_of_its_own_is_left_out(sizing):
     alone = {**MACHINE, "axes": {**MACHINE["axes"], "y": {**MACHINE["axes"]["y"], "supply": {"nominal": "24 V"}}}}
     assert machine_power(load_machine(alone), sizing.axes).axes == ("x",)
+
+
+def test_a_cycle_that_is_too_short_is_refused_where_it_stands(sizing):
+    with pytest.raises(
+        InputError, match=r'^machine: cycle_time: axis "x" moves for 0.84 s; expected no less, not 0.5 s'
+    ):
+        machine_power(load_machine({**MACHINE, "cycle_time": "0.5 s"}), sizing.axes)
+
+
+def test_controllers_withstand_the_chopper_of_a_resistor_out_of_the_catalogues():
+    """maxon's shunt regulators switch on at 56 V, where controllers for 50 V are no more."""
+    machine = load_machine({**MACHINE, "brake_resistor": "any"})
+    controllers = [axis.best.controller for axis in size_machine(machine, top=1).axes]
+    volts = laden(machine, "x").supply.max
+    assert volts > 56.0 and all(one.supply_max > volts for one in controllers)
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ from drivesizer.spec.sections import Environment, Supply, TitleBlock
 from drivesizer.spec.several_axes.carried import check_carrier
 from drivesizer.spec.several_axes.machine import AxisSpec, Carried, MachineSpec
 
-__all__ = ["in_order", "is_machine", "joint_axis", "load_any", "load_machine", "read_machine"]
+__all__ = ["in_order", "is_machine", "joint_axis", "load_any", "load_machine", "on_common_bus", "read_machine"]
 
 _OWN = ("axes", "timing", "cycle_time", "total", "robot")  # fields of a machine that no axis has
 _WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
@@ -163,7 +163,7 @@ def read_machine(source: YamlSource) -> MachineSpec:
     axes = tuple(_axis(source, shared, name, own, alone) for name, own in head.axes.items())
     if not alone:
         _check_whole(source, head)
-        axes = tuple(_on_common_bus(axis, head.brake_resistor) for axis in axes)
+        axes = tuple(on_common_bus(axis, head.brake_resistor) for axis in axes)
     machine = MachineSpec(
         name=head.name,
         axes=axes,
@@ -193,8 +193,21 @@ def _check_whole(source: YamlSource, head: _Machine) -> None:
     read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
 
 
-def _on_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
-    """The axis on a bus that rises to its chopper's voltage, for the choice of its controllers."""
+def on_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
+    """The axis on a bus that rises to its chopper's voltage, for the choice of its controllers.
+
+    Parameters
+    ----------
+    axis
+        Of several.
+    resistor
+        The machine's, if any.
+
+    Returns
+    -------
+    AxisSpec
+        The same where no chopper's voltage is given, or with a supply of its own.
+    """
     volts = resistor.chopper_voltage if resistor else None
     if volts is None or axis.own_supply:
         return axis
@@ -254,7 +267,7 @@ def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisS
         raise InputError(f"{where}: the description has a joint of this name; expected no load, or another name")
     if axis is None:
         axis = _axis(machine.source, _shared(machine.source, alone=False), name, {}, alone=False)
-        axis = _on_common_bus(axis, machine.brake_resistor)
+        axis = on_common_bus(axis, machine.brake_resistor)
         axis = replace(axis, spec=reduce(lambda one, change: one.changed(change), machine.changes, axis.spec))
     return replace(axis, carries=tuple(Carried(other, None) for other in carried))
 
