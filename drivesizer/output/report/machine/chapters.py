@@ -69,7 +69,7 @@ def _power(content: MachineContent) -> Iterator[Block]:
     if power is None:
         return
     if power.unknown:
-        yield Bullets("Of some axes the power is unknown; they are in no sum:", list(power.unknown), "alarm")
+        yield Bullets("Of some axes the power is unknown, and with it the sum:", list(power.unknown), "alarm")
     together = "" if power.synchronised else " Every axis starts at any time; here all their peaks fall together."
     case = f" Load case {power.case}." if power.case else ""
     yield Picture("power", f"Power at the controllers of all axes, stacked: above 0 what each draws, below what each "
