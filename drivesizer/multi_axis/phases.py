@@ -40,6 +40,7 @@ __all__ = ["AtAnyPhase", "bus_power", "longest_run_of_two", "returned_over_phase
 
 Array = NDArray[np.float64]
 _CELLS = 4096  # of the grid of powers
+_PAIRS = 500_000  # of pieces of two courses
 _STEPS = 512  # of the phases of two courses
 _ROUNDING = 1e-9  # of a cell
 _SAME = 1e-9  # relative: two periods
@@ -68,10 +69,11 @@ class AtAnyPhase(NamedTuple):
     def energy(self) -> float:
         """Regenerated energy in the longest period that is not stored and that no axis draws [J], (3).
 
-        Of two axes with one period that of the worst phase.
+        Of two axes with one period that of the worst phase, as far as their pieces are few enough to look at all pairs.
         """
         mean = fsum(one.energy / power.total for one, power in zip(self.singles, self.powers, strict=True))
-        if len(self.powers) == 2 and self.known:
+        pairs = float(np.prod([len(power.duration) for power in self.powers]))
+        if len(self.powers) == 2 and self.known and pairs <= _PAIRS:
             periods = [power.total for power in self.powers]
             if abs(periods[0] - periods[1]) <= _SAME * self.longest:
                 share = 1.0 - self.spec.supply.regeneration

@@ -38,7 +38,7 @@ def at_rest(cases: Sequence[LoadCase]) -> bool:
 
 
 def held_torque(cycle: LoadCycle) -> float:
-    """Torque that holds a load at the end of its motion [N*m]; NaN where its inertia is unknown.
+    """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown.
 
     Parameters
     ----------
@@ -51,8 +51,7 @@ def held_torque(cycle: LoadCycle) -> float:
         Of a rest at its end that of the rest.
     """
     torque, acceleration = float(cycle.torque[-1, 1]), float(cycle.acceleration[-1, 1])
-    resting = not cycle.speed[-1].any() and not cycle.acceleration[-1].any()
-    return torque if resting else torque - cycle.inertia * acceleration
+    return torque if acceleration == 0.0 else torque - cycle.inertia * acceleration
 
 
 def waiting(case: LoadCase, until: float) -> CycleAtBelt:

@@ -167,6 +167,11 @@ def test_an_axis_that_is_done_waits_at_rest(shelf, drive):
         spec = read_spec(YamlSource(lift + motion % rest, "x.yaml"))
         held = held_torque(problem(spec, load_parts(spec, shelf)).cases[0].cycle)
         assert held == pytest.approx(2.0 * 9.80665 * 0.01, rel=1e-6)
+    cycle = problem(spec, load_parts(spec, shelf)).cases[0].cycle
+    for acceleration, found in ((0.0, 0.3), (-1.0, math.nan)):  # at the end of a recording, whose inertia is unknown
+        one = replace(cycle, inertia=math.nan, torque=cycle.torque * 0.0 + 0.3, acceleration=cycle.acceleration * 0.0)
+        one.acceleration[-1, 1] = acceleration
+        assert held_torque(one) == pytest.approx(found, nan_ok=True)
 
 
 def test_an_axis_that_repeats_is_in_step_with_the_others_or_at_any_phase(shelf, drive):
