@@ -21,10 +21,11 @@ import numpy as np
 from drivesizer.errors import InputError, quoted
 from drivesizer.joints.record import Array
 from drivesizer.spec.description.record import Robot, placed
+from drivesizer.units.ranges import RANGES
 
 __all__ = ["Attached", "Torques", "torques_of"]
 
-_MOST_LINKS = 500
+_MOST_LINKS, _MOST_LENGTH = 500, 1e4  # m
 _INDEFINITE = -1e-9  # of the largest principal moment: less is what rounding makes of 0
 
 
@@ -101,9 +102,22 @@ def _known(robot: Robot, held: Mapping[str, float]) -> None:
         moves = any(joint.moves and joint.name not in held for joint in robot.chain(link.name))
         if link.lacking and moves:
             raise InputError(f"{where} {link.lacking}")
+        _possible(where, link.mass, "kg", RANGES["mass"][1])
+        _possible(where, link.centre, "m", _MOST_LENGTH)
+        _possible(where, link.inertia, "kg*m^2", RANGES["inertia"][1])
         principal = np.linalg.eigvalsh(link.inertia)
         if moves and principal[0] < _INDEFINITE * abs(principal).max():
             raise InputError(f"{where} has an inertia of {principal[0]:.3g} kg*m^2 about an axis; expected 0 or more")
+    for joint in robot.joints.values():
+        for place in (joint.place, joint.anchor, 0.0 if joint.turns else joint.reference):
+            _possible(f"{robot.file}:{joint.line}: joint {quoted(joint.name)}", place, "m", _MOST_LENGTH)
+
+
+def _possible(where: str, figures: float | Array, unit: str, most: float) -> None:
+    """Refuse figures that no machine has."""
+    found = float(np.abs(figures).max())
+    if not found <= most:
+        raise InputError(f"{where} has {found:.3g} {unit}; no robot has more than {most:g} {unit}")
 
 
 # --- the model

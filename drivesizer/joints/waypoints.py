@@ -28,6 +28,7 @@ from drivesizer.joints.record import Array, JointMotion
 from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.spec.description.record import Joint, Robot
 from drivesizer.spec.robot_section import JointLimits, RobotSection
+from drivesizer.units.ranges import RANGES
 
 __all__ = ["Path", "moves_of"]
 
@@ -153,6 +154,9 @@ def _along(names: tuple[str, ...], start: Array, end: Array, limits: _Limits, la
     size = np.abs(distance)
     with np.errstate(divide="ignore"):
         speed, acceleration, jerk = (float((limit / size).min()) for limit in limits)
+        longest = max(1.0 / speed, math.sqrt(1.0 / acceleration), math.cbrt(1.0 / jerk))
+    if not longest < RANGES["time"][1]:
+        raise FieldError(("robot", "limits"), f"a move takes {longest:.3g} s; expected faster joints")
     path = _poly5(speed, acceleration, jerk) if law == "poly5" else _fastest(speed, acceleration, jerk)
     s, v, a = (c[:, :, None] * distance for c in path[1:])
     return JointMotion(names, path.duration, start + s, v, a)

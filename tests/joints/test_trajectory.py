@@ -242,6 +242,15 @@ MOVES = ({"turn": "0 deg"}, {"turn": "50 deg"})
         ),
         ({}, ('ixx="1"', 'ixy="9" ixx="1"'), "has an inertia of -8 kg*m^2 about an axis; expected 0 or more"),
         ({}, ('name="a">', 'name="b">'), 'link "b" is there twice'),
+        ({}, ('<mass value="1"/>', '<mass value="1e12"/>'), 'link "a" has 1e+12 kg; no robot has more than 1e+08 kg'),
+        ({}, ('<mass value="1"/>', '<mass value="1e60"/>'), '<mass> value: "1e60" is no number'),
+        ({}, ('<mass value="1"/>', '<mass value="\u0661"/>'), '<mass> value: "\u0661" is no number'),
+        ({}, ("<child", '<origin xyz="0 0 2e4"/><child'), 'joint "turn" has 2e+04 m; no robot has more than 10000 m'),
+        (
+            {"limits": {"all": {"acceleration": "1 rad/s^2"}}},
+            ('"3"', '"1e-30"'),
+            "a move takes 8.73e+29 s",
+        ),
     ],
 )
 def test_sections_that_do_not_fit_their_description(
@@ -250,7 +259,7 @@ def test_sections_that_do_not_fit_their_description(
     text = ROBOT.replace(*changed, 1) if changed else ROBOT
     (tmp_path / "robot.urdf").write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        joint_torques(between(*MOVES, limits=ALL, **fields), str(tmp_path / "machine.yaml"))
+        joint_torques(between(*MOVES, **{"limits": ALL, **fields}), str(tmp_path / "machine.yaml"))
     assert said in str(caught.value) and "\n" not in str(caught.value)
 
 

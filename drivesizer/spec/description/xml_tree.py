@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 _LARGEST = 16_000_000  # bytes
 _DEEPEST = 60
 _MOST = 20_000  # elements
+_FARTHEST = 1e50  # of any figure: products of a few of them can still be computed with
 
 
 @dataclass(slots=True)
@@ -147,7 +148,8 @@ def _number(written: str, node: Node, name: str, path: Path) -> float:
         value = float(written)
     except ValueError:
         value = math.nan
-    if not math.isfinite(value) or "_" in written:
+    plain = written.isascii() and "_" not in written  # float() takes digits of other scripts
+    if not (plain and abs(value) < _FARTHEST):  # written so that NaN fails too
         raise InputError(f"{path}:{node.line}: <{node.tag}> {name}: {quoted(written)} is no number")
     return value
 
