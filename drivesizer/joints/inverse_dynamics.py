@@ -4,8 +4,10 @@ r"""Torques of joints by MuJoCo's recursive Newton-Euler algorithm, that of its 
 
 Nothing else acts in the model: no contacts, limits, losses, springs or rotors, so that the torques are linear in the
 masses. The model is made of the description's record, with joints that are held as parts of their links; bodies
-without mass are allowed, for the algorithm divides by none. Several sets of masses are computed on one model: first
-that of the description, then each point mass of 1 kg alone.
+without mass are allowed, for the algorithm divides by none. Point masses are columns in closed form, of 1 kg each, by
+the Jacobian J of their point, with g the acceleration of free fall:
+
+.. math:: c = J^T (J \ddot q + \dot J \dot q - g), \qquad c_{static} = -J^T g, \qquad M_{jj} = |J_j|^2
 
 Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer, 2008, table 5.1; MuJoCo, documentation, chapter
 Computation, inverse dynamics.
@@ -13,6 +15,7 @@ Computation, inverse dynamics.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -25,7 +28,9 @@ from drivesizer.units.ranges import RANGES
 
 __all__ = ["Attached", "Torques", "torques_of"]
 
+_OLDEST = (3, 3, 1)  # MuJoCo; before, the rate of a Jacobian (mj_jacDot) was wrong
 _MOST_LINKS, _MOST_LENGTH = 500, 1e4  # m
+_AT_ONCE = 2000  # states, of which the Jacobians of all points are kept
 _INDEFINITE = -1e-9  # of the largest principal moment: less is what rounding makes of 0
 
 
@@ -81,8 +86,10 @@ def torques_of(
     _known(robot, held)
     model, bodies = _model(mujoco, robot, held, points)
     model.opt.gravity[:] = gravity
-    sets = _masses(model, robot, bodies, len(points))
-    return _computed(mujoco, model, sets, joints, states, np.eye(len(joints)) if directions is None else directions)
+    _weighed(model, robot, bodies)
+    return _computed(
+        mujoco, model, len(points), joints, states, np.eye(len(joints)) if directions is None else directions
+    )
 
 
 def _mujoco() -> Any:
@@ -90,6 +97,10 @@ def _mujoco() -> Any:
         import mujoco
     except ImportError:
         raise InputError('robot: joints need MuJoCo; pip install "drivesizer[robot]"') from None
+    if tuple(int(part) for part in re.findall(r"\d+", mujoco.__version__)[:3]) < _OLDEST:
+        oldest = ".".join(str(part) for part in _OLDEST)
+        found = f"joints need MuJoCo {oldest}, found {mujoco.__version__}"
+        raise InputError(f'robot: {found}; pip install --upgrade "drivesizer[robot]"')
     return mujoco
 
 
@@ -185,66 +196,69 @@ def _quaternion(mujoco: Any, turn: Array) -> Array:
     return found
 
 
-# --- the masses
-
-
-class _Masses(NamedTuple):
-    """Of all bodies of the model."""
-
-    mass: Array
-    inertia: Array
-    subtree: Array
-
-
-def _masses(model: Any, robot: Robot, bodies: Mapping[str, tuple[int, Array]], points: int) -> list[_Masses]:
-    """The description's masses, and 1 kg at each point alone."""
-    own, inertia = np.zeros(model.nbody), np.zeros((model.nbody, 3))
+def _weighed(model: Any, robot: Robot, bodies: Mapping[str, tuple[int, Array]]) -> None:
+    """Write the description's masses into the model; points have none."""
+    model.body_mass[:], model.body_inertia[:] = 0.0, 0.0
     for name, (number, principal) in bodies.items():
-        own[number], inertia[number] = robot.links[name].mass, principal
-    found = [_Masses(own, inertia, _subtrees(model, own))]
-    for number in range(points):
-        mass = np.zeros(model.nbody)
-        mass[model.body(f"point{number}").id] = 1.0
-        found.append(_Masses(mass, np.zeros((model.nbody, 3)), _subtrees(model, mass)))
-    return found
+        model.body_mass[number], model.body_inertia[number] = robot.links[name].mass, principal
+    model.body_subtreemass[:] = model.body_mass
+    for body in range(model.nbody - 1, 0, -1):  # only where moments are taken about hangs on it
+        model.body_subtreemass[model.body_parentid[body]] += model.body_subtreemass[body]
 
 
-def _subtrees(model: Any, mass: Array) -> Array:
-    """Mass of each body with all beyond it; only where moments are taken about hangs on it."""
-    found = mass.copy()
-    for body in range(model.nbody - 1, 0, -1):
-        found[model.body_parentid[body]] += found[body]
-    return found
+# --- the torques
 
 
 def _computed(
-    mujoco: Any, model: Any, sets: Sequence[_Masses], joints: Sequence[str], states: tuple[Array, Array, Array],
-    directions: Array,
-) -> Torques:  # fmt: skip
-    """Each state with each set of masses."""
-    data, count = mujoco.MjData(model), len(states[0])
+    mujoco: Any, model: Any, points: int, joints: Sequence[str], states: tuple[Array, Array, Array], directions: Array
+) -> Torques:
+    """All states; the model has its joints, each of one degree of freedom, in an order of its own."""
     order = np.array([model.joint(name).id for name in joints], dtype=np.int64)
-    place = np.argsort(order)  # the model's joints, each of one degree of freedom, in the order of ours
-    columns = [np.ascontiguousarray(state[:, place]) for state in states]
-    found = Torques(*(np.zeros((len(sets), count, len(joints))) for _ in range(3)))
-    still, result, units = np.zeros(len(joints)), np.zeros(len(joints)), np.ascontiguousarray(directions.T[:, place])
-    gravity = model.opt.gravity.copy()
-    for row, (position, speed, acceleration) in enumerate(zip(*columns, strict=True)):
-        data.qpos[:] = position
+    place = np.argsort(order)
+    position, speed, acceleration = (np.ascontiguousarray(state[:, place]) for state in states)
+    directions = directions[place]
+    bodies = [model.body(f"point{number}").id for number in range(points)]
+    parts = [
+        _part(mujoco, model, bodies, (position[rows], speed[rows], acceleration[rows]), directions)
+        for rows in (slice(first, first + _AT_ONCE) for first in range(0, len(position), _AT_ONCE))
+    ]
+    return Torques(*(np.concatenate(columns, axis=1) for columns in zip(*parts, strict=True)))
+
+
+def _part(
+    mujoco: Any, model: Any, bodies: Sequence[int], states: tuple[Array, Array, Array], directions: Array
+) -> Torques:
+    """Some states, joints in the order of the model: own masses one by one, then all points at once."""
+    position, speed, acceleration = states
+    count, joints = position.shape
+    torque, static, inertia = (np.zeros((count, joints)) for _ in range(3))
+    jacobian, rate = (np.zeros((count, len(bodies), 3, joints)) for _ in range(2))
+    data, gravity, units = mujoco.MjData(model), model.opt.gravity.copy(), np.ascontiguousarray(directions.T)
+    result = np.zeros(joints)
+    for row in range(count):
+        data.qpos[:], data.qvel[:], data.qacc[:] = position[row], speed[row], acceleration[row]
         mujoco.mj_kinematics(model, data)
-        for number, masses in enumerate(sets):
-            model.body_mass[:], model.body_inertia[:], model.body_subtreemass[:] = masses
-            mujoco.mj_comPos(model, data)
-            for values, moving in ((found.torque, (speed, acceleration)), (found.static, (still, still))):
-                data.qvel[:], data.qacc[:] = moving
-                mujoco.mj_comVel(model, data)
-                mujoco.mj_rne(model, data, 1, result)
-                values[number, row] = result
-            model.opt.gravity[:] = 0.0
-            for column, one in enumerate(units):  # torque of one direction's acceleration alone, at rest
-                data.qacc[:] = one
-                mujoco.mj_rne(model, data, 1, result)
-                found.inertia[number, row, column] = result @ one
-            model.opt.gravity[:] = gravity
-    torque, static = (values[:, :, order] @ directions for values in (found.torque, found.static))
-    return Torques(torque, static, found.inertia)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_comVel(model, data)
+        mujoco.mj_rne(model, data, 1, torque[row])
+        for number, body in enumerate(bodies):
+            mujoco.mj_jac(model, data, jacobian[row, number], None, data.xpos[body], body)
+            mujoco.mj_jacDot(model, data, rate[row, number], None, data.xpos[body], body)
+        data.qvel[:], data.qacc[:] = 0.0, 0.0
+        mujoco.mj_comVel(model, data)
+        mujoco.mj_rne(model, data, 1, static[row])
+        model.opt.gravity[:] = 0.0
+        for column, one in enumerate(units):  # torque of one direction's acceleration alone, at rest
+            data.qacc[:] = one
+            mujoco.mj_rne(model, data, 1, result)
+            inertia[row, column] = result @ one
+        model.opt.gravity[:] = gravity
+    along = jacobian @ directions  # of each point, shape (states, points, 3, directions)
+    pull = np.einsum("spxj,sj->spx", jacobian, acceleration) + np.einsum("spxj,sj->spx", rate, speed) - gravity
+    columns = (
+        np.einsum("spxd,spx->psd", along, pull),
+        np.einsum("spxd,x->psd", along, -gravity),
+        np.einsum("spxd,spxd->psd", along, along),
+    )
+    own = (torque @ directions, static @ directions, inertia)
+    return Torques(*(np.concatenate([one[None], many]) for one, many in zip(own, columns, strict=True)))

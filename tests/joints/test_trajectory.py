@@ -284,6 +284,12 @@ def test_without_mujoco_a_line_says_what_to_install(folder: Path, monkeypatch: p
         joint_torques(between(*MOVES, limits=ALL), str(folder / "machine.yaml"))
 
 
+def test_an_old_mujoco_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mujoco.__version__", "3.2.7")
+    with pytest.raises(InputError, match=r"robot: joints need MuJoCo 3\.3\.1, found 3\.2\.7; pip install --upgrade"):
+        joint_torques(between(*MOVES, limits=ALL), str(folder / "machine.yaml"))
+
+
 def test_drives_that_carry_each_other_are_refused(tmp_path: Path) -> None:
     """Two branches, the drive of each on the other's link."""
     text = ROBOT.replace('<parent link="b"/>', '<parent link="base"/>')
