@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 from math import isnan
 
+import numpy as np
 import openpyxl
 import pytest
 from forty_motors import catalogue
 from lxml import html
 from printed import blank_figures, text_of
 
+from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals, totals_of_axes
 from drivesizer.output.report import write_machine
+from drivesizer.output.report.figures.axes_power import layers
 from drivesizer.output.report.machine.content import MachineContent
+from drivesizer.output.report.machine.csv import render_machine
 from drivesizer.output.report.machine.document import document
+from drivesizer.output.several_axes import mass_tree
 from drivesizer.output.text import margin
 from drivesizer.results.check import tightest
 from drivesizer.results.machine import MachineSizing
@@ -120,7 +126,7 @@ def test_every_axis_has_a_chapter_with_names_of_its_own(chapters, machine):
 
 def test_drives_that_ride_on_an_axis_stand_below_it(chapters, machine):
     rows = [row["cells"] for row in block(chapters["carried"], "carried")["rows"]]
-    assert [row[0] for row in rows] == ["x", f"└ {LONG}", "z"]
+    assert [row[0] for row in rows] == ["x", f"└ {LONG}"]  # nothing rides on z, nor z on anything
     assert (rows[0][-1], rows[1][-2]) == ("900 g", "900 g")
 
 
@@ -170,3 +176,48 @@ def test_the_same_machine_gives_the_same_bytes(machine, files, tmp_path):
     assert {path.name: path.read_bytes() for path in written} == {path.name: files[path.name] for path in written}
     (figure,) = MachineContent(machine).loads.values()
     assert figure("svg") == figure("svg")
+
+
+# -- power of all axes
+
+
+@pytest.fixture(scope="module")
+def whole(machine: MachineSizing) -> MachineSizing:
+    """The two axes that have drives, on their supply."""
+    spec, axes = replace(machine.machine, axes=machine.machine.axes[:2]), machine.axes[:2]
+    power = machine_power(spec, axes)
+    return replace(machine, machine=spec, axes=axes, power=power, checks=power.checks, notes=())
+
+
+def test_power_is_stacked_by_axis_and_written_with_the_records_figures(whole, tmp_path):
+    course, content = whole.power.course(), MachineContent(whole)
+    found = layers(whole.power, course)
+    assert [one.name for one in found] == ["x", LONG]
+    assert np.array_equal([one.drawn for one in found], course.drawn)
+    sections = {section["name"]: section for section in document(content)["sections"]}
+    figures = {row["title"]: row["text"] for row in block(sections["supply"], "machine_figures")["rows"]}
+    assert figures == {figure.title: figure.text for figure in whole.power.figures}
+    assert block(sections["supply"], "power")["kind"] == "picture" and b"<svg" in content.supply["power"]("svg")
+    rows = [row["title"] for row in block(sections["summary"], "machine_checks")["rows"]]
+    assert rows == [check.title for check in whole.power.checks]
+    files = render_machine(content, tmp_path / "a.csv")
+    table = [*csv.DictReader(io.StringIO(files[tmp_path / "a-power.csv"].decode()))]
+    assert max(float(row["out of the source (W)"]) for row in table) == course.total.max()
+    assert float(table[-1]["time (s)"]) == course.time[-1]
+
+
+def test_of_many_axes_those_of_the_largest_peaks_have_a_layer_and_the_others_their_sum(whole):
+    many = replace(whole.power, axes=tuple("abcdefghi"), drawn=np.outer(range(9, 0, -1), [1.0, 2.0]),
+                   returned=np.ones((9, 2)), total=np.ones(2), left=np.ones(2), time=np.arange(3.0))  # fmt: skip
+    found = layers(many, many.course())
+    assert [one.name for one in found] == [*"abcdef", "3 others"]
+    assert [*found[-1].drawn] == [3 + 2 + 1, 12.0] and [*found[-1].returned] == [3.0, 3.0]
+    unknown = replace(many, drawn=np.where(np.arange(9)[:, None] == 0, np.nan, many.drawn))
+    assert [one.name for one in layers(unknown, unknown.course())] == [*"bcdefg", "2 others"]
+
+
+def test_an_axis_stands_below_the_nearest_one_that_carries_it():
+    axes = {"x": _axis("9 kg") | {"carries": ["y", "z"]}, "y": _axis("6 kg") | {"carries": ["z"]}, "z": _axis("1 kg"),
+            "free": _axis("1 kg")}  # fmt: skip
+    spec = load_machine({"name": "portal", "supply": {"nominal": "24 V"}, "axes": axes})
+    assert mass_tree(spec) == [("x", 0, ""), ("y", 1, "x"), ("z", 2, "y"), ("free", 0, "")]

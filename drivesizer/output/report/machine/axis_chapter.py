@@ -11,7 +11,7 @@ from drivesizer.output.report.sections.blocks import Block, Tiles, Verdict, Word
 from drivesizer.output.report.sections.changes import CHANGES
 from drivesizer.output.report.sections.checks import CHECKS
 from drivesizer.output.report.sections.confidence import confidence_table
-from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, HEAT, field_picture
+from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, field_picture
 from drivesizer.output.report.sections.derivation import DERIVATION
 from drivesizer.output.report.sections.estimates import ESTIMATES
 from drivesizer.output.report.sections.machine import BATTERY, BRAKING, MACHINE
@@ -23,7 +23,7 @@ from drivesizer.units import show
 
 __all__ = ["axis_sections", "opening"]
 
-_SECTIONS = (CHECKS, CHANGES, ESTIMATES, CYCLE, HEAT, ENERGY, RELIABILITY, MACHINE, BATTERY, BRAKING)
+_SECTIONS = (CHECKS, CHANGES, ESTIMATES, CYCLE, ENERGY, RELIABILITY, MACHINE, BATTERY)
 
 
 def opening(axis: AxisContent) -> Iterator[Block]:
@@ -66,8 +66,9 @@ def axis_sections(axis: AxisContent) -> Iterator[tuple[str, list[Block]]]:
     -------
     Iterator of pairs
     """
-    derived = () if axis.content.result.method == "paper" else (DERIVATION,)
-    for section in (*_SECTIONS, *derived, _UNKNOWN):
+    more = [BRAKING] if axis.own_supply else []
+    more += [] if axis.content.result.method == "paper" else [DERIVATION]
+    for section in (*_SECTIONS, *more, _UNKNOWN):
         blocks = [*section.blocks(axis.content)]
         if blocks:
             yield section.headed(axis.content), blocks

@@ -23,7 +23,7 @@ from drivesizer.output.report.sections.blocks import (
 )
 from drivesizer.output.report.sections.machine import consumers
 from drivesizer.output.report.sections.parts import sheet_blocks
-from drivesizer.output.report.sections.texts import Strong
+from drivesizer.output.report.sections.texts import Code, Strong
 from drivesizer.output.several_axes import Branch, mass_tree
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.energy import EnergyBudget
@@ -54,11 +54,11 @@ def _loads(content: MachineContent) -> Iterator[Block]:
     missed = f" Of {', '.join(lacking)} it is the closest rejected drive." if lacking else ""
     names = [*content.loads]
     for name in names:
-        last = name == names[-1]
         caption = (f"Torque and speed of the motor of each axis, its rotor's acceleration included; below 0 it brakes. "
                    f"The shaded field is allowed continuously.{first}{missed}")  # fmt: skip
-        yield Picture(name, caption if last else "The first axes.", "torque-speed field of each axis with its cycle",
-                      about="sets the load of each axis against the limits of its motor.")  # fmt: skip
+        about = "sets the load of each axis against the limits of its motor." if name == names[0] else ""
+        last = caption if name == names[-1] else "Continued below."
+        yield Picture(name, last, "torque-speed field of each axis with its cycle", about)
 
 
 # -- power
@@ -108,9 +108,9 @@ def _carried(content: MachineContent) -> Iterator[Block]:
     if not any(one.carried for one in sizing.axes):
         return
     rows = [_branch_row(branch, sizing.axis(branch.name), sizing.axis(branch.on) if branch.on else None)
-            for branch in mass_tree(sizing.machine)]  # fmt: skip
+            for branch in mass_tree(sizing.machine) if branch.on or sizing.axis(branch.name).carried]  # fmt: skip
     turning = any(one.distance is not None for axis in sizing.axes for one in axis.carried)
-    columns = (Column("axis", "name"), Column("drive", width=1.0), Column("its drives on the axis above", "number"),
+    columns = (Column("axis", "name", 0.8), Column("drive", width=1.2), Column("drives on the axis above", "number"),
                *([Column("at", "number")] if turning else []), Column("all drives on it", "number"))  # fmt: skip
     caption = "Each axis below the one that carries its drives; masses are in the load of the carrying axis"
     shown = [Row(row if turning else (*row[:3], *row[4:])) for row in rows]
@@ -169,6 +169,8 @@ def _assumptions(content: MachineContent) -> Iterator[Block]:
 
 def _repeat(content: MachineContent) -> Iterator[Block]:
     sizing = content.sizing
+    yield Words(("A report of one axis, with its candidates, its heat and its closed loop: ",
+                 Code(f"drivesizer report {content.file} --axis NAME -o axis.pdf"), "."))  # fmt: skip
     yield from repeat_blocks(content.catalogs, content.method, sizing.objective, content.file, sizing.machine.text)
 
 

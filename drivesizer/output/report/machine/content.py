@@ -9,13 +9,16 @@ from functools import cached_property, partial
 from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.axes_power import axes_power
-from drivesizer.output.report.figures.field import MOST_FIELDS, torque_speed_each
+from drivesizer.output.report.figures.field import torque_speed_each
 from drivesizer.output.report.figures.field_panels import Panel, panels
 from drivesizer.output.report.sections.content import Content
 from drivesizer.results.check import Status
 from drivesizer.results.machine import AxisSizing, MachineSizing
 
 __all__ = ["AxisContent", "MachineContent"]
+
+
+_FIELDS = 6  # of axes in one figure, which leaves room for a heading on its page
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,6 +29,7 @@ class AxisContent:
     sizing: AxisSizing
     content: Content
     lines: list[PartLine]  # parts that are bought
+    own_supply: bool  # whether what it regenerates is its own affair
 
     @property
     def name(self) -> str:
@@ -50,9 +54,16 @@ class MachineContent:
         lines = parts_by_axis(self.sizing)
         alone = [Content(replace(one.result, front=(), pareto=())) for one in self.sizing.axes]  # it served the choice
         return [
-            AxisContent(key=f"axis{number}-", sizing=one, content=content, lines=lines[one.name])
-            for number, (one, content) in enumerate(zip(self.sizing.axes, alone, strict=True), 1)
+            AxisContent(key=f"axis{number}-", sizing=one, content=content, lines=lines[one.name], own_supply=own)
+            for number, (one, content, own) in enumerate(
+                zip(self.sizing.axes, alone, self._own_supplies, strict=True), 1
+            )
         ]
+
+    @property
+    def _own_supplies(self) -> list[bool]:
+        axes = self.sizing.machine.axes
+        return [len(axes) == 1 or axis.own_supply for axis in axes]
 
     @cached_property
     def bought(self) -> list[SharedLine]:
@@ -94,7 +105,7 @@ class MachineContent:
     def loads(self) -> dict[str, Drawing]:
         """Figures with the field of every axis, as many on each as a page has room for."""
         fields = [*self._fields()]
-        parts = [fields[n : n + MOST_FIELDS] for n in range(0, len(fields), MOST_FIELDS)]
+        parts = [fields[n : n + _FIELDS] for n in range(0, len(fields), _FIELDS)]
         return {f"loads{n}": partial(torque_speed_each, part) for n, part in enumerate(parts, 1)}
 
     def _fields(self) -> Iterator[Panel]:

@@ -1,4 +1,4 @@
-"""CSV of a machine: a row for each axis, and beside it the parts list of all axes."""
+"""CSV of a machine: a row for each axis; beside it the parts list of all axes, and their power over time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
-from drivesizer.output.report.table.csv import encoded, set_columns, shared_parts_csv
+from drivesizer.output.report.machine.power_columns import power_columns
+from drivesizer.output.report.table.csv import columns_csv, encoded, set_columns, shared_parts_csv
 
 __all__ = ["axes_csv", "render_machine"]
 
@@ -19,14 +20,18 @@ def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
     content
         What the report is about.
     path
-        Of the table of axes; the parts list has its name with ``-parts``.
+        Of the table of axes; the parts list has its name with ``-parts``, the power over time with ``-power``.
 
     Returns
     -------
     dict[Path, bytes]
     """
-    parts = path.with_name(f"{path.stem}-parts{path.suffix}")
-    return {path: axes_csv(content), parts: shared_parts_csv(content.bought)}
+    files = {path: axes_csv(content)}
+    files[path.with_name(f"{path.stem}-parts{path.suffix}")] = shared_parts_csv(content.bought)
+    power = content.sizing.power
+    if power is not None:
+        files[path.with_name(f"{path.stem}-power{path.suffix}")] = columns_csv(power_columns(power))
+    return files
 
 
 def axes_csv(content: MachineContent) -> bytes:

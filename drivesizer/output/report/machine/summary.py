@@ -9,7 +9,7 @@ from typing import Any
 from drivesizer.output.parts import LEAST, Total, totals
 from drivesizer.output.report.lines.drive import check_row, tight_of
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
-from drivesizer.output.report.sections.blocks import Block, Checks, Column, Row, Table, Tiles, Verdict, Words
+from drivesizer.output.report.sections.blocks import Block, Bullets, Checks, Column, Row, Table, Tiles, Verdict
 from drivesizer.output.report.sections.part_lines import shared_parts_table, total_of
 from drivesizer.output.report.sections.summary import summed_tile
 from drivesizer.output.report.sections.texts import Status, Strong, Text
@@ -44,7 +44,7 @@ def summary_blocks(content: MachineContent) -> Iterator[Block]:
         whole = f"{_drives(content)} of {len(axes)} axes" if len(axes) > 1 else f"{_drives(content)} of {axes[0]}"
         yield shared_parts_table(content.bought, content.totals, whole)
     if notes(content):
-        yield Words(" ".join(f"{note}." for note in notes(content)))
+        yield Bullets("Of all axes together:", notes(content))
 
 
 def verdict_text(content: MachineContent) -> tuple[Any, ...]:
@@ -63,14 +63,14 @@ def notes(content: MachineContent) -> list[str]:
     """Power of the supply and choice of the drives, as sentences."""
     power = content.sizing.power
     found = [*(supply_texts(power) if power else ()), *content.sizing.notes, choice_text(content.sizing)]
-    return [note[:1].upper() + note[1:] for note in found if note]
+    return [note for note in found if note]
 
 
 # -- a row for each axis
 
 
 def _axes_table(content: MachineContent) -> Table:
-    columns = (Column("axis", "name", 0.5), Column("drive", width=1.2), Column("carries", "number"),
+    columns = (Column("axis", "name", 0.7), Column("drive", width=1.2), Column("carries", "number"),
                Column("mass", "number"), Column("price", "number"), Column("energy", "number"),
                Column("margin", "number"), Column("tightest check", "small", 0.8), Column("", "status"))  # fmt: skip
     rows = [Row(_axis_cells(one), {"axis": one.name}, one.status) for one in content.axes]

@@ -9,10 +9,11 @@ from drivesizer.output.parts import totals
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.machine.chapters import assumptions, warnings
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
+from drivesizer.output.report.machine.power_columns import power_columns
 from drivesizer.output.report.machine.summary import drive_name, notes, verdict_text
 from drivesizer.output.report.sections.appendix import about_sheet, file_sheet
 from drivesizer.output.report.sections.parts import PART_COLUMNS, part_sheet_row
-from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
+from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn, headed
 from drivesizer.output.report.sections.sheets import LIMITS, STATUS
 from drivesizer.output.report.sections.summary import check_line, priced, texts
 from drivesizer.output.report.sections.texts import text_of
@@ -20,6 +21,7 @@ from drivesizer.output.report.workbook.writer import written
 from drivesizer.results.check import tightest
 from drivesizer.results.machine import CarriedMass
 from drivesizer.results.objectives import objective_figure
+from drivesizer.units import from_si
 
 __all__ = ["render_machine", "sheets"]
 
@@ -55,7 +57,7 @@ def sheets(content: MachineContent) -> list[Sheet]:
     """
     machine = content.sizing.machine
     file = file_sheet(content.file, machine.text, machine.entered)
-    own = [_machine(content), _axes(content), _parts(content)]
+    own = [_machine(content), _axes(content), _parts(content), *_power(content)]
     taken = {sheet.name for sheet in (*own, file)} | {"About"}
     names = sheet_names([one.name for one in content.axes], taken)
     found = [*own, *(_axis(one, name) for one, name in zip(content.axes, names, strict=True)), file]
@@ -115,9 +117,12 @@ def _machine(content: MachineContent) -> Sheet:
     rows += [{"part": "Smallest margin of each axis"}, *map(_tight, content.axes)]
     if sizing.checks:
         rows += [{"part": "Checks of all axes together"}, *map(check_line, sizing.checks)]
+    if sizing.power:
+        rows += [{"part": "All axes on one supply"}]
+        rows += [table.figure_row("power", figure) for figure in sizing.power.figures]
     if content.bought:
         rows += [{"part": "All parts"}, *map(priced, table.total_rows(content.totals))]
-    rows += [*texts("Choice of the drives", notes(content)), *texts("Assumptions", assumptions(content)),
+    rows += [*texts("Of all axes together", notes(content)), *texts("Assumptions", assumptions(content)),
              *texts("Warnings", warnings(content))]  # fmt: skip
     return Sheet(name="Machine", columns=_COLUMNS, rows=rows, filtered=False)
 
@@ -170,6 +175,21 @@ def _parts(content: MachineContent) -> Sheet:
     known = "mass and price are empty where no catalogue has them; a mass with from and to is estimated"
     note = known if rows else "no drive meets all limits: nothing to buy"
     return Sheet(name="Parts list", columns=columns, rows=rows, note=note, still=1)
+
+
+# -- power
+
+
+def _power(content: MachineContent) -> Iterator[Sheet]:
+    """Power of all axes over time."""
+    power = content.sizing.power
+    if power is None:
+        return
+    columns = power_columns(power)
+    heads = tuple(SheetColumn(headed(name, unit), name, "sample") for name, (_, _, unit) in columns.items())
+    rows = zip(*(from_si(values, unit, kind).tolist() for values, kind, unit in columns.values()), strict=True)
+    yield Sheet(name="Power", columns=heads, note="mean powers, each from its time to that of the next row", still=1,
+                filtered=False, rows=[dict(zip(columns, row, strict=True)) for row in rows])  # fmt: skip
 
 
 # -- one axis

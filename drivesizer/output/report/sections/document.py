@@ -18,6 +18,9 @@ from drivesizer.version import __version__
 __all__ = ["assembled", "document"]
 
 
+_MOST_LISTED = 40  # sections of a table of contents on half a page
+
+
 def _header(name: str, block: Sequence[tuple[str, str]]) -> str:
     """The machine's name, and the project with its revision where they are given."""
     given = dict(block)
@@ -82,5 +85,6 @@ def assembled(
     made: dict[str, Any] = cleaned({
         "name": name, "header": short(_header(name, block)), "block": block, "machine": machine,
         "version": __version__, "date": short(date or "", 40), "found": found, "sections": sections,
+        "depth": 2 if len(sections) <= _MOST_LISTED else 1,
     })  # fmt: skip
     return made
