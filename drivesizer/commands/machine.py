@@ -8,7 +8,7 @@ from typing import Any
 
 import typer
 
-from drivesizer.commands.common import NothingFitsError, print_notes, progress, simulating, working
+from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, simulating, working
 from drivesizer.errors import InputError, NoLoopError
 
 __all__ = ["report_all", "size_all", "sized_machine", "validate_axes"]
@@ -53,7 +53,7 @@ def size_all(
     else:
         from drivesizer.output.terminal.several_axes import machine_sizing
 
-        machine_sizing(result, spec=str(spec), checks=checks, quiet=quiet)
+        machine_sizing(result, spec="" if spec == DEFAULT else str(spec), checks=checks, quiet=quiet)
         if not quiet:
             print_notes(tuple(f"{axis.name}: {note}" for axis in result.axes for note in axis.result.warnings))
     return 0 if result.complete and result.status != "fail" else 1

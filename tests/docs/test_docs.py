@@ -13,6 +13,7 @@ from catalog_texts import MAP, SHEET
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.spec.robot import read_spec
+from drivesizer.spec.several_axes.machine_file import is_machine, read_machine
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs"))
@@ -40,7 +41,8 @@ def read(text, folder):
         path = folder / "shown.yaml"
         path.write_text(text, encoding="utf-8")
         return load([str(path)])
-    return read_spec(YamlSource(text, "shown.yaml"))
+    source = YamlSource(text, "shown.yaml")
+    return read_machine(source) if is_machine(source) else read_spec(source)
 
 
 # --- the pages

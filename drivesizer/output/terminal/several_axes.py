@@ -32,7 +32,7 @@ def machine_sizing(result: MachineSizing, *, spec: str = "", checks: bool = Fals
     result
         The sizing.
     spec
-        The file as it was named at the command line, for the commands that lead on.
+        The file as it was named at the command line, for the commands that lead on; empty for the default.
     checks
         Whether every check of every axis is shown.
     quiet
@@ -178,9 +178,10 @@ def _next(console: Console, spec: str, result: MachineSizing) -> None:
     """Print the commands that lead on."""
     name = next((axis.name for axis in result.axes if axis.best is None), result.axes[0].name)
     quoted = f'"{name}"' if " " in name else name
-    console.print(f"\nnext: drivesizer size {spec} --axis {quoted}, one axis in full", soft_wrap=True)
-    console.print(f"      drivesizer validate {spec} simulates every axis in closed loop", soft_wrap=True)
-    console.print(f"      drivesizer report {spec} -o report.pdf, or .html, .xlsx, .csv, .json", soft_wrap=True)
+    behind = f" {spec}" if spec else ""
+    console.print(f"\nnext: drivesizer size{behind} --axis {quoted}, one axis in full", soft_wrap=True)
+    console.print(f"      drivesizer validate{behind} simulates every axis in closed loop", soft_wrap=True)
+    console.print(f"      drivesizer report{behind} -o report.pdf, or .html, .xlsx, .csv, .json", soft_wrap=True)
 
 
 def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
@@ -198,7 +199,8 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
     tables.heading(
         console, name, f"FAIL: {', '.join(failed)}" if failed else "closed loop", STYLE["fail"] * bool(failed)
     )
-    table = tables.bare(("axis", "left"), ("drive", "left"), ("tightest", "left"), ("", "right"), ("", "left"))
+    heads = [("axis", "left"), ("drive", "left"), ("tightest", "left"), ("", "right"), ("", "left")]
+    table = tables.bare(*heads, edged=False)
     for axis, proof in proofs.items():
         tight = worst(proof.checks)
         title, margin = (tight.title, percent(tight.margin)) if tight else ("–", "")
