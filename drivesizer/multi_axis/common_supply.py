@@ -279,7 +279,7 @@ def _assumptions(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterat
     if len(axes) > 1:
         yield from _timing(axes, bus, name)
     if bus.feed.resistance:
-        yield "voltage of each axis judged with its own current in the resistance of the supply"
+        yield "heat of the supply's resistance is that of the current of all axes"
 
 
 def _timing(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:

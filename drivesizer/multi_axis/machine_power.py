@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import nan
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError
 from drivesizer.machine.supply_unit import with_parts_of_supply
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
+from drivesizer.results.check import Check, worst_of_cases
+from drivesizer.results.check_columns import at_most
 from drivesizer.results.machine import AxisSizing
 from drivesizer.results.machine_power import MachinePower
 from drivesizer.spec.robot import RobotSpec
@@ -47,9 +50,31 @@ def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePo
     shared = _shared(machine, on_it[0].spec)
     catalog = _listing(machine, [one.result.problem.catalog for one in on_it])
     try:
-        return common_supply(shared, catalog, found, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
+        power = common_supply(shared, catalog, found, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
     except FieldError as error:
         raise InputError(f"{machine.where(error.field)}: {error}") from None
+    return replace(power, checks=(*power.checks, *_motor_voltage(power, shared, on_it)))
+
+
+def _motor_voltage(power: MachinePower, shared: RobotSpec, on_it: Sequence[AxisSizing]) -> tuple[Check, ...]:
+    """Voltage of the motors while the supply's resistance carries the current of all axes, of the tightest axis.
+
+    Its own current counts twice, in the demand of its own check and in the sum: what passes is certain, and what does
+    not is unknown.
+    """
+    ohm, lowest = shared.supply.resistance, shared.supply.lowest
+    if not ohm or len(on_it) == 1:
+        return ()
+    drop, found = ohm * power.peak / lowest, []
+    for one in on_it:
+        own = next((check for check in one.best.checks if check.name == "supply_voltage"), None) if one.best else None
+        if own is not None:
+            limit = own.limit - drop
+            certain = own.demand * (1.0 + own.needed) <= limit
+            said = f"of {one.name}" if certain else f"of {one.name}: unknown while all axes draw: give supply.min"
+            column = at_most("supply_voltage", own.demand, limit if certain else nan, needed=own.needed, note=said)
+            found.append(("", (column.at((), "budget"),)))
+    return worst_of_cases(found)
 
 
 def with_choppers(machine: MachineSpec, catalog_of: Callable[[RobotSpec], Catalog]) -> MachineSpec:

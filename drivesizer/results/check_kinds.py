@@ -256,6 +256,11 @@ _BUDGET = {  # of the machine with a drive in it
     "battery_continuous_current": CheckKind("Battery continuous current (RMS)", *_AMPS, _FED),
     "battery_peak_current": CheckKind("Battery peak current", *_AMPS, _FED),
     "battery_charge_current": CheckKind("Battery charge current, energy returned", *_AMPS, _FED),
+    "supply_voltage": CheckKind(
+        "Motor voltage, current of all axes",
+        *_VOLTS,
+        (*_FED, "controller.max_duty"),
+    ),
     "supply_current": CheckKind("Supply current, all axes", *_AMPS, _FED),
     "supply_power": CheckKind("Supply power, all axes", *_WATT, _FED),
     "bus_voltage": CheckKind("Bus voltage, energy returned by all axes", *_VOLTS, (*_FED, "controller.supply_max")),

@@ -84,6 +84,20 @@ def test_its_resistor_is_bought_once_and_printed(sizing, capsys):
     assert "all axes on one supply" in capsys.readouterr().out
 
 
+def test_motors_have_their_voltage_while_all_axes_draw(sizing):
+    """R I at the peak comes off what the controllers can apply; where that is too much it is unknown."""
+    own = {axis.name: next(c for c in axis.best.checks if c.name == "supply_voltage") for axis in sizing.axes}
+    for ohm, status in ((0.2, "pass"), (40.0, "unknown")):
+        soft = load_machine({**MACHINE, "supply": {**MACHINE["supply"], "resistance": f"{ohm} ohm"}})
+        power = machine_power(soft, sizing.axes)
+        found = next(c for c in power.checks if c.name == "supply_voltage")
+        assert found.status == status and found.demand in {c.demand for c in own.values()}
+        if status == "pass":
+            tightest = min(own.values(), key=lambda c: (c.limit - ohm * power.peak / 48.0) / c.demand)
+            assert found.limit == pytest.approx(tightest.limit - ohm * power.peak / 48.0) and found.margin > 0.0
+    assert not [c for c in sizing.checks if c.name == "supply_voltage"]
+
+
 def test_an_axis_on_a_supply_of_its_own_is_left_out(sizing):
     alone = {**MACHINE, "axes": {**MACHINE["axes"], "y": {**MACHINE["axes"]["y"], "supply": {"nominal": "24 V"}}}}
     assert machine_power(load_machine(alone), sizing.axes).axes == ("x",)
