@@ -99,9 +99,18 @@ def torque_speed_each(panels: Sequence[Panel], form: Form = "svg") -> bytes:
             axes.set_title(f"{name}: {_given(panel)}" if several else name)
         for axes in places[len(shown) :]:
             axes.set_visible(False)
-        heading(figure, *places[0].get_legend_handles_labels(), 5)
+        heading(figure, *_names(places[: len(shown)]), 5)
 
     return drawn(draw, (_SMALL + 0.62) * rows + 0.32, form)
+
+
+def _names(places: Sequence[Axes]) -> tuple[list[Any], list[str]]:
+    """Lines of all diagrams, those of a name once: a stepper has others than a motor."""
+    found: dict[str, Any] = {}
+    for axes in places:
+        for line, name in zip(*axes.get_legend_handles_labels(), strict=True):
+            found.setdefault(name, line)
+    return [*found.values()], [*found]
 
 
 _LEGEND = 2.05  # in, of room beside the field

@@ -88,7 +88,11 @@ def _power(content: MachineContent) -> Iterator[Block]:
 
 def _exceeded(power: MachinePower) -> Table:
     """Share of the time in which axes at random phases exceed a limit of the supply."""
-    columns = Column("limit of the supply", "name"), Column("power", "number"), Column("share of the time", "number")
+    columns = (
+        Column("limit of the supply", "name", 1.0),
+        Column("power", "number"),
+        Column("share of the time", "number"),
+    )
     titles = {check.name: check.title for check in power.checks}
     rows = [Row((titles.get(one.check, one.check), show(one.limit, "W", "power"),
                  f"{show(one.least, '%', 'dimensionless')} to {show(one.most, '%', 'dimensionless')}"))

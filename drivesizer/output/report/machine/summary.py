@@ -108,6 +108,7 @@ def _sum(sums: Sequence[Total], name: str) -> str:
 def _tiles(content: MachineContent) -> Iterator[tuple[str, str, str]]:
     checks = [(check, one.name) for one in content.axes if one.sizing.best
               for check in tightest(one.sizing.best.deciding, 1)]  # fmt: skip
+    checks += [(check, "all axes") for check in tightest(content.sizing.checks, 1)]
     if checks:
         check, name = min(checks, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
         yield "Smallest margin", check_row(check)["margin"] or "none", f"{name}: {check.title}"
