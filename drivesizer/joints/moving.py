@@ -96,9 +96,9 @@ def within(joint: Joint, position: float) -> bool:
     Returns
     -------
     bool
-        True of a joint without limits.
+        True of a joint without limits, and of a continuous one, whatever its file has for them.
     """
-    if not joint.lower <= joint.upper:
+    if joint.kind == "continuous" or not joint.lower <= joint.upper:
         return True
     slack = SLACK * max(abs(joint.lower), abs(joint.upper))
     return joint.lower - slack <= position <= joint.upper + slack

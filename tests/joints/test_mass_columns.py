@@ -10,6 +10,7 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.joints.mass_columns import joint_loads, joint_torques
+from drivesizer.physics.load_cycle import mean_product
 from drivesizer.spec.robot_section import RobotSection
 
 G = 9.80665
@@ -161,3 +162,13 @@ def test_a_joint_without_anything_on_it(tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match='joint "elbow" moves no mass; expected <inertial> of its links, or a payload'):
         joint_torques(made, file)
+
+
+def test_drives_give_back_what_they_take_of_a_closed_path_without_friction(tmp_path: Path) -> None:
+    """Kinetic and potential energy are the same at both ends; straight lines between 128 pieces of a move."""
+    loads = joint_loads(*section(tmp_path, friction="leave"), {"elbow": 3.0, "shoulder": 4.0})
+    work = {
+        name: load.cycle.duration * mean_product(load.cycle.torque, load.cycle.speed) for name, load in loads.items()
+    }
+    total, turned = sum(one.sum() for one in work.values()), sum(np.abs(one).sum() for one in work.values())
+    assert turned > 50.0 and abs(total) < 1e-4 * turned

@@ -161,6 +161,14 @@ def test_a_gait_is_periodic_and_a_wheel_goes_on_turning(folder: Path, robot: Rob
     assert np.abs(found.acceleration[:, :, 1]).max() < 1e-9
 
 
+def test_a_continuous_joint_has_no_limits_of_position(tmp_path: Path) -> None:
+    limit = '<child link="c"/><limit lower="0" upper="0" velocity="2"/>'
+    (tmp_path / "robot.urdf").write_text(ROBOT.replace('<child link="c"/>', limit), encoding="utf-8")
+    made = between({"spin": "0 deg"}, {"spin": "900 deg"}, limits={"spin": {"acceleration": "5 rad/s^2"}})
+    found = motion_of(made, read_description(tmp_path / "robot.urdf"), "")
+    assert found.speed.max() == pytest.approx(2.0) and found.position.max() == pytest.approx(math.radians(900))
+
+
 def test_joints_stand_where_samples_are_the_same(folder: Path, robot: Robot) -> None:
     time = np.linspace(0.0, 3.0, 301)
     x = np.clip(time - 1.0, 0.0, 1.0)
