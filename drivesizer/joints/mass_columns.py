@@ -13,17 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.errors import FieldError, InputError, quoted
-from drivesizer.files.text import missing
+from drivesizer.errors import InputError, quoted
 from drivesizer.joints.coupling import coupling
 from drivesizer.joints.inverse_dynamics import Attached, Torques, torques_of
 from drivesizer.joints.joint_load import JointLoad, cycle_of, joint_load, radius_of
-from drivesizer.joints.moving import held_joints, unit_of
+from drivesizer.joints.moving import file_of, held_joints, unit_of
 from drivesizer.joints.places import carried_by, drive_places, outermost_first, payload_place
 from drivesizer.joints.record import Array, JointMotion
 from drivesizer.joints.trajectory import held_poses, motion_of
@@ -176,7 +174,8 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     InputError
         A file is wrong, or MuJoCo is not installed.
     """
-    robot = read_description(_description(section, spec_file))
+    expected = "a URDF or MJCF file", "arm.urdf"
+    robot = read_description(file_of(spec_file, section.description, ("robot", "description"), expected))
     motion = _ordered(motion_of(section, robot, spec_file), robot)
     held = held_joints(section, robot, motion.joints)
     drives = drive_places(section, robot, motion.joints)
@@ -194,16 +193,6 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     _massive(cases[0], robot)
     notes = (*robot.notes, *_notes(section, robot, motion, held))
     return JointTorques(section, robot, motion.joints, held, tuple(points), cases, carried, coupled, order, notes)
-
-
-def _description(section: RobotSection, spec_file: str) -> Path:
-    """Path of the description, from the folder of the spec."""
-    path = Path(spec_file).parent / section.description if spec_file else Path(section.description)
-    if reason := missing(path):
-        expected = "expected a URDF or MJCF file, its path from the spec's folder, e.g. arm.urdf"
-        text = f"{quoted(section.description)} cannot be read ({reason}); {expected}"
-        raise FieldError(("robot", "description"), text)
-    return path
 
 
 def _ordered(motion: JointMotion, robot: Robot) -> JointMotion:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
+from pathlib import Path
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
+from drivesizer.files.text import missing
 from drivesizer.spec.description.record import Joint, Robot
 from drivesizer.spec.robot_section import JointFigure, RobotSection
 
-__all__ = ["SLACK", "Field", "figure_of", "held_joints", "joint_of", "unit_of", "within"]
+__all__ = ["SLACK", "Field", "figure_of", "file_of", "held_joints", "joint_of", "unit_of", "within"]
 
 Field = tuple[str | int, ...]
 SLACK = 1e-6  # of a limit, by which rounding may leave it
@@ -76,6 +78,35 @@ def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
             field, f"{found}, and {quoted(joint.name)} {verb}; expected e.g. {'10 deg' if joint.turns else '10 mm'}"
         )
     return figure.value
+
+
+def file_of(spec_file: str, name: str, field: Field, expected: tuple[str, str]) -> Path:
+    """Path of a file that a section names.
+
+    Parameters
+    ----------
+    spec_file
+        From whose folder it counts; empty for a spec that is no file.
+    name, field
+        As the section has it, and the field.
+    expected
+        Kind of the file and an example, for the message.
+
+    Returns
+    -------
+    Path
+        Of something that exists.
+
+    Raises
+    ------
+    FieldError
+        When there is none.
+    """
+    path = Path(spec_file).parent / name if spec_file else Path(name)
+    if reason := missing(path):
+        text = f"expected {expected[0]}, its path from the spec's folder, e.g. {expected[1]}"
+        raise FieldError(field, f"{quoted(name)} cannot be read ({reason}); {text}")
+    return path
 
 
 def unit_of(joint: Joint) -> str:

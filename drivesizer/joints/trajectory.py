@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from drivesizer.errors import FieldError, quoted
-from drivesizer.files.csv_columns import beside
-from drivesizer.joints.moving import SLACK, Field, figure_of, joint_of, unit_of, within
+from drivesizer.joints.moving import SLACK, Field, figure_of, file_of, joint_of, unit_of, within
 from drivesizer.joints.record import Array, JointMotion
 from drivesizer.joints.recorded_trajectory import motion_in
 from drivesizer.joints.waypoints import moves_of
@@ -18,7 +17,7 @@ from drivesizer.spec.robot_section import RobotSection
 __all__ = ["held_poses", "motion_of"]
 
 
-def motion_of(section: RobotSection, robot: Robot, spec_file: str, where: str = "robot.trajectory") -> JointMotion:
+def motion_of(section: RobotSection, robot: Robot, spec_file: str) -> JointMotion:
     """Joints over time, their limits kept.
 
     Parameters
@@ -29,8 +28,6 @@ def motion_of(section: RobotSection, robot: Robot, spec_file: str, where: str = 
         The description.
     spec_file
         From whose folder the trajectory's path counts; empty for a spec that is no file.
-    where
-        Place of the trajectory in the spec, for messages.
 
     Returns
     -------
@@ -48,7 +45,8 @@ def motion_of(section: RobotSection, robot: Robot, spec_file: str, where: str = 
     if section.trajectory is None:
         motion = moves_of(section, robot)
     else:
-        motion = motion_in(beside(spec_file, section.trajectory, where), robot, section.smoothing)
+        path = file_of(spec_file, section.trajectory, field, ("a CSV file", "moves.csv"))
+        motion = motion_in(path, robot, section.smoothing)
     for column, name in enumerate(motion.joints):
         _inside(motion, column, joint_of(robot, name, field), robot, field)
     return motion

@@ -286,6 +286,18 @@ def test_a_joint_that_slides_needs_the_travel_per_turn_of_its_shaft(folder: Path
     assert found.notes[0] == "joints that the trajectory does not move are held: turn at 0 rad, spin at 0 rad"
 
 
+def test_files_that_are_not_there(folder: Path) -> None:
+    file = str(folder / "machine.yaml")
+    with pytest.raises(
+        FieldError, match=r'^"no\.xml" cannot be read \(no such file or directory\); expected a URDF or MJCF'
+    ):
+        joint_torques(between(*MOVES, limits=ALL).model_copy(update={"description": "no.xml"}), file)
+    with pytest.raises(
+        FieldError, match=r'^"no\.csv" cannot be read \(no such file or directory\); expected a CSV file'
+    ):
+        joint_torques(section(trajectory="no.csv"), file)
+
+
 def test_without_mujoco_a_line_says_what_to_install(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "mujoco", None)
     with pytest.raises(InputError, match=r'pip install "drivesizer\[robot\]"'):
