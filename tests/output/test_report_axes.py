@@ -125,7 +125,7 @@ def test_every_axis_has_a_chapter_with_names_of_its_own(chapters, machine):
 
 
 def test_drives_that_ride_on_an_axis_stand_below_it(chapters, machine):
-    rows = [row["cells"] for row in block(chapters["carried"], "carried")["rows"]]
+    rows = [row["cells"] for row in block(chapters["carried"], "riding")["rows"]]
     assert [row[0] for row in rows] == ["x", f"└ {LONG}"]  # nothing rides on z, nor z on anything
     assert (rows[0][-1], rows[1][-2]) == ("900 g", "900 g")
 
@@ -134,7 +134,9 @@ def test_pdf_and_page_print_the_sums_of_the_parts_list(machine, files):
     lines = machine_parts_of_axes(machine)
     mass, price = totals_of_axes(lines)
     pdf = text_of(files["report.pdf"], 3)
-    page = html.document_fromstring(files["report.html"].decode()).text_content()
+    parsed = html.document_fromstring(files["report.html"].decode())
+    ids, page = parsed.xpath("//@id"), parsed.text_content()
+    assert len(ids) == len(set(ids))
     assert (mass.value, price.value) == (pytest.approx(2.0), 350.0)
     for text in (pdf, " ".join(page.split())):
         assert "at least 2 kg" in text and "at least 350.00 EUR" in text and "No drive for z." in text

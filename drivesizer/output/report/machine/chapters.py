@@ -118,7 +118,7 @@ def _carried(content: MachineContent) -> Iterator[Block]:
                *([Column("at", "number")] if turning else []), Column("all drives on it", "number"))  # fmt: skip
     caption = "Each axis below the one that carries its drives; masses are in the load of the carrying axis"
     shown = [Row(row if turning else (*row[:3], *row[4:])) for row in rows]
-    yield Table(caption, columns, shown, "carried", "wide carried")
+    yield Table(caption, columns, shown, "riding", "wide carried")
     yield Words("Controllers stay in the cabinet: they are in no carried mass. An estimated mass counts at the upper "
                 "end of its band.", "note")  # fmt: skip
 
