@@ -65,11 +65,8 @@ def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> 
             raise InputError(f"--axis: {path} has no axes; leave it out")
         return found
     if axis is None and found.is_several:
-        names = ", ".join(one.name for one in found.axes)
-        joints = f"{names} or a joint" if names else "a joint"
-        raise InputError(
-            f"{path}: a machine of several axes; expected --axis, one of {joints if found.robot else names}"
-        )
+        names = [one.name for one in found.axes] + (["a joint of its robot"] if found.robot else [])
+        raise InputError(f"{path}: a machine of several axes; expected --axis, one of {', '.join(names)}")
     from drivesizer.multi_axis.sizing import laden
 
     return laden(found, found.axes[0].name if axis is None else axis)

@@ -86,6 +86,16 @@ class _Machine(Section):
     brake_resistor: BrakeResistor | None = None
     report: TitleBlock = Field(default_factory=TitleBlock)
 
+    @field_validator("axes", mode="before")
+    @classmethod
+    def _named(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
+            raise ValueError("expected axes by name, each a group of fields, e.g. {lift: {load: ..., motion: ...}}")
+        for name, sections in given.items():
+            if not isinstance(sections, dict):
+                raise ValueError(f"{quoted(name)}: expected a group of fields such as load, motion, carries")
+        return given
+
 
 def is_machine(source: YamlSource) -> bool:
     """Whether a document has axes or joints, and is no spec of a single one."""
