@@ -44,9 +44,9 @@ def init(
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
     example: Annotated[str | None, typer.Option(metavar="NAME", help="An example, such as sps_robot.")] = None,
     urdf: Annotated[
-        Path | None, typer.Option("--from-urdf", metavar="FILE", help="Masses, wheels and limits of a URDF.")
+        Path | None, typer.Option("--from-urdf", metavar="FILE", help="Masses, wheels and limits of a URDF; joints of MJCF too.")
     ] = None,
-    joint: Annotated[str | None, typer.Option(metavar="NAME", help="With --from-urdf: the joint of an arm.")] = None,
+    joint: Annotated[str | None, typer.Option(metavar="NAME", help="With --from-urdf: one joint alone.")] = None,
 ) -> None:
     """Write a commented robot.yaml to start from: by kind of load, or at a terminal by a few questions."""
     if joint is not None and urdf is None:
@@ -55,15 +55,23 @@ def init(
     if len(chosen) > 1:
         raise InputError(f"{' and '.join(chosen)}: each gives the whole spec; expected one of them")
     if urdf is not None:
-        from drivesizer.spec.from_urdf import spec_of
-
-        _start(spec_of(urdf, joint), output)
+        _start(_from_description(urdf, joint, output), output)
     elif example is not None:
         _written(copy_example(example, output))
     elif kind is None and str(output) != "-" and at_terminal():
         start_by_questions(output)
     else:
         _start(starter(kind or "wheeled_vehicle"), output)
+
+
+def _from_description(path: Path, joint: str | None, output: Path) -> str:
+    """The spec of a vehicle or of one joint of a URDF; of several joints, or of MJCF, a machine."""
+    from drivesizer.spec.from_urdf import has_wheels, spec_of
+    from drivesizer.spec.several_axes.from_description import joints_to_drive, machine_of
+
+    if joint is not None or has_wheels(path) or (path.suffix == ".urdf" and joints_to_drive(path) < 2):
+        return spec_of(path, joint)
+    return machine_of(path, Path() if str(output) == "-" else output.parent)
 
 
 def start_by_questions(output: Path) -> None:

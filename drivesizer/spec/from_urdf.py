@@ -22,7 +22,7 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.spec.description.record import Joint, Link, Robot
 from drivesizer.spec.description.urdf import read_urdf
 
-__all__ = ["Carried", "carried", "spec_of"]
+__all__ = ["Carried", "carried", "has_wheels", "spec_of"]
 
 Array = NDArray[np.float64]
 _ALIKE = 0.01  # share by which wheels that are driven alike may differ
@@ -65,6 +65,23 @@ def spec_of(path: Path, joint: str | None = None) -> str:
     if wheels:
         return _vehicle(robot, wheels)
     return _arm(robot, _chosen(robot, joint))
+
+
+def has_wheels(path: Path) -> bool:
+    """Whether a file is a URDF with driven wheels.
+
+    Parameters
+    ----------
+    path
+        URDF or MJCF.
+
+    Returns
+    -------
+    bool
+        False of MJCF.
+    """
+    root = read_tree(path)
+    return root.tag == "robot" and bool(_wheels(urdf_of(root, path)))
 
 
 def _wheels(robot: Robot) -> list[tuple[Joint, float]]:
