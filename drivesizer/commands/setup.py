@@ -44,7 +44,8 @@ def init(
     output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
     example: Annotated[str | None, typer.Option(metavar="NAME", help="An example, such as sps_robot.")] = None,
     urdf: Annotated[
-        Path | None, typer.Option("--from-urdf", metavar="FILE", help="Masses, wheels and limits of a URDF; joints of MJCF too.")
+        Path | None,
+        typer.Option("--from-urdf", metavar="FILE", help="Wheels or joints of a URDF, joints of an MJCF."),
     ] = None,
     joint: Annotated[str | None, typer.Option(metavar="NAME", help="With --from-urdf: one joint alone.")] = None,
 ) -> None:

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.spec.description.record import Joint, Link, Robot
-from drivesizer.spec.description.urdf import read_urdf
+from drivesizer.spec.description.urdf import read_urdf, urdf_of
+from drivesizer.spec.description.xml_tree import read_tree
 
 __all__ = ["Carried", "carried", "has_wheels", "spec_of"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,11 +13,15 @@ from scipy.spatial.transform import Rotation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
+from drivesizer.multi_axis.joint_axes import with_joints
+from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.export import export_of, write
 from drivesizer.sizing import size
 from drivesizer.spec.description.urdf import read_urdf, rotation
-from drivesizer.spec.from_urdf import carried, spec_of
+from drivesizer.spec.from_urdf import carried, has_wheels, spec_of
 from drivesizer.spec.robot import read_spec
+from drivesizer.spec.several_axes.from_description import joints_to_drive, machine_of
+from drivesizer.spec.several_axes.machine_file import load_machine, read_machine
 
 
 def link(name, mass, inertia="0.01 0 0 0.01 0 0.01", shape="", origin=""):
@@ -285,3 +290,41 @@ def test_init_from_a_urdf(at, tmp_path, run):
     broken = tmp_path / "new.yaml"
     status, _, err = run("init", "--from-urdf", at("<robot>"), "-o", broken)
     assert (status, err.count("\n"), broken.exists()) == (2, 1, False)
+
+
+# --- several joints: a machine ----------------------------------------------------------------------------------------
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "six_joint_arm.urdf"
+SLIDES = (
+    link("body", 9.0)
+    + link("carriage", 2.0)
+    + link("hand", 1.0)
+    + joint("slide", "carriage", "prismatic", 'effort="30" velocity="0.5" lower="0" upper="0.4"')
+    + joint("turn", "hand", "revolute", 'effort="3" lower="-1" upper="2"', parent="carriage")
+)
+
+
+def test_every_joint_of_a_description_is_an_axis(tmp_path):
+    text = machine_of(EXAMPLE, tmp_path)
+    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
+    found = size_machine(load_machine(tmp_path / "robot.yaml"), top=1)
+    names = ["waist", "shoulder", "elbow", "roll", "pitch", "turn"]
+    assert [axis.name for axis in found.axes] == names and found.complete
+    positions = load_machine(tmp_path / "robot.yaml").robot.waypoints[0].positions
+    assert positions["shoulder"].value == pytest.approx(-0.7 - 0.75, rel=1e-3)  # a quarter of 3 rad from the middle
+
+
+def test_a_joint_that_slides_has_a_screw_and_missing_limits_are_assumed(tmp_path):
+    (tmp_path / "cell.urdf").write_text(ROBOT % SLIDES, encoding="utf-8")
+    text = machine_of(tmp_path / "cell.urdf", tmp_path)
+    assert "slide: {travel_per_turn: 10 mm}" in text and "turn: {speed: 2 rad/s, acceleration: 5 rad/s^2}" in text
+    machine = read_machine(YamlSource(text, str(tmp_path / "robot.yaml")))
+    assert machine.robot.drives["slide"].travel_per_turn == 0.01
+    assert with_joints(machine)[0].order == ("turn", "slide")
+
+
+def test_init_takes_all_joints_of_a_description_that_has_no_wheels(tmp_path):
+    assert has_wheels(EXAMPLE) is False and joints_to_drive(EXAMPLE) == 6
+    (tmp_path / "bad.urdf").write_text(ROBOT % SLIDES.replace('"turn"', '"turn/2"'), encoding="utf-8")
+    with pytest.raises(InputError, match=r"bad.urdf:6: joint .turn/2. names no axis"):
+        machine_of(tmp_path / "bad.urdf", tmp_path)
