@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import fsum, isnan
+from math import isnan
 from typing import Any
 
 from drivesizer.catalog import Catalog
-from drivesizer.machine.budgets import rows_of_drive
+from drivesizer.errors import InputError
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, best_combination
+from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
 from drivesizer.multi_axis.joint_axes import with_joints
 from drivesizer.multi_axis.machine_power import machine_power, with_choppers
+from drivesizer.multi_axis.offered_kinds import ORDER, Loaded, OfferedKinds, kind_of, riding_mass, riding_rows
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, of_all_drives
 from drivesizer.results.problem import Problem
@@ -24,6 +26,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES
 from drivesizer.spec.several_axes.carried import carrying
 from drivesizer.spec.several_axes.machine import MachineSpec
+from drivesizer.units import show
 
 __all__ = ["laden", "size_machine"]
 
@@ -40,6 +43,7 @@ class _Sizings:
         self.machine, self.joints = with_joints(machine)
         self.top, self.ranking, self.sampling, self.progress = top, objective, sampling, progress
         self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
+        self.kinds: OfferedKinds | None = None  # where common drives are preferred
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
         self.machine = with_choppers(self.machine, self._parts)
 
@@ -57,6 +61,21 @@ class _Sizings:
                 progress=self.progress, sampling=self.sampling(spec),
             )  # fmt: skip
         return self.made[axis, masses]
+
+    def loaded(self, axis: str, masses: tuple[float, ...]) -> Loaded:
+        """An axis with carried drives of these masses [kg], for a search of few kinds."""
+        spec = self.laden(axis, masses)
+        return Loaded(spec, self._parts(spec), str(self.objective(axis)), self.sampling(spec))
+
+    def chosen(self, axis: str, masses: tuple[float, ...], label: str) -> SizingResult:
+        """The sizing of an axis with the drive of a label as its first."""
+        result = self.result(axis, masses)
+        one = next((one for one in (*result.sets, *result.front) if one.label == label), None)
+        if one is None:
+            assert self.kinds is not None
+            problem, one = self.kinds.record(axis, masses, label)
+            result = replace(result, problem=replace(problem, catalog=result.problem.catalog))
+        return _first(result, one)
 
     def _front(self, axis: str) -> tuple[str, ...]:
         """Objectives whose front is wanted: cost and mass of drives that ride on others."""
@@ -122,6 +141,15 @@ def size_machine(
 
     most = _PER_AXIS * len(machine.axes) if machine.whole else 0
     found = best_combination(machine.order, carried, sized, most)
+    best = _of_machine(sizings, carried, found)
+    if machine.few_kinds is None or found.missing:
+        return best
+    return _with_few_kinds(sizings, carried, found, best, machine.few_kinds)
+
+
+def _of_machine(sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination) -> MachineSizing:
+    """The machine with the drives of a combination."""
+    machine = sizings.machine
     axes = tuple(_axis(sizings, carried, found, axis.name) for axis in machine.axes)
     objectives = dict.fromkeys(title_of(sizings.objective(axis.name)) for axis in machine.axes)
     power = machine_power(machine, axes)
@@ -135,6 +163,61 @@ def size_machine(
         checks=power.checks if power else (),
         power=power,
     )
+
+
+def _with_few_kinds(
+    sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination, best: MachineSizing, more: float
+) -> MachineSizing:
+    """The machine with common drives, where they cost no more of the objective than permitted."""
+    machine = sizings.machine
+    if best.objective not in SUMMED:
+        where = machine.where(("few_kinds",))
+        raise InputError(
+            f"{where}: {best.objective} has no sum; expected one objective of all axes, e.g. mass or price"
+        )
+    masses = {axis: tuple(found.chosen[other].mass for other in carried[axis]) for axis in machine.order}
+    bests = {axis.name: axis.best for axis in best.axes if axis.best}
+    offers = sizings.kinds = OfferedKinds(masses, sizings.loaded)
+    statuses = {axis: one.status for axis, one in bests.items()}
+    offered = offers.costs(statuses, found.cost[1] * more)
+
+    def tried(shared: Permitted) -> Combination:
+        def of_kinds(axis: str, on_it: tuple[float, ...]) -> list[Choice]:
+            return offers.choices(axis, on_it, shared.get(axis), statuses[axis])
+
+        return best_combination(machine.order, carried, of_kinds, len(machine.axes))
+
+    limit = found.cost[0], found.cost[1] * (1.0 + more)
+    kinds = {axis: kind_of(one) for axis, one in bests.items()}
+    fewer, common = fewer_kinds(found, kinds, offered, limit, tried)
+    before, objective = len(set(kinds.values())), OBJECTIVES[best.objective].title
+    if not common:
+        note = (
+            f"{before} kinds of motor and gearhead: fewer take over {show(more, '%', 'dimensionless')} more {objective}"
+        )
+        return replace(best, notes=(*best.notes, note)) if before > 1 else best
+    result = _of_machine(sizings, carried, fewer)
+    note = _saved(before, result, best, objective)
+    if ORDER.index(result.status) > ORDER.index(best.status):
+        return replace(best, notes=(*best.notes, f"not {note}: {result.status}, where the best drives {best.status}"))
+    return replace(result, certain=False, searches=len(sizings.made), notes=(*result.notes, note))
+
+
+def _summed(machine: MachineSpec, objective: str) -> None:
+    """Refuse common drives where the machine has no sum of which they may cost more."""
+    where = machine.where(("few_kinds",))
+    if objective not in SUMMED:
+        raise InputError(f"{where}: {objective} has no sum; expected one objective of all axes, e.g. mass or price")
+    if any(axis.spec.method == "paper" for axis in machine.axes):
+        raise InputError(f"{where}: the paper's method has no common drives; expected method: physics")
+
+
+def _saved(before: int, result: MachineSizing, best: MachineSizing, objective: str) -> str:
+    """Kinds of drives that a machine saves, and what it costs."""
+    after = len({kind_of(axis.best) for axis in result.axes if axis.best})
+    more = show(result.total / best.total - 1.0, "%", "dimensionless", 2)
+    kinds = f"{after} kind{'s' * (after > 1)} of motor and gearhead instead of {before}"
+    return f"{kinds}: {more} more {objective} than the best of each axis"
 
 
 def laden(machine: MachineSpec, axis: str) -> RobotSpec:
@@ -207,22 +290,16 @@ def _cost(one: DriveSet, objective: Ranking, motors: int, best: bool) -> Cost:
 
 
 def _mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
-    """Mass of an axis' drives that ride on another, without their controllers [kg], and parts of unknown mass.
-
-    What is estimated counts at the upper end of its band, as for a vehicle that carries its own drive.
-    """
-    rows = [row for row in rows_of_drive(problem, one) if row.name != "controller"]
-    mass = fsum(row.ends[1] for row in rows if not isnan(row.each))
-    return mass, tuple(row.name for row in rows if isnan(row.each))
+    """Mass of an axis' drives that ride on another, without their controllers [kg], and parts of unknown mass."""
+    return riding_mass(problem, one), tuple(row.name for row in riding_rows(problem, one) if isnan(row.each))
 
 
 def _axis(sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str) -> AxisSizing:
     """An axis with the drive that was chosen for the whole as its best."""
     known = {other: choice.mass for other, choice in found.chosen.items()}
     masses = tuple(known.get(other, 0.0) for other in carried[name])
-    result = sizings.result(name, masses)
-    if name in found.chosen:
-        result = _first(result, found.chosen[name].name)
+    chosen = found.chosen.get(name)
+    result = sizings.chosen(name, masses, chosen.name) if chosen else sizings.result(name, masses)
     distances = sizings.machine.carried(name)
     riding = tuple(
         CarriedMass(other, mass, distances[other], _lacking(sizings, carried, found, other))
@@ -238,17 +315,15 @@ def _lacking(
     if name not in found.chosen:
         return ()
     masses = tuple(found.chosen[other].mass for other in carried[name])
-    result = sizings.result(name, masses)
-    one = next(one for one in (*result.sets, *result.front) if one.label == found.chosen[name].name)
-    return _mass(result.problem, one)[1]
+    result = sizings.chosen(name, masses, found.chosen[name].name)
+    return _mass(result.problem, result.sets[0])[1]
 
 
-def _first(result: SizingResult, label: str) -> SizingResult:
-    """The sizing with the drive of a label as its first."""
-    if result.sets[0].label == label:
+def _first(result: SizingResult, chosen: DriveSet) -> SizingResult:
+    """The sizing with a drive as its first."""
+    if result.sets[0].label == chosen.label:
         return result
-    chosen = next(one for one in (*result.sets, *result.front) if one.label == label)
-    others = [one for one in result.sets if one.label != label][: len(result.sets) - 1]
+    others = [one for one in result.sets if one.label != chosen.label][: len(result.sets) - 1]
     return replace(result, sets=tuple(replace(one, rank=n) for n, one in enumerate((chosen, *others), 1)))
 
 

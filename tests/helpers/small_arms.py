@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -108,24 +109,31 @@ def arm(random: Random, folder: Path, objective: str) -> MachineSpec:
 
 def least_of_all(machine: MachineSpec, objective: str) -> float:
     """Least sum of the objective of all combinations of drives that hold, each examined with all others on it."""
+    return min((total for total, _ in every_combination(machine, objective)), default=math.inf)
+
+
+def every_combination(machine: MachineSpec, objective: str) -> Iterator[tuple[float, int]]:
+    """Sum of the objective, and number of kinds of drives, of all combinations that hold with all others on them."""
     catalog: Catalog = load_parts(machine.axes[0].spec)
 
     @cache
-    def holding(joint: str, on_it: tuple[float, ...]) -> tuple[tuple[float, float], ...]:
-        """Objective and mass of the drives that pass with these masses on the joint."""
+    def holding(joint: str, on_it: tuple[float, ...]) -> tuple[tuple[float, float, tuple[str, str]], ...]:
+        """Objective, mass and parts of the drives that pass with these masses on the joint."""
         spec, places = machine.axis(joint).spec, machine.carried(joint).values()
         load = carrying(spec.load, zip(on_it, places, strict=True))
         of_all = problem(spec.model_copy(update={"load": load}), catalog)
         found = evaluate(of_all, candidates(of_all))
         parts = [drive_parts(found, row) for row in np.flatnonzero(~found.failed).tolist()]
         return tuple(
-            (getattr(one.motor, objective) + getattr(one.gearhead, objective), one.motor.mass + one.gearhead.mass)
+            (
+                getattr(one.motor, objective) + getattr(one.gearhead, objective),
+                one.motor.mass + one.gearhead.mass,
+                (one.motor.part, one.gearhead.part),
+            )
             for one in parts
         )
 
-    best = math.inf
     for wrist in holding("wrist", ()):
         for elbow in holding("elbow", (wrist[1],)):
             for shoulder in holding("shoulder", (elbow[1], wrist[1])):
-                best = min(best, wrist[0] + elbow[0] + shoulder[0])
-    return best
+                yield wrist[0] + elbow[0] + shoulder[0], len({wrist[2], elbow[2], shoulder[2]})

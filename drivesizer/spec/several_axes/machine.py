@@ -47,6 +47,7 @@ class MachineSpec:
     synchronised: bool
     cycle_time: float | None  # s
     whole: bool  # whether carried drives are chosen for the best sum
+    few_kinds: float | None  # share of that sum that common drives may cost more; None: none are preferred
     supply: Supply
     environment: Environment
     battery: Battery | None

@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, field_validator
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.fields import Duration, Pause, Place, Section, default
+from drivesizer.files.fields import Allowance, Duration, Pause, Place, Section, default
 from drivesizer.files.yaml_overlay import overlay
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.spec.battery import Battery, Consumer
@@ -32,7 +32,7 @@ from drivesizer.spec.several_axes.machine import AxisSpec, Carried, MachineSpec
 
 __all__ = ["in_order", "is_machine", "joint_axis", "load_any", "load_machine", "on_common_bus", "read_machine"]
 
-_OWN = ("axes", "timing", "cycle_time", "total", "robot")  # fields of a machine that no axis has
+_OWN = ("axes", "timing", "cycle_time", "total", "few_kinds", "robot")  # fields of a machine that no axis has
 _WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
 _COMPUTED = {"kind": "recorded", "file": "of the description"}  # the load of a joint, until it is computed
 _NAME = re.compile(r"[^\W_][\w .-]{0,59}")  # of an axis, which names files of exports too
@@ -77,6 +77,10 @@ class _Machine(Section):
     )
     total: Literal["best", "axis_by_axis"] = Field(
         default="best", description="whether carried drives are chosen so that the sum over all axes is best"
+    )
+    few_kinds: Allowance | None = Field(
+        default=None,
+        description="by how much the sum of the objective may grow for common motors and gearheads",
     )
     supply: Supply
     environment: Environment = Field(default_factory=Environment)
@@ -181,6 +185,7 @@ def read_machine(source: YamlSource) -> MachineSpec:
         synchronised=head.timing == "synchronised",
         cycle_time=head.cycle_time,
         whole=head.total == "best",
+        few_kinds=head.few_kinds,
         supply=head.supply,
         environment=head.environment,
         battery=head.battery,
