@@ -80,7 +80,7 @@ def riding_mass(problem: Problem, one: DriveParts) -> float:
 
 
 def riding_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
-    """Masses of an axis' drives that ride on another, part by part: all but the controllers, which stand aside.
+    """Masses of an axis' drives that ride on another, part by part: all but the controllers.
 
     Parameters
     ----------
