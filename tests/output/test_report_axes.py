@@ -180,6 +180,14 @@ def test_the_same_machine_gives_the_same_bytes(machine, files, tmp_path):
     assert figure("svg") == figure("svg")
 
 
+def test_drives_that_fail_together_are_no_answer(whole):
+    check = replace(whole.power.checks[0], status="fail")
+    first, *_ = document(MachineContent(replace(whole, checks=(check,))))["sections"]
+    verdict = first["blocks"][0]
+    assert not verdict["found"] and f"Together they fail on: {check.title}." in str(verdict["paragraphs"])
+    assert document(MachineContent(whole))["sections"][0]["blocks"][0]["found"]
+
+
 # -- power of all axes
 
 

@@ -34,7 +34,7 @@ def summary_blocks(content: MachineContent) -> Iterator[Block]:
     Iterator of blocks
     """
     sizing = content.sizing
-    yield Verdict(sizing.complete, [(Status(sizing.status), " ", *verdict_text(content))])
+    yield Verdict(sizing.status != "fail", [(Status(sizing.status), " ", *verdict_text(content))])
     yield _axes_table(content)
     if sizing.checks:
         yield Checks("Checks of all axes together", [*map(check_row, sizing.checks)], "machine_checks")
@@ -56,7 +56,9 @@ def verdict_text(content: MachineContent) -> tuple[Any, ...]:
     if without:
         others = f" The others: {drives}, {ranked}." if content.drives else ""
         return Strong(f"No drive for {', '.join(without)}."), others
-    return Strong("Every axis has a drive."), f" {drives} on {len(sizing.axes)} axes, {ranked}."
+    failed = ", ".join(check.title for check in sizing.checks if check.status == "fail" and not check.advice)
+    together = (Strong(f" Together they fail on: {failed}."),) if failed else ()
+    return Strong("Every axis has a drive."), *together, f" {drives} on {len(sizing.axes)} axes, {ranked}."
 
 
 def notes(content: MachineContent) -> list[str]:
