@@ -127,8 +127,6 @@ def size(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
-    if spec.steps and sampling:
-        raise InputError("--confidence: tolerances are not sampled for steppers; leave it out")
     catalog = load_parts(spec, catalog)
     objective = objective or spec.select.objective
     picked = shortlist(
@@ -246,9 +244,7 @@ def _held(problem: Problem) -> tuple[str, ...]:
 def _warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: what the method leaves out, and what limits the best drive."""
     spec = problem.spec
-    not_sampled = "tolerances are not sampled for steppers: drives are those of the nominal figures"
-    sentences = [not_sampled] if spec.steps and sampling_of(spec) else []
-    sentences += list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
+    sentences = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
     if spec.method == "paper":
         sentences.append(
             "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"
@@ -384,7 +380,7 @@ def explained(
     weigh = weighing(problem, of_the_platform(problem.machine))
     parts = {row: drive_parts(evaluation, row) for row in found.tolist()}
     beside = {row: other_checks(problem, one) for row, one in parts.items()}
-    sampling = None if spec.steps else sampling or sampling_of(spec)
+    sampling = sampling or sampling_of(spec)
     reliability: dict[int, Reliability] = {}
     if sampling:
         from drivesizer.search.uncertainty.run import reliabilities, sample_drives, subject, uncertainty

@@ -87,7 +87,7 @@ def torque_of_drive(drive: DriveParts, speed: Array, voltage: float) -> Array:
     return found
 
 
-def available_torque(motor: Any, curves: PullOuts, speed: Array, voltage: float) -> Array:
+def available_torque(motor: Any, curves: PullOuts, speed: Array, voltage: Any) -> Array:
     """Pull-out torque of steppers: by the printed curve where there is one, else the model's times its share.
 
     Of several curves that of the highest voltage that the supply reaches counts, else that of the lowest.
@@ -101,7 +101,7 @@ def available_torque(motor: Any, curves: PullOuts, speed: Array, voltage: float)
     speed
         Of the motors [rad/s], shape (candidates, points).
     voltage
-        Of the supply [V].
+        Of the supply, of all or of each [V].
 
     Returns
     -------
@@ -113,14 +113,29 @@ def available_torque(motor: Any, curves: PullOuts, speed: Array, voltage: float)
         for name, column in (("holding_torque", "holding_torque"), ("phase_current", "nominal_current"),
                              ("resistance", "resistance"), ("inductance", "inductance"), ("teeth", "pole_pairs"))
     }  # fmt: skip
-    found: Array = motor["pull_out_share"][:, None] * pull_out_torque(speed, voltage, **figures)
+    volts = voltage if np.ndim(voltage) == 0 else voltage[:, None]
+    found: Array = motor["pull_out_share"][:, None] * pull_out_torque(speed, volts, **figures)
     if not len(curves.speed):
         return found
-    which = _curve_of(curves, voltage, int(motor[STEPPER].max(initial=0)) + 1)[motor[STEPPER]]
+    which = _curves_of(curves, voltage, motor[STEPPER])
     rows = np.flatnonzero(which >= 0)
     if len(rows):
         at_speed, at_torque, at_voltage = (column[which[rows]] for column in _as_rows(curves))
-        found[rows] = rescaled_torque(speed[rows], voltage, at_speed, at_torque, at_voltage)
+        own = voltage if np.ndim(voltage) == 0 else voltage[rows]
+        found[rows] = rescaled_torque(speed[rows], own, at_speed, at_torque, at_voltage)
+    return found
+
+
+def _curves_of(curves: PullOuts, voltage: Any, steppers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number of the curve of each stepper, on a voltage of its own or that of all; -1 where it has none."""
+    count = int(steppers.max(initial=0)) + 1
+    if np.ndim(voltage) == 0:
+        return _curve_of(curves, voltage, count)[steppers]
+    reached = np.searchsorted(np.unique(curves.voltage), voltage, side="right")  # between charts the choice is the same
+    found = np.full(len(steppers), -1)
+    for level in np.unique(reached):
+        rows = np.flatnonzero(reached == level)
+        found[rows] = _curve_of(curves, float(voltage[rows[0]]), count)[steppers[rows]]
     return found
 
 

@@ -125,7 +125,7 @@ def shortlist(
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
     problem, weighed = problem_with_drive_mass(spec, catalog, objective)
-    sampling = None if spec.steps else sampling or sampling_of(spec)  # of DC motors alone
+    sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
     machine = of_the_platform(problem.machine)
     weigh = weighing(problem, machine)

@@ -175,6 +175,8 @@ class RobotSpec(Section):
         own = {"microsteps", "damping_ratio"} & self.control.model_fields_set
         if own and not self.steps:
             raise ValueError(f"control.{min(own)}: it is of steppers; expected select: {{motor: {{kind: stepper}}}}")
+        if foreign := self.tolerances.foreign(steps=self.steps):
+            raise ValueError(foreign)
         if self.method == "paper" and self.steps:
             raise ValueError("method: the paper treats DC motors, no steppers; expected method: physics")
         if self.method == "paper" and not self.paper_applies:

@@ -109,10 +109,6 @@ def taken(source: YamlSource) -> tuple[Any, tuple[Toleranced, ...]]:
 def _refused(path: Path_, data: Any) -> str:
     """Reason for which a figure takes no tolerance; empty where it may have one."""
     section, *rest = path[2:] if path[0] == "cases" else path
-    select = data.get("select")
-    motor = select.get("motor") if isinstance(select, dict) else None
-    if isinstance(motor, dict) and motor.get("kind") == "stepper":
-        return "drives of steppers are not sampled"
     if section == "load" and rest[:1] == ["screw"]:
         return "it chooses among screws of the catalogues"
     if section != "transmission" or len(rest) < 2:

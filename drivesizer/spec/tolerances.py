@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
+from drivesizer.catalog.tolerances.classes import NOT_OF_STEPPERS, OF_STEPPERS
 from drivesizer.catalog.tolerances.factors import share
 from drivesizer.files.fields import Section, Share
 
@@ -35,6 +36,10 @@ class MotorTolerances(Section):
     )
     rotor_inertia: Factor | None = Field(default=None, description=_FACTOR)
     thermal_resistance: Factor | None = Field(default=None, description=f"of both: {_FACTOR}")
+    pull_out: Factor | None = Field(default=None, description=f"of a stepper's pull-out torque at any speed: {_FACTOR}")
+    holding_torque: Factor | None = Field(default=None, description=f"of a stepper without a printed curve: {_FACTOR}")
+    inductance: Factor | None = Field(default=None, description=f"of a stepper without a printed curve: {_FACTOR}")
+    start_speed: Factor | None = Field(default=None, description=f"of a stepper without a ramp: {_FACTOR}")
 
 
 class GearheadTolerances(Section):
@@ -51,6 +56,7 @@ class ControllerTolerances(Section):
     """Of a controller's figures; the default class where not given."""
 
     losses: Factor | None = Field(default=None, description=f"per ampere: {_FACTOR}")
+    phase_current: Factor | None = Field(default=None, description=f"of what a stepper's driver sets: {_FACTOR}")
 
 
 class Tolerances(Section):
@@ -76,3 +82,23 @@ class Tolerances(Section):
             for figure in type(section).model_fields
             if (text := getattr(section, figure)) is not None
         }
+
+    def foreign(self, *, steps: bool) -> str:
+        """The first tolerance of a figure that motors of this kind have not, as in a message; empty without one.
+
+        Parameters
+        ----------
+        steps
+            Whether the motor is to be a stepper.
+
+        Returns
+        -------
+        str
+            ``tolerances.motor.pull_out: it is of steppers; expected ...``.
+        """
+        for part, figure in self.given:
+            if (part, figure) in OF_STEPPERS and not steps:
+                return f"tolerances.{part}.{figure}: it is of steppers; expected select: {{motor: {{kind: stepper}}}}"
+            if (part, figure) in NOT_OF_STEPPERS and steps:
+                return f"tolerances.{part}.{figure}: no check of a stepper depends on it; leave it out"
+        return ""

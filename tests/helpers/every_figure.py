@@ -33,6 +33,12 @@ encoders:
   source: sheet
   columns: [part, counts_per_turn, max_speed (rpm), max_frequency (kHz), inertia (g*cm^2)]
   rows: [[E, 500, 9000, 200, 0.1]]
+steppers:
+- family: S
+  source: sheet
+  columns: [part, full_steps, phase_current (A), holding_torque (N*m), resistance (ohm), inductance (mH),
+    rotor_inertia (g*cm^2), start_speed (rpm)]
+  rows: [[S, 200, 2, 0.6, 1.6, 3, 80, 400]]
 controllers:
 - family: C
   source: sheet
@@ -196,9 +202,16 @@ motion: {{profile: hold, time: 9 s}}
 motion: {{profile: segments, segments: [{{time: 1 s, to: 90 rpm}}, {{time: 1 s, to: 0 rpm}}]}}
 {_SUPPLY}
 """,
+    "stepper": f"""load: {{kind: rotary_table, inertia: 1e-3 kg*m^2, friction_torque: 0.05 N*m}}
+{_TURN}
+supply: {{nominal: 24 V, min: 22 V, max: 26 V, current: 6 A, power: 90 W, regeneration: 0.3, capacitance: 1 mF}}
+control: {{microsteps: 8, damping_ratio: 0.2}}
+needs: {{start_speed: 9 rpm, resolution_at_load: 1 deg}}
+""",
 }
 
 
 def text_of(name: str) -> str:
     """A whole spec."""
-    return f"name: {name}\n{SPECS[name]}select: {{catalogs: [parts.yaml]}}\n"
+    kind = ", motor: {kind: stepper}" if name == "stepper" else ""
+    return f"name: {name}\n{SPECS[name]}select: {{catalogs: [parts.yaml]{kind}}}\n"

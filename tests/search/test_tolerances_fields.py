@@ -149,8 +149,6 @@ PULLEYS = (
         (RACK, BELT % "ratio: 1.5 +- 0.1", "transmission[2].ratio: ratios of a belt are searched as they are; ex"),
         (RACK, BELT % "ratios: [2, 1.5 +- 0.1]", "transmission[2].ratios[2]: ratios of a belt are searched as they"),
         (RACK, BELT % PULLEYS, "transmission[2].pulleys.centre_distance: it chooses among pulleys of the catalogues"),
-        (RACK, "select: {motor: {kind: stepper}}\nneeds: {start_speed: 9 rpm +- 1 rpm}",
-         "needs.start_speed: drives of steppers are not sampled; expected it without a tolerance"),
         (RACK, "cases: [{name: more, load: {motors: 3 +- 1}}]", 'cases[1].load.motors: "3" is not a whole number'),
     ],
 )  # fmt: skip

@@ -18,7 +18,16 @@ import yaml
 from drivesizer.catalog.tolerances.distributions import Distribution
 from drivesizer.catalog.tolerances.factors import share
 
-__all__ = ["CLASSES", "Class", "class_of", "classes", "losses_from_stall", "of_motor_from_stall"]
+__all__ = [
+    "CLASSES",
+    "NOT_OF_STEPPERS",
+    "OF_STEPPERS",
+    "Class",
+    "class_of",
+    "classes",
+    "losses_from_stall",
+    "of_motor_from_stall",
+]
 
 _PER_STAGE = 4.0  # ratio of a pair of spur gears, where the number of stages is unknown
 
@@ -29,10 +38,22 @@ CLASSES = {
     ("motor", "dry_friction"): "Dry share of motor friction",
     ("motor", "rotor_inertia"): "Rotor inertia",
     ("motor", "thermal_resistance"): "Motor thermal resistances",
+    ("motor", "pull_out"): "Pull-out torque",
+    ("motor", "holding_torque"): "Holding torque",
+    ("motor", "inductance"): "Phase inductance",
+    ("motor", "start_speed"): "Start speed without a ramp",
     ("gearhead", "peak_torque"): "Peak torque by stall",
     ("gearhead", "efficiency"): "Gearhead losses",
     ("gearhead", "inertia"): "Gearhead inertia",
     ("controller", "losses"): "Controller losses",
+    ("controller", "phase_current"): "Phase current set",
+}
+OF_STEPPERS = {("motor", figure) for figure in ("pull_out", "holding_torque", "inductance", "start_speed")} | {
+    ("controller", "phase_current")
+}
+NOT_OF_STEPPERS = {
+    *(("motor", figure) for figure in ("torque_constant", "friction", "dry_friction", "thermal_resistance")),
+    ("controller", "losses"),
 }
 
 

@@ -39,7 +39,7 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
     Parameters
     ----------
     duration
-        Of each segment [s].
+        Of each segment [s], shape (segments,), or of each motor's own (motors, segments).
     torque, speed
         Of the motors at both ends of each segment, straight lines within, shape (motors, segments, 2) [N*m], [rad/s].
     loss
@@ -67,7 +67,7 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
         top = np.nan_to_num(np.clip(-b / (2.0 * a), 0.0, 1.0), nan=0.0)
     edges = np.sort(np.stack([np.zeros_like(c), *cuts, np.ones_like(c)], axis=2), axis=2)
     work = ((a[..., None] * edges / 3.0 + b[..., None] / 2.0) * edges + c[..., None]) * edges
-    parts = duration[:, None] * np.diff(work, axis=2)
+    parts = duration[..., None] * np.diff(work, axis=2)
     peak = np.maximum(np.maximum(c, a + b + c), (a * top + b) * top + c).max(axis=1)
     unknown = np.where(np.isnan(c).any(axis=1), np.nan, 0.0)
     drawn, returned = (np.maximum(side, 0.0).sum((1, 2)) + unknown for side in (parts, -parts))

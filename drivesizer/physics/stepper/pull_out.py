@@ -121,7 +121,7 @@ def rescaled_torque(speed: Any, voltage: Any, at_speed: Array, at_torque: Array,
     speed
         Shape (curves, points) [rad/s].
     voltage
-        Of the supply [V].
+        Of the supply, of all or of each, shape (curves,) [V].
     at_speed, at_torque
         Points of each curve, rising in speed, shape (curves, most points); the last repeated where there are fewer.
     at_voltage

@@ -2,7 +2,7 @@
 
 The torque of a motor is linear in the functions of the load cycle, and its pull-out torque falls with the speed. So
 only points of the cycle count that no other exceeds in torque and in speed: the ends of segments, and between them
-where the speed passes one of ``_LEVELS`` levels. The current is the rated one at any speed: the driver sets it.
+where the speed passes one of ``LEVELS`` levels. The current is the rated one at any speed: the driver sets it.
 """
 
 from __future__ import annotations
@@ -34,10 +34,13 @@ from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, wor
 from drivesizer.spec.altitude import controller_needed
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Frictionless", "stepped"]
+__all__ = [
+    "LEVELS", "Frictionless", "driver_limits", "inertia_at_motor", "resolution_limits", "start_limits", "stepped",
+    "supply_limits",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
-_LEVELS = 64
+LEVELS = 64
 _FRONT = 300  # points that may be left of a cycle before the rest is kept unexamined
 _CELLS = 400_000  # candidates times points or segments at a time
 _APART = np.sqrt(2.0)  # of step rate and natural frequency, either way
@@ -115,7 +118,7 @@ def stepped(
     listed = bool((catalog.controllers["drives"] == STEPPER).any())
     of_driver = [
         fits("controller_available", row >= 0, listed),
-        *_driver_limits(current, parts.controller, thin, offered.controllers.ambient),
+        *driver_limits(current, parts.controller, thin, offered.controllers.ambient),
     ]
 
     def moving(k: int) -> list[CheckColumn]:
@@ -123,7 +126,7 @@ def stepped(
         found = [
             _torque_limit(spec, cycles[k], demand[k], parts, catalog.pull_outs),
             *_starting(spec, cycles[k], demand[k], parts, catalog.pull_outs),
-            *_resolution(spec, cycles[k], demand[k], parts),
+            *resolution_limits(spec, cycles[k], demand[k], parts),
             *([] if staged else _advice(spec, cycles[k], demand[k], parts)),
         ]
         return unknown_where_doubtful(found, demand[k].complete)
@@ -131,12 +134,32 @@ def stepped(
     first = worst_of_all(problem, moving)
     dead: NDArray[np.bool_] = np.logical_or.reduce([c.failed for c in (*first, *of_driver) if not c.advice])
     draws = [_draw(problem.cases[k].spec, cycles[k], demand[k], parts, ~(dead & staged)) for k in range(len(cycles))]
-    last = worst_of_all(problem, lambda k: _supply_limits(problem.cases[k].spec, draws[k], parts, problem))
+    printed = catalog.steppers["supply_max"][motor[STEPPER]]
+    last = worst_of_all(
+        problem, lambda k: supply_limits(problem.cases[k].spec, draws[k].returned, draws[k].power, parts, printed)
+    )
     return Stepped(row, [*first, *of_driver, *last], _figures(problem, draws, motor))
 
 
-def _driver_limits(current: Array, controller: Any, needed: float, ambient: float) -> list[CheckColumn]:
-    """The rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's."""
+def driver_limits(current: Array, controller: Any, needed: float, ambient: Any) -> list[CheckColumn]:
+    """Rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's.
+
+    Parameters
+    ----------
+    current
+        Rated current of a phase [A].
+    controller
+        Columns over candidates by field name.
+    needed
+        Margin that thin air requires [1].
+    ambient
+        [K].
+
+    Returns
+    -------
+    list
+        Two checks.
+    """
     return [
         at_most("controller_continuous_current", current, controller_current(controller, ambient), needed=needed),
         at_most("controller_peak_current", amplitude(current), controller["peak_current"]),
@@ -187,7 +210,7 @@ def _worst(
 def _points(cycle: AtGearhead) -> tuple[Array, Array]:
     """Points that none exceeds in torque and speed, behind a belt of ratio 1, and when they are met [s]."""
     store = cycle.base.coarse
-    name = ("pull-out", _LEVELS)
+    name = ("pull-out", LEVELS)
     if name not in store:
         store[name] = _front(cycle.base.functions, cycle.base.time)
     found: tuple[Array, Array] = store[name]
@@ -206,7 +229,7 @@ def _front(functions: Array, time: Array) -> tuple[Array, Array]:
 def _between(functions: Array, lines: Array) -> Iterator[Array]:
     """Of straight lines what they are where the speed passes a level, level by level."""
     left, right = np.abs(functions[:, 0, SPEED]), np.abs(functions[:, 1, SPEED])
-    for level in np.linspace(0.0, max(left.max(), right.max()), _LEVELS + 1)[1:-1]:
+    for level in np.linspace(0.0, max(left.max(), right.max()), LEVELS + 1)[1:-1]:
         rows = np.flatnonzero((left - level) * (right - level) < 0.0)
         share = ((level - left[rows]) / (right[rows] - left[rows]))[:, None]
         yield lines[rows, 0] + share * (lines[rows, 1] - lines[rows, 0])
@@ -215,27 +238,78 @@ def _between(functions: Array, lines: Array) -> Iterator[Array]:
 # --- starting and steps ----------------------------------------------------------------------------------------------
 
 
-def _inertia(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
-    """Inertia of the load and of all that turns with it, at the motor's shaft [kg*m^2]."""
+def inertia_at_motor(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
+    """Inertia of the load and of all that turns with it.
+
+    Parameters
+    ----------
+    cycle, demand
+        The load cycle, and torque and speed: columns over candidates.
+
+    Returns
+    -------
+    tuple of arrays
+        The two, at the motor's shaft [kg*m^2].
+    """
     load = cycle.load_cycle.inertia / (demand.total_ratio * cycle.belt) ** 2
     return load, load + demand.coefficients[:, ACCELERATION] / demand.total_ratio
 
 
 def _starting(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> list[CheckColumn]:
-    """The speed to which the motor jumps without a ramp, where the spec has one."""
+    """The start without a ramp against the largest torque at constant speed."""
     if spec.needs.start_speed is None:
         return []
-    motor, functions = parts.motor, cycle.base.functions.reshape(-1, 6)
+    functions = cycle.base.functions.reshape(-1, 6)
     steady = functions[functions[:, ACCELERATION] == 0.0]
     load = np.abs(_at_belt(cycle, demand)[0] @ (steady if len(steady) else functions).T).max(axis=1)
-    torque = available_torque(motor, curves, np.zeros((len(load), 1)), spec.supply.lowest)[:, 0]
-    _, inertia = _inertia(cycle, demand)
-    limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, load, torque)
+    return start_limits(spec, cycle, demand, parts, (load, available_torque(
+        parts.motor, curves, np.zeros((len(load), 1)), spec.supply.lowest
+    )[:, 0]))  # fmt: skip
+
+
+def start_limits(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, torques: tuple[Array, Array]
+) -> list[CheckColumn]:
+    """Speed to which the motor jumps without a ramp, against that at which it starts.
+
+    Parameters
+    ----------
+    spec
+        The load case, in which such a speed is required.
+    cycle, demand
+        Its load cycle, and torque and speed: columns over candidates.
+    parts
+        The parts of each candidate.
+    torques
+        Against the motion, and the motor's at low speed [N*m].
+
+    Returns
+    -------
+    list
+        The check.
+    """
+    motor, (_, inertia) = parts.motor, inertia_at_motor(cycle, demand)
+    limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, *torques)
     return [at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed)]
 
 
-def _resolution(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
-    """Angle of a microstep at the load; of a full step, where the driver's are unknown and that is fine enough."""
+def resolution_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
+    """Angle of a microstep at the load; of a full step, where the driver's are unknown and that is fine enough.
+
+    Parameters
+    ----------
+    spec
+        The load case.
+    cycle, demand
+        Its load cycle, and torque and speed: columns over candidates.
+    parts
+        The parts of each candidate.
+
+    Returns
+    -------
+    list
+        The check, where the spec has such a need.
+    """
     need = spec.needs.resolution_at_load
     if need is None:
         return []
@@ -248,7 +322,7 @@ def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -
     """Advice on inertia and resonance."""
     motor, found = parts.motor, list[CheckColumn]()
     steps = 4.0 * motor["pole_pairs"]
-    load, inertia = _inertia(cycle, demand)
+    load, inertia = inertia_at_motor(cycle, demand)
     if spec.needs.inertia_ratio is None:
         with np.errstate(divide="ignore"):  # nothing is known of what turns with the motor
             ratio = load / (inertia - load)
@@ -281,11 +355,27 @@ def _draw(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wan
     return _Draw(*np.where(demand.complete, columns, np.nan))
 
 
-def _supply_limits(spec: RobotSpec, draw: _Draw, parts: Parts, problem: Problem) -> list[CheckColumn]:
-    """The supply's voltage against the motor's, its current and power, and the bus where energy is regenerated."""
-    supply, torque, power = spec.supply, spec.margins.torque, draw.power * spec.load.motors
-    printed = problem.catalog.steppers["supply_max"][parts.motor[STEPPER]]
-    none, stays = draw.returned == 0.0, (1.0 - supply.regeneration) * draw.returned * spec.load.motors
+def supply_limits(spec: RobotSpec, returned: Array, most: Array, parts: Parts, printed: Array) -> list[CheckColumn]:
+    """The supply's voltage against the motor's, its current and power, and the bus where energy is regenerated.
+
+    Parameters
+    ----------
+    spec
+        The load case.
+    returned, most
+        Energy that a motor returns per cycle [J], and the largest power that it draws [W].
+    parts
+        The parts of each candidate.
+    printed
+        Highest voltage that the makers of the motors permit [V]; NaN none.
+
+    Returns
+    -------
+    list
+        Those that the spec has limits for.
+    """
+    supply, torque, power = spec.supply, spec.margins.torque, most * spec.load.motors
+    none, stays = returned == 0.0, (1.0 - supply.regeneration) * returned * spec.load.motors
     raised = np.nan if supply.capacitance is None else bus_voltage(supply.highest, stays, supply.capacitance)
     bus = np.where(none | spec.accepts_all, supply.highest, raised)  # as if all of a cycle came at once
     found = [

@@ -14,6 +14,8 @@ from drivesizer.catalog.maker_tolerances import MakerTolerance, maker_tolerances
 from drivesizer.catalog.tables import ESTIMATED, Table
 from drivesizer.catalog.tolerances.classes import (
     CLASSES,
+    NOT_OF_STEPPERS,
+    OF_STEPPERS,
     Class,
     class_of,
     classes,
@@ -21,6 +23,7 @@ from drivesizer.catalog.tolerances.classes import (
     of_motor_from_stall,
 )
 from drivesizer.catalog.tolerances.distributions import Distribution
+from drivesizer.catalog.view.stepper_view import STEPPER, has_steppers
 
 __all__ = ["holding", "holding_of_a_set", "used"]
 
@@ -63,7 +66,11 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
 
 def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
     """Whether a part has the figure of a class: not a dry share where both frictions are known, nor a printed peak."""
+    if (part, figure) in (NOT_OF_STEPPERS if has_steppers(catalog) else OF_STEPPERS):
+        return False
     table = catalog.table(_SECTIONS[part])
+    if figure in _OF_THE_MODEL:
+        return bool(table[STEPPER][row] not in catalog.pull_outs.stepper)
     if figure == "dry_friction":
         printed = table["friction_torque"][row] + table["viscous_friction"][row]
         return bool(table["kind"][row] != "brushed" and printed != printed)
@@ -115,9 +122,12 @@ _WORKED_OUT = {"derived", "recalled"}  # confidences of figures that are not pri
 _ROUNDED = 0.05  # of a resistance that is voltage over stall current
 
 
+_OF_THE_MODEL = ("holding_torque", "inductance")  # which counts where no curve is printed
 _COLUMNS = {  # of a class: the columns that it varies, as far as they may be estimated
     ("motor", "friction"): ("no_load_current",),
     ("motor", "rotor_inertia"): ("rotor_inertia",),
+    ("motor", "pull_out"): ("pull_out_share",),
+    ("motor", "start_speed"): ("start_speed",),
     ("motor", "thermal_resistance"): ("thermal_resistance_housing", "thermal_resistance_winding"),
     ("gearhead", "efficiency"): ("efficiency",),
     ("gearhead", "inertia"): ("inertia",),

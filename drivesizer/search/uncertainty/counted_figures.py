@@ -20,7 +20,7 @@ COLUMNS = {
     "power_stage": {"voltage_drop", "resistance", "standby"},
     "environment": {"ambient"},
     "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load", "life",
-              "shock_torque", "axial_load", "tilting_moment"},
+              "shock_torque", "axial_load", "tilting_moment", "start_speed"},
     "brake": {"torque", "dynamic_torque", "inertia", "power", "holding_power", "engage_time", "max_speed",
               "energy_per_stop", "total_energy"},
     "shaft": {"distance", "wheel_load", "belt_pretension", "load_factor", "static_safety", "pressure_angle",
@@ -50,7 +50,6 @@ NOT_SAMPLED = {  # figures whose tolerance has no effect on any sampled check, b
         ("platform.size", "platform.passages", "platform.misjudged", "platform.following"),
         "of a platform its motion is sampled, not its room, footing and controller",
     ),
-    "needs.start_speed": "drives of steppers are not sampled",
 }  # fmt: skip
 
 

@@ -102,7 +102,16 @@ def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], proc
 
 def _over(check: CheckColumn, count: int) -> _Over:
     """Figures that are kept of a check; one figure where all samples have the same."""
-    return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, check.margin, check.tightness)))
+    return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, check.margin, _beyond(check))))
+
+
+_OF_A_FACTOR = ("pull_out_torque",)  # whose margin is required to be some 100 %: what exceeds that is the tight part
+
+
+def _beyond(check: CheckColumn) -> NDArray[np.float64]:
+    """Tightness of a check over samples; of the pull-out torque by what it exceeds the required factor."""
+    tight = check.tightness
+    return (1.0 + tight) / (1.0 + check.needed) - 1.0 if check.name in _OF_A_FACTOR else tight
 
 
 def _as_many(column: NDArray[Any], count: int) -> NDArray[Any]:
@@ -289,9 +298,9 @@ def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
     """Smallest margin of a drive in each sample; checks that no sample changes are at nominal figures."""
     parts = []
     for block in blocks(given, catalog, [one.rows.belt]):
-        tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal}
+        tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal if not check.advice}
         found = checks_of(catalog, one.rows, block)
-        tight |= {name: found[name].tightness for name in found if name in tight or name in BATTERY_SAMPLED}
+        tight |= {name: _beyond(found[name]) for name in found if name in tight or name in BATTERY_SAMPLED}
         parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
     return np.concatenate(parts)
 

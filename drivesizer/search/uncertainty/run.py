@@ -69,7 +69,10 @@ def sample_drives(
     """
     rows = [(one.rows.motor, one.rows.gearhead, one.rows.controller) for one in subjects.values()]
     catalog, machine = problem.catalog, problem.machine
-    given = assumptions(machine, used(catalog, machine.tolerances.given, rows))
+    held = used(catalog, machine.tolerances.given, rows)
+    if machine.needs.start_speed is None:
+        held = tuple(one for one in held if one.figure != "start_speed")  # no check depends on it
+    given = assumptions(machine, held)
     drawn = sample(given, how.samples, how.seed, assumptions(machine))
     ready = prepared(problem, given, drawn.values)
     results = examined(ready, catalog, list(subjects.values()), how.processes)
@@ -132,7 +135,7 @@ def reliabilities(
         matters = drivers(examined_, sampled.ready.problem.catalog, ends, sampled.drawn, found.smallest)
         figures = figure_spreads(sampled.ready, sampled.ready.problem.catalog, examined_.rows)
         described[row] = replace(found.reliability, drivers=matters, figures=figures)
-        if row in finalists and sampled.how.loop > 0:
+        if row in finalists and sampled.how.loop > 0 and not sampled.ready.spec.steps:
             described[row] = _in_the_loop(sampled, examined_, finalists[row], described[row])
     return described
 
@@ -172,8 +175,13 @@ def _uncertain(one: Assumption) -> Uncertain:
 
 def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
     """Notes on the basis of the probabilities."""
+    deviating = (
+        "a stepper's driver is held against the current that is set, not against what it is off"
+        if ready.spec.steps
+        else "the voltage drop of the controller goes with its losses"
+    )
     notes = [
-        "limits are the catalogue's, as printed, but the voltage drop of the controller goes with its losses; "
+        f"limits are the catalogue's, as printed, but {deviating}; "
         "encoder and controller are those of the nominal drive; all drives of the machine deviate alike",
         "the probability is that no check of the physics fails, nor the battery's autonomy, range, peak and voltage; "
         "other budgets of the machine are at nominal figures",
@@ -184,6 +192,10 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
         notes.append(f"load cycles of the samples are fitted to {ready.fitted:.0e} of their largest value")
     if len(ready.values) < how.samples:
         notes.append(f"each sample's load cycle is computed by itself: {len(ready.values)} samples, not {how.samples}")
+    if ready.spec.steps:
+        notes.append("of the pull-out torque the smallest margin counts what exceeds the required factor")
+    if ready.spec.steps and how.loop > 0:
+        notes.append("steppers run open-loop: they are not sampled in closed loop")
     if isinstance(ready.spec.load, WheelLoad):
         notes.append("platforms on a path are not sampled in closed loop; peaks and voltage of the battery are nominal")
     if how.confidence is not None and examined_ >= POOL:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.catalog.view.own_brake import OWN
+from drivesizer.catalog.view.stepper_view import STEPPER, has_steppers
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import Demands, demands, friction
 from drivesizer.physics.power_stage import with_stage_losses
@@ -37,8 +37,10 @@ from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.columns.shaft_limits import loads_on_motors
 from drivesizer.search.columns.stages import felt
 from drivesizer.search.uncertainty.class_of_part import holding
+from drivesizer.search.uncertainty.part_figures import WHOLE, PartFigures
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, battery_limits
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
+from drivesizer.search.uncertainty.sampled_steppers import SampledStepper, stepper_checks, stepper_motor
 from drivesizer.search.uncertainty.sampled_waveform import moments
 from drivesizer.spec.mounting import loss_at_flange
 
@@ -50,12 +52,12 @@ __all__ = [
     "loaded",
     "motor_factors",
     "parts_of",
+    "stepper_of",
     "with_dry_share",
     "with_losses",
 ]
 
 Array = NDArray[np.float64]
-_WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
 
 
 class SetRows(NamedTuple):
@@ -84,26 +86,6 @@ class Block(NamedTuple):
         """Factors of the figures of a part that are sampled, by figure."""
         held = holding(catalog, self.given, part, row)
         return {one.figure: self.factors[one] for one in held if one in self.factors}
-
-
-class _Figures:
-    """The figures of a part over samples: a column where it is sampled, else a single one."""
-
-    def __init__(self, table: Table[Any], row: int, count: int, changed: Mapping[str, Array]) -> None:
-        self.table, self.row, self.count = table, row, count
-        self.taken: dict[str, NDArray[Any]] = dict(changed)
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self.taken:
-            self.taken[name] = self.nominal(name, self.count if name in _WHOLE else 1)
-        return self.taken[name]
-
-    def nominal(self, name: str, count: int = 1) -> NDArray[Any]:
-        """Figure as the catalogue prints it."""
-        column: NDArray[Any] = self.table[name]
-        if self.row < 0:
-            return np.full(count, np.nan if column.dtype.kind == "f" else "")
-        return np.full(count, column[self.row])
 
 
 def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -172,15 +154,15 @@ def with_losses(efficiency: Any, factor: Any) -> Any:
     return 1.0 / (1.0 + (1.0 / efficiency - 1.0) * factor)
 
 
-def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array]) -> _Figures:
+def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array]) -> PartFigures:
     """A motor's figures, each times its factor."""
     times = motor_factors(factors)
-    bought, whole = _Figures(catalog.motors, row, block.size, {}), np.ones(block.size)
+    bought, whole = PartFigures(catalog.motors, row, block.size, {}), np.ones(block.size)
     printed = bought.nominal
     changed = {
-        name: printed(name) * factor * (whole if name in _WHOLE else 1.0)
+        name: printed(name) * factor * (whole if name in WHOLE else 1.0)
         for name, factor in times.items()
-        if np.ndim(factor) or name in _WHOLE
+        if np.ndim(factor) or name in WHOLE
     }
     changed["back_emf_constant"] = back_emf_constant(bought) * times["back_emf_constant"]
     changed |= {name: x * whole for name, x in with_dry_share(bought, factors).items()}
@@ -191,12 +173,12 @@ def _motor(catalog: Catalog, row: int, block: Block, factors: Mapping[str, Array
         changed["max_winding_temperature"] = whole * steady_winding_temperature(
             rated_ambient(bought), resistance_25(bought), one, other, bought["nominal_current"]
         )
-    return _Figures(catalog.motors, row, block.size, changed)
+    return PartFigures(catalog.motors, row, block.size, changed)
 
 
-def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
+def _gearhead(catalog: Catalog, row: int, block: Block) -> PartFigures:
     """A gearhead's figures, each times its factor."""
-    printed = _Figures(catalog.gearheads, row, block.size, {}).nominal
+    printed = PartFigures(catalog.gearheads, row, block.size, {}).nominal
     changed, factors = {}, block.factors_of(catalog, "gearhead", row)
     if (losses := factors.get("efficiency")) is not None:
         changed["efficiency"] = with_losses(printed("efficiency"), losses)
@@ -205,29 +187,29 @@ def _gearhead(catalog: Catalog, row: int, block: Block) -> _Figures:
         changed["intermittent_torque"] = printed("intermittent_torque") * peaks
     if (gains := factors.get("inertia")) is not None:
         changed["inertia"] = printed("inertia") * gains
-    return _Figures(catalog.gearheads, row, block.size, changed)
+    return PartFigures(catalog.gearheads, row, block.size, changed)
 
 
-def _controller(catalog: Catalog, row: int, block: Block) -> _Figures:
+def _controller(catalog: Catalog, row: int, block: Block) -> PartFigures:
     """A controller's figures, its losses times their factor."""
-    bought = _Figures(catalog.controllers, row, block.size, {})
+    bought = PartFigures(catalog.controllers, row, block.size, {})
     factor = block.factors_of(catalog, "controller", row).get("losses")
     if factor is None:
         return bought
     changed = with_stage_losses(bought, factor, assume=block.specs[0].select.estimates == "on")
-    return _Figures(catalog.controllers, row, block.size, changed)
+    return PartFigures(catalog.controllers, row, block.size, changed)
 
 
-def _brake(catalog: Catalog, row: int, block: Block) -> _Figures:
+def _brake(catalog: Catalog, row: int, block: Block) -> PartFigures:
     """A brake's figures; of one that is the spec's own with its tolerances."""
     own, changed = block.specs[0].brake, dict[str, Array]()
     if own is not None and row >= 0 and catalog.brakes["family"][row] == OWN:
         changed = {name: x for name, x in own.figures.items() if np.ndim(x)}
-    return _Figures(catalog.brakes, row, block.size, changed)
+    return PartFigures(catalog.brakes, row, block.size, changed)
 
 
 def parts_of(catalog: Catalog, one: SetRows, block: Block) -> tuple[Parts, dict[str, Array]]:
-    """The parts of a drive over samples, and the factors of its motor.
+    """The parts of a drive over samples, and the factors of its motor; of a stepper its driver's as well.
 
     Parameters
     ----------
@@ -240,9 +222,14 @@ def parts_of(catalog: Catalog, one: SetRows, block: Block) -> tuple[Parts, dict[
         Figures by field name, columns over the samples; factors by figure [1].
     """
     factors = block.factors_of(catalog, "motor", one.motor)
+    if has_steppers(catalog):
+        factors |= block.factors_of(catalog, "controller", one.controller)
+        motor = stepper_motor(catalog, one.motor, block.size, factors)
+    else:
+        motor = _motor(catalog, one.motor, block, factors)
     return Parts(
-        _motor(catalog, one.motor, block, factors), _gearhead(catalog, one.gearhead, block),
-        _Figures(catalog.encoders, one.encoder, block.size, {}), _controller(catalog, one.controller, block),
+        motor, _gearhead(catalog, one.gearhead, block),
+        PartFigures(catalog.encoders, one.encoder, block.size, {}), _controller(catalog, one.controller, block),
         _brake(catalog, one.brake, block) if block.specs[0].wants_brake else None,
     ), factors  # fmt: skip
 
@@ -266,11 +253,16 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     """
     parts, factors = parts_of(catalog, one, block)
     listed = is_listed(catalog, one.motor, one.brake)
+    stepper = stepper_of(catalog, one, parts, factors)
     by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        checks, draw = _of_a_case(spec, ats[one.belt], parts, one, factors, listed, energies=bool(block.feeds))
         at, drive = ats[one.belt], block.belts[one.belt]
+        if stepper:
+            checks, draw = stepper_checks(spec, at, stepper)
+            checks += [_controller_fits(spec, parts.controller, one)] if one.controller >= 0 else []
+        else:
+            checks, draw = _of_a_case(spec, at, parts, one, factors, listed, energies=bool(block.feeds))
         checks = [*load_limits(spec, at, drive), *checks, *_on_shaft(spec, at, drive, parts)]
         draws.append(draw)
         for check in checks:
@@ -281,6 +273,28 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together):
             by_name.setdefault(check.name, []).append((first, check))
     return {name: worst_case(same) for name, same in by_name.items()}
+
+
+def stepper_of(catalog: Catalog, one: SetRows, parts: Parts, factors: Mapping[str, Array]) -> SampledStepper | None:
+    """A stepper over samples, with what its checks take beside its parts.
+
+    Parameters
+    ----------
+    catalog, one
+        As for ``checks_of``.
+    parts, factors
+        Of ``parts_of``.
+
+    Returns
+    -------
+    SampledStepper or None
+        None of other motors.
+    """
+    if not has_steppers(catalog):
+        return None
+    highest = catalog.steppers["supply_max"][catalog.motors[STEPPER][one.motor]]
+    listed = is_listed(catalog, one.motor, one.brake)
+    return SampledStepper(parts, factors.get("pull_out", 1.0), catalog.pull_outs, float(highest), listed)
 
 
 def _on_shaft(spec: Any, at: AtSamples, drive: BeltDrive | None, parts: Parts) -> list[CheckColumn]:
@@ -340,7 +354,9 @@ def _of_a_case(
     required, warmth, peaks, found = loaded(spec, at, parts, factors, energies=energies)
     moving = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
     if parts.brake is not None:
-        bought = _Figures(parts.motor.table, parts.motor.row, parts.motor.count, {})  # friction that holds is printed
+        bought = PartFigures(
+            parts.motor.table, parts.motor.row, parts.motor.count, {}
+        )  # friction that holds is printed
         moving += brake_limits(spec, at, parts._replace(motor=bought), required, np.array([listed]))
     electrical = [*moving, *electrical_limits(spec, at, required, peaks, parts), *waveform_limits(spec, *found, parts)]
     sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies
@@ -352,13 +368,13 @@ def _of_a_case(
     ], Draw(drawn.drawn * sets, drawn.returned * sets, drawn.power * sets)
 
 
-def _losses(motor: _Figures, required: Demands, factors: Mapping[str, Array]) -> tuple[Array, Array]:
+def _losses(motor: PartFigures, required: Demands, factors: Mapping[str, Array]) -> tuple[Array, Array]:
     """Losses at the housing; in the iron of a brushless motor by its printed figures, times the factor of friction."""
     if motor.nominal("kind")[0] == "brushed":
         return housing_loss(motor, required.total_ratio)
-    printed = _Figures(motor.table, motor.row, motor.count, {})
+    printed = PartFigures(motor.table, motor.row, motor.count, {})
     shares = with_dry_share(printed, {"dry_friction": factors["dry_friction"]} if "dry_friction" in factors else {})
-    lost = housing_loss(_Figures(motor.table, motor.row, motor.count, shares), required.total_ratio)
+    lost = housing_loss(PartFigures(motor.table, motor.row, motor.count, shares), required.total_ratio)
     return lost[0] * factors.get("friction", 1.0), lost[1] * factors.get("friction", 1.0)
 
 

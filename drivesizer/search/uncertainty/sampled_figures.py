@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.view.stepper_view import has_steppers
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.motor_demand import friction, gear_loss
 from drivesizer.physics.stress import Parts
@@ -18,7 +19,8 @@ from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.reliability import FigureSpread
 from drivesizer.search.uncertainty.prepare import Prepared, blocks
 from drivesizer.search.uncertainty.probabilities import quantiles
-from drivesizer.search.uncertainty.sampled_checks import Block, Loaded, SetRows, loaded, parts_of
+from drivesizer.search.uncertainty.sampled_checks import Block, Loaded, SetRows, loaded, parts_of, stepper_of
+from drivesizer.search.uncertainty.sampled_steppers import stepper_figures
 
 __all__ = ["figure_columns", "figure_spreads"]
 
@@ -33,7 +35,15 @@ _FIGURES = {
     "free_speed": ("Free speed at the load's shaft", "rotary_speed", "rpm"),
     "stall_torque": ("Stall torque at the load's shaft", "torque", "N*m"),
 }
-_LEAST = ("free_speed", "stall_torque")  # the worst load case has the smallest
+_OF_STEPPERS = {
+    "motor_torque": ("Motor torque, peak", "torque", "N*m"),
+    "pull_out_at_rest": ("Pull-out torque at low speed", "torque", "N*m"),
+    "pull_out_at_speed": ("Pull-out torque at the highest speed", "torque", "N*m"),
+    "power": _FIGURES["power"],
+    "joule_heat": ("Heat of both windings", "power", "W"),
+    "peak_current": ("Amplitude of the phase current", "current", "A"),
+}
+_LEAST = ("free_speed", "stall_torque", "pull_out_at_rest", "pull_out_at_speed")  # the worst load case has the smallest
 
 
 def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[FigureSpread, ...]:
@@ -55,7 +65,7 @@ def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[Fig
     """
     each = [figure_columns(catalog, one, block) for block in blocks(given, catalog, [one.belt])]
     found = []
-    for name, (title, kind, unit) in _FIGURES.items():
+    for name, (title, kind, unit) in (_OF_STEPPERS if has_steppers(catalog) else _FIGURES).items():
         low, middle, high = quantiles(np.concatenate([columns[name] for columns in each]))
         found.append(FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high))
     return tuple(found)
@@ -77,11 +87,15 @@ def figure_columns(catalog: Catalog, one: SetRows, block: Block) -> dict[str, Ar
         SI columns by name, shape (samples,); NaN where a figure is unknown, or only bounds of it are known.
     """
     parts, factors = parts_of(catalog, one, block)
+    stepper = stepper_of(catalog, one, parts, factors)
     found: dict[str, Array] = {}
     for spec, ats in zip(block.specs, block.ats, strict=True):
-        case = loaded(spec, ats[one.belt], parts, factors, energies=True)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            figures = _demanded(spec, case) | _at_full_voltage(spec, parts, one.belt)
+        if stepper:
+            figures = stepper_figures(spec, ats[one.belt], stepper)
+        else:
+            case = loaded(spec, ats[one.belt], parts, factors, energies=True)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                figures = _demanded(spec, case) | _at_full_voltage(spec, parts, one.belt)
         for name, column in figures.items():
             values = np.array(np.broadcast_to(column, block.size))
             worse = np.minimum if name in _LEAST else np.maximum

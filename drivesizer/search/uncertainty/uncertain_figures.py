@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drivesizer.catalog.tolerances.classes import Class, classes
+from drivesizer.catalog.tolerances.classes import NOT_OF_STEPPERS, OF_STEPPERS, Class, classes
 from drivesizer.catalog.tolerances.distributions import Distribution
 from drivesizer.files.inertia import OfSolids, moment
 from drivesizer.files.yaml_source import Path_
@@ -65,9 +65,15 @@ def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[A
            for one in spec.toleranced]  # fmt: skip
     return (*own, *(
         Assumption(one.name, f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
-        for one in (classes(spec.tolerances.given) if held is None else held)
+        for one in (_of_the_kind(spec) if held is None else held)
         if one.factor is not None
     ))  # fmt: skip
+
+
+def _of_the_kind(spec: RobotSpec) -> list[Class]:
+    """The default classes of what a machine with its kind of motor has: others would take columns of its samples."""
+    foreign = NOT_OF_STEPPERS if spec.steps else OF_STEPPERS
+    return [one for one in classes(spec.tolerances.given) if (one.part, one.figure) not in foreign]
 
 
 def _named(path: Path_) -> str:
