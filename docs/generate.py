@@ -22,7 +22,8 @@ sys.path[:0] = [str(DOCS / "generated"), str(DOCS / "hooks")]
 PARTS = {  # name: module and function that make it
     "columns": ("catalog_page", "columns"), "commands": ("command_page", "commands"),
     "equations": ("equation_page", "equations"),
-    "loads": ("load_page", "loads"), "platform_equations": ("platform_page", "platform_equations"),
+    "loads": ("load_page", "loads"), "machine": ("spec_tables", "machine_sections"),
+    "platform_equations": ("platform_page", "platform_equations"),
     "sensitivities": ("following_page", "sensitivities"), "spec": ("spec_tables", "sections"),
 }  # fmt: skip
 _PART = re.compile(r"^<!-- generated: (\w+) -->\n.*?^<!-- end: \1 -->$", re.MULTILINE | re.DOTALL)

@@ -7,11 +7,13 @@ import re
 from typing import Any
 
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.several_axes.machine_schema import machine_schema
 
-__all__ = ["SCHEMA", "fields_of", "sections"]
+__all__ = ["SCHEMA", "fields_of", "machine_sections", "sections"]
 
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
-_DEFS: dict[str, Any] = SCHEMA["$defs"]
+_MACHINE: dict[str, Any] = machine_schema()
+_DEFS: dict[str, Any] = _MACHINE["$defs"] | SCHEMA["$defs"]
 _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each with its heading
     "motion": dict.fromkeys(("Trapezoid", "Triangle", "Move", "SCurve", "Harmonic", "Hold"), "")
     | {"Segments": "", "Segment": "Each of `segments`", "Csv": "", "Cam": "", "Track": ""}
@@ -62,6 +64,12 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "plant": {"Plant": ""},
     "paper_factors": {"PaperFactors": ""},
 }  # fmt: skip
+_OF_MACHINES = {  # models of machine.yaml that no spec has, each with its heading
+    "Axis": "Each of `axes`", "CarriedPlace": "Each of `carries`, where the axis turns", "RobotSection": "`robot`",
+    "RobotJointWaypoint": "Each of `waypoints`", "RobotJointLimits": "Each of `limits`", "RobotHold": "Each of `holds`",
+    "RobotPointMass": "`payload`", "RobotPayloadCase": "Each of `payloads`", "RobotDrivePlace": "Each of `drives`",
+    "RobotMounting": "`mounting` of the robot's base",
+}  # fmt: skip
 _BY_KIND = ("Fan", "Screw")  # models of several kinds: what the page says above their fields
 _LOADS = ("Cylinder", "Cylinders", "ScrewChoice")  # further models of loads, which have a page of their own
 
@@ -70,7 +78,7 @@ def sections() -> str:
     """All sections of a spec but the loads, a heading each."""
     shown = {name for names in _SECTIONS.values() for name in names} | set(_LOADS)
     loads = {reference(option) for option in SCHEMA["properties"]["load"]["oneOf"]}
-    lost = set(_DEFS) - shown - loads
+    lost = set(SCHEMA["$defs"]) - shown - loads
     if lost:
         raise ValueError(f"no section of the page shows {', '.join(sorted(lost))}")
     parts = [f"## The whole\n\n{fields_of(SCHEMA)}"]
@@ -78,6 +86,28 @@ def sections() -> str:
         parts.append(f"## {heading}")
         parts += [_model(name, title) for name, title in models.items()]
     return "\n\n".join(parts)
+
+
+def machine_sections() -> str:
+    """Fields of machine.yaml that no spec has, a heading each; its sections of a spec are those of the page."""
+    partial = {name for name in _MACHINE["$defs"] if name.removeprefix("Axis") in SCHEMA["$defs"]}
+    lost = set(_MACHINE["$defs"]) - partial - set(_OF_MACHINES)
+    if lost:
+        raise ValueError(f"no section of the page shows {', '.join(sorted(lost))}")
+    return "\n\n".join(
+        [_own("The machine", _MACHINE), *(_own(title, _DEFS[name]) for name, title in _OF_MACHINES.items())]
+    )
+
+
+def _own(title: str, model: dict[str, Any]) -> str:
+    """Fields of a model of a machine without the sections of a spec, which are the same."""
+    own = {name: field for name, field in model["properties"].items() if not _of_spec(name, model["title"])}
+    said = re.sub(r"\s+", " ", model.get("description", ""))
+    return "\n\n".join([f"### {title}", *([said] if said else []), fields_of(model | {"properties": own})])
+
+
+def _of_spec(name: str, title: str) -> bool:
+    return title in (_MACHINE["title"], "Axis") and name in SCHEMA["properties"]
 
 
 def _model(name: str, title: str) -> str:

@@ -113,21 +113,26 @@ def _written(paths: list[Path]) -> None:
 
 def schema(
     of: Annotated[
-        str, typer.Argument(metavar="WHAT", help="spec, study, catalog, report, prediction or export.")
+        str,
+        typer.Argument(
+            metavar="WHAT", help="spec, machine, study, catalog, report, machine-report, prediction or export."
+        ),
     ] = "spec",
 ) -> None:
-    """Print the JSON Schema of robot.yaml, a study or a catalogue, for editors, or of a JSON document, for programs."""
+    """Print the JSON Schema of robot.yaml, a machine, a study or a catalogue, or of a JSON document, for programs."""
     import json
 
     from drivesizer.catalog.schema import catalog_schema
     from drivesizer.output.export.json_document import export_schema
     from drivesizer.output.json.prediction import prediction_schema
-    from drivesizer.output.json.schema import report_schema
+    from drivesizer.output.json.schema import machine_report_schema, report_schema
     from drivesizer.spec.robot import RobotSpec
+    from drivesizer.spec.several_axes.machine_schema import machine_schema
     from drivesizer.study.schema import StudyFile
 
     made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema}
     made |= {"study": StudyFile.model_json_schema, "prediction": prediction_schema, "export": export_schema}
+    made |= {"machine": machine_schema, "machine-report": machine_report_schema}
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
     typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))

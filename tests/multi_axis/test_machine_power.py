@@ -8,14 +8,13 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
 
 from drivesizer.errors import InputError
 from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.sizing import laden, size_machine
-from drivesizer.output.json import schema
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.machine import machine_document
+from drivesizer.output.json.schema import machine_report_schema
 from drivesizer.output.parts import machine_parts_of_axes
 from drivesizer.output.terminal.several_axes import machine_sizing
 from drivesizer.results.machine import MachineSizing
@@ -65,7 +64,11 @@ def test_a_machine_is_judged_on_its_supply(sizing):
 
 def test_its_document_obeys_the_schema_and_has_its_course(sizing):
     document = json.loads(as_text(machine_document(sizing)))
-    jsonschema.validate(document["power"], TypeAdapter(schema.MachinePower).json_schema())
+    validator = jsonschema.Draft202012Validator(machine_report_schema())
+    validator.check_schema(machine_report_schema())
+    validator.validate(document)
+    for key, wrong in (("axes", {"x": {}}), ("total", "1 kg"), ("status", "good"), ("further", 1)):
+        assert not validator.is_valid({**document, key: wrong})
     power, course = sizing.power, document["power"]["course"]
     lasting = np.diff(course["time_s"])
     assert course["total_W"] @ lasting == pytest.approx(power.total @ np.diff(power.time))

@@ -18,7 +18,7 @@ from drivesizer.catalog import columns_of
 from drivesizer.catalog.tables import CONFIDENCE, ESTIMATED
 from drivesizer.units import KINDS
 
-__all__ = ["Generator", "report_schema"]
+__all__ = ["Generator", "machine_report_schema", "report_schema"]
 
 
 class _PartOf(NamedTuple):
@@ -230,7 +230,16 @@ class Generator(GenerateJsonSchema):
 
 def report_schema() -> dict[str, Any]:
     """The JSON Schema of ``drivesizer report -o report.json``."""
-    every = TypeAdapter(list[Report], config=ConfigDict(extra="forbid")).json_schema(schema_generator=Generator)
-    report: dict[str, Any] = every["$defs"].pop("Report")
-    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "drivesizer report"}
-    return report | dialect | {"$defs": every["$defs"]}
+    return _document(Report, "drivesizer report")
+
+
+def machine_report_schema() -> dict[str, Any]:
+    """The JSON Schema of ``drivesizer size --json`` and ``drivesizer report -o report.json`` of a machine."""
+    return _document(Machine, "drivesizer report of a machine")
+
+
+def _document(of: Any, title: str) -> dict[str, Any]:
+    every = TypeAdapter(list[of], config=ConfigDict(extra="forbid")).json_schema(schema_generator=Generator)
+    document: dict[str, Any] = every["$defs"].pop(of.__name__)
+    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title}
+    return document | dialect | {"$defs": every["$defs"]}

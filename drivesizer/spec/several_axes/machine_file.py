@@ -30,24 +30,35 @@ from drivesizer.spec.sections import Environment, Supply, TitleBlock
 from drivesizer.spec.several_axes.carried import check_carrier
 from drivesizer.spec.several_axes.machine import AxisSpec, Carried, MachineSpec
 
-__all__ = ["in_order", "is_machine", "joint_axis", "load_any", "load_machine", "on_common_bus", "read_machine"]
+__all__ = [
+    "WHOLE",
+    "AxisFields",
+    "MachineFields",
+    "in_order",
+    "is_machine",
+    "joint_axis",
+    "load_any",
+    "load_machine",
+    "on_common_bus",
+    "read_machine",
+]
 
 _OWN = ("axes", "timing", "cycle_time", "total", "few_kinds", "robot")  # fields of a machine that no axis has
-_WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
+WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
 _COMPUTED = {"kind": "recorded", "file": "of the description"}  # the load of a joint, until it is computed
 _NAME = re.compile(r"[^\W_][\w .-]{0,59}")  # of an axis, which names files of exports too
 
 
-class _Place(Section):
+class CarriedPlace(Section):
     """Place of a carried drive."""
 
     at: Place | None = Field(default=None, description="distance of its drive from the carrying axis, where that turns")
 
 
-class _Axis(Section):
+class AxisFields(Section):
     """Fields of an axis that a robot.yaml lacks."""
 
-    carries: list[str] | dict[str, _Place] = Field(
+    carries: list[str] | dict[str, CarriedPlace] = Field(
         default_factory=list, description="axes whose drives ride on this one; where it turns, each with its distance"
     )
 
@@ -61,7 +72,7 @@ class _Axis(Section):
     start: Pause = default("0 s", description="of its motion, after that of the machine's cycle")
 
 
-class _Machine(Section):
+class MachineFields(Section):
     """Fields of a machine beside the sections that are defaults of its axes."""
 
     name: str = Field(min_length=1, max_length=200)
@@ -199,10 +210,10 @@ def read_machine(source: YamlSource) -> MachineSpec:
     return machine if head.robot else in_order(machine)
 
 
-def _check_whole(source: YamlSource, head: _Machine) -> None:
+def _check_whole(source: YamlSource, head: MachineFields) -> None:
     """Refuse sections of the machine that do not go together: each as it is refused of a single axis."""
     name, own = next(iter(head.axes.items()), (head.name, {}))
-    sections = {field: value for field, value in own.items() if field not in (*_Axis.model_fields, "supply")}
+    sections = {field: value for field, value in own.items() if field not in (*AxisFields.model_fields, "supply")}
     if head.robot is not None and "load" not in sections:
         sections["load"] = _COMPUTED
     read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
@@ -236,22 +247,22 @@ def on_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
 
 def _shared(source: YamlSource, *, alone: bool) -> dict[str, Any]:
     """Sections of the machine that are defaults of its axes."""
-    left = _OWN if alone else (*_OWN, *_WHOLE)
+    left = _OWN if alone else (*_OWN, *WHOLE)
     return {name: value for name, value in source.data.items() if name not in left}
 
 
-def _head(source: YamlSource) -> _Machine:
+def _head(source: YamlSource) -> MachineFields:
     """Fields of the machine itself; sections that only axes have are left to these."""
     data = source.data
-    given = {name: value for name, value in data.items() if name in _Machine.model_fields}
-    unknown = next((name for name in data if name not in _Machine.model_fields | RobotSpec.model_fields), None)
+    given = {name: value for name, value in data.items() if name in MachineFields.model_fields}
+    unknown = next((name for name in data if name not in MachineFields.model_fields | RobotSpec.model_fields), None)
     if unknown is not None:
-        names = {*_Machine.model_fields, *RobotSpec.model_fields}
+        names = {*MachineFields.model_fields, *RobotSpec.model_fields}
         raise InputError(f"{source.where((unknown,))}: unknown key{nearest(unknown, names)}")
     try:
-        return _Machine.model_validate(given)
+        return MachineFields.model_validate(given)
     except ValidationError as error:
-        raise explained(error, source, _Machine, given) from None
+        raise explained(error, source, MachineFields, given) from None
 
 
 def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisSpec:
@@ -292,11 +303,11 @@ def _axis(source: YamlSource, shared: dict[str, Any], name: str, own: dict[str, 
     at: Path_ = ("axes", name)
     if not _NAME.fullmatch(name):
         raise InputError(f"{source.where(at)}: {quoted(name)} names no axis; expected letters and digits, e.g. lift")
-    given = {field: own[field] for field in _Axis.model_fields if field in own}
+    given = {field: own[field] for field in AxisFields.model_fields if field in own}
     try:
-        head = _Axis.model_validate(given)
+        head = AxisFields.model_validate(given)
     except ValidationError as error:
-        raise explained(error, source, _Axis, given, at) from None
+        raise explained(error, source, AxisFields, given, at) from None
     sections = _sections(source, at, own, alone)
     is_joint = source.data.get("robot") is not None and "load" not in sections
     if is_joint and head.carries:
@@ -319,20 +330,20 @@ def _axis(source: YamlSource, shared: dict[str, Any], name: str, own: dict[str, 
 
 def _sections(source: YamlSource, at: Path_, own: dict[str, Any], alone: bool) -> dict[str, Any]:
     """Sections of an axis that a robot.yaml has too."""
-    sections = {field: value for field, value in own.items() if field not in _Axis.model_fields}
+    sections = {field: value for field, value in own.items() if field not in AxisFields.model_fields}
     unknown = next((field for field in sections if field not in RobotSpec.model_fields), None)
     if unknown is not None:
-        names = [*_Axis.model_fields, *RobotSpec.model_fields]
+        names = [*AxisFields.model_fields, *RobotSpec.model_fields]
         raise InputError(f"{source.where((*at, unknown))}: unknown key{nearest(unknown, names)}")
-    whole = next((field for field in _WHOLE if field in sections and not alone), None)
+    whole = next((field for field in WHOLE if field in sections and not alone), None)
     if whole:
         raise InputError(f"{source.where((*at, whole))}: it is of the machine; expected at the top of the file")
     return sections
 
 
-def _carries(head: _Axis) -> tuple[Carried, ...]:
+def _carries(head: AxisFields) -> tuple[Carried, ...]:
     """Carried axes, with their distances where these are given."""
-    places = head.carries if isinstance(head.carries, dict) else dict.fromkeys(head.carries, _Place())
+    places = head.carries if isinstance(head.carries, dict) else dict.fromkeys(head.carries, CarriedPlace())
     return tuple(Carried(other, place.at) for other, place in places.items())
 
 
