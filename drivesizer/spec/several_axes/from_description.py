@@ -33,6 +33,7 @@ robot:
       pause: 0.5 s
     - positions: {{{there}}}
       pause: 0.5 s
+    - positions: {{{here}}}
   limits:
     all: {{acceleration: {acceleration}}}    # assumed
 {further}
