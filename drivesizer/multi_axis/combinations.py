@@ -25,7 +25,7 @@ class Choice(NamedTuple):
 
 
 class Combination(NamedTuple):
-    """A drive for each axis, by the axis' name; none where an axis has no drive, then the axes up to it have one."""
+    """A drive for each axis that has one, by its name."""
 
     chosen: dict[str, Choice]
     cost: Cost
@@ -141,9 +141,11 @@ def _lightest(search: _Search) -> Combination:
 
 
 def _without(search: _Search, missing: str) -> Combination:
-    """The lightest drives up to an axis that has none."""
+    """The lightest drives of all axes that have one, nothing riding on their carriers of those that have none."""
     chosen: dict[str, Choice] = {}
-    for axis in search.order[: search.order.index(missing)]:
-        found = search.choices(axis, {name: choice.mass for name, choice in chosen.items()})
-        chosen[axis] = min(found, key=lambda choice: choice.mass)
-    return Combination(chosen, _total(choice.cost for choice in chosen.values()), True, len(search.made), missing)
+    for axis in search.order:
+        masses = {name: chosen[name].mass if name in chosen else 0.0 for name in search.order}
+        found = search.choices(axis, masses)
+        if found:
+            chosen[axis] = min(found, key=lambda choice: choice.mass)
+    return Combination(chosen, _total(choice.cost for choice in chosen.values()), False, len(search.made), missing)

@@ -51,12 +51,10 @@ class Joints:
             With the load of every load case.
         """
         assert self.torques is not None
-        made = [
-            spec.model_copy(update={"load": self.torques.load(joint, masses, case)})
-            for case in range(len(self.torques.cases))
-        ]
-        made[0]._cases = tuple((case.name, one) for case, one in zip(self.torques.cases[1:], made[1:], strict=True))
-        return made[0]
+        loads = [self.torques.load(joint, masses, case) for case in range(len(self.torques.cases))]
+        made = spec.changed(lambda one: one.model_copy(update={"load": loads[0]}))
+        further = ((case.name, load) for case, load in zip(self.torques.cases[1:], loads[1:], strict=True))
+        return made.with_cases((name, made.alone(load=load)) for name, load in further)
 
     def rises(self, joint: str, masses: Mapping[str, float]) -> bool:
         """Whether more mass of the drives on a joint nowhere lessens its torque.

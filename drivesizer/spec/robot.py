@@ -8,7 +8,7 @@ that ``drivesizer schema`` prints.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
 from dataclasses import asdict
 from math import nan
@@ -416,6 +416,12 @@ class RobotSpec(Section):
         """The spec without further load cases, some of its sections changed."""
         made = self.model_copy(update={"cases": [], **sections})
         made._cases = ()
+        return made
+
+    def with_cases(self, further: Iterable[tuple[str, RobotSpec]]) -> RobotSpec:
+        """The spec with more load cases behind its own, by name."""
+        made = self.model_copy()
+        made._cases = (*self._cases, *further)
         return made
 
     @property

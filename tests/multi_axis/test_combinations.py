@@ -108,3 +108,12 @@ def test_unknown_costs_come_behind_known_ones() -> None:
 
     found = best_combination(("tip", "base"), {"tip": (), "base": ("tip",)}, sized)
     assert found.chosen["tip"].name == "dear" and found.cost == (0, 51.0)
+
+
+def test_where_an_axis_has_no_drive_the_others_still_ride() -> None:
+    def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
+        return [] if axis == "middle" else [Choice(f"{axis} {sum(masses):g}", (0, 1.0), 2.0)]
+
+    found = best_combination(ORDER, CARRIED, sized)
+    assert found.missing == "middle" and not found.certain
+    assert {axis: choice.name for axis, choice in found.chosen.items()} == {"tip": "tip 0", "base": "base 2"}

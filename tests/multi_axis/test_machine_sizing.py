@@ -179,3 +179,18 @@ def test_faults_of_joints_are_one_line(change: dict[str, Any], said: str, tmp_pa
     with pytest.raises(InputError) as error:
         size_machine(load_machine({**two_joints(tmp_path), **change}))
     assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_cases_of_the_file_and_poses_of_the_robot_are_load_cases_and_sampled(tmp_path: Path) -> None:
+    pose = {"name": "stretched", "positions": {"shoulder": "0 deg", "elbow": "0 deg"}, "time": "5 s"}
+    machine = two_joints(tmp_path, holds=[pose])
+    machine["supply"] = {"nominal": "48 V +- 2 V"}
+    machine["select"] = {"motor": {"family": "EC-max*"}, "gearhead": {"family": "GP 32*"}}
+    machine["cases"] = [{"name": "hot", "environment": {"ambient": "45 degC"}}]
+    machine["axes"] = {"shoulder": {"tolerances": {"samples": 64}}}
+    shoulder = size_machine(load_machine(machine), top=1).axis("shoulder")
+    assert [name for name, _ in shoulder.spec.load_cases] == ["as specified", "hot", "stretched"]
+    hot, stretched = (case for _, case in shoulder.spec.load_cases[1:])
+    assert hot.environment.ambient == pytest.approx(318.15) and not hot.load.case
+    assert stretched.load.case == "stretched" and stretched.load.cycle.speed.max() == 0.0
+    assert shoulder.best.reliability.probability > 0.5

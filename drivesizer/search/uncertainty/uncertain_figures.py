@@ -98,7 +98,7 @@ def case_paths(spec: RobotSpec, number: int | None) -> dict[int, Path_]:
     """
     if number is None:
         return {k: one.path for k, one in enumerate(spec.toleranced) if one.path[0] != "cases"}
-    own = spec.entered["cases"][number]
+    own = dict(enumerate(spec.entered.get("cases") or ())).get(number, {})  # poses of a robot are not in the file
     found: dict[int, Path_] = {}
     for k, one in enumerate(spec.toleranced):
         if one.path[:2] == ("cases", number):

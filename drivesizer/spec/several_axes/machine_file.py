@@ -29,6 +29,7 @@ from drivesizer.spec.robot_section import RobotSection
 from drivesizer.spec.sections import Environment, Supply, TitleBlock
 from drivesizer.spec.several_axes.carried import check_carrier
 from drivesizer.spec.several_axes.machine import AxisSpec, Carried, MachineSpec
+from drivesizer.spec.tolerance_text import taken
 
 __all__ = [
     "WHOLE",
@@ -253,7 +254,7 @@ def _shared(source: YamlSource, *, alone: bool) -> dict[str, Any]:
 
 def _head(source: YamlSource) -> MachineFields:
     """Fields of the machine itself; sections that only axes have are left to these."""
-    data = source.data
+    data, _ = taken(source)
     given = {name: value for name, value in data.items() if name in MachineFields.model_fields}
     unknown = next((name for name in data if name not in MachineFields.model_fields | RobotSpec.model_fields), None)
     if unknown is not None:
