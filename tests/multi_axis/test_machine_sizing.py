@@ -185,7 +185,7 @@ def test_cases_of_the_file_and_poses_of_the_robot_are_load_cases_and_sampled(tmp
     pose = {"name": "stretched", "positions": {"shoulder": "0 deg", "elbow": "0 deg"}, "time": "5 s"}
     machine = two_joints(tmp_path, holds=[pose])
     machine["supply"] = {"nominal": "48 V +- 2 V"}
-    machine["select"] = {"motor": {"family": "EC-max*"}, "gearhead": {"family": "GP 32*"}}
+    machine["select"] = {"motor": {"family": ["RE 40", "EC-max 30", "EC-4pole 30"]}}
     machine["cases"] = [{"name": "hot", "environment": {"ambient": "45 degC"}}]
     machine["axes"] = {"shoulder": {"tolerances": {"samples": 64}}}
     shoulder = size_machine(load_machine(machine), top=1).axis("shoulder")
