@@ -57,6 +57,7 @@ bench: $(TOOLS)
 	$(BIN)/python benchmarks/platform_following.py
 	$(BIN)/python benchmarks/tolerances.py
 	$(BIN)/python benchmarks/study.py
+	$(BIN)/python benchmarks/machine.py
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .hypothesis

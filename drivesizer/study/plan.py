@@ -19,6 +19,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
 from drivesizer.search.ranking import objective_of, title_of
+from drivesizer.spec.several_axes.machine_file import is_machine
 from drivesizer.study.axes import Axis, Place, axes_of, once
 from drivesizer.study.schema import Hypercube, StudyFile, schema_of
 
@@ -181,6 +182,11 @@ def _spec(place: Place, name: str, folder: Path) -> YamlSource:
     found = read(folder / name)
     if not isinstance(found.data, dict):
         raise InputError(f"{found.name}: expected fields such as name, load, motion; see `drivesizer init`")
+    if is_machine(found):
+        raise place.error(
+            f"{quoted(name)} is a machine, of which no study is made; expected the spec of one axis, "
+            "with the drives on it in the mass of its load"
+        )
     return found
 
 

@@ -396,3 +396,10 @@ def test_the_amounts_on_the_page_are_the_program_s():
         per_second = float(sets.replace(" ", "")) / (float(time) * {"ms": 1e-3, "s": 1.0}[unit])
         assert math.isclose(per_second, float(rate.replace(" ", "")), rel_tol=0.1)
     assert len(rows) == 3
+
+
+def test_a_machine_of_several_axes_is_refused_in_a_line(tmp_path):
+    (tmp_path / "cell.yaml").write_text("name: cell\nsupply: {nominal: 24 V}\naxes: {x: {}}\n", encoding="utf-8")
+    (tmp_path / "study.yaml").write_text("spec: cell.yaml\nvary: {load.mass: [1 kg, 2 kg]}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r'study.yaml:1: spec: "cell.yaml" is a machine.*the spec of one axis'):
+        read_study(tmp_path / "study.yaml")
