@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Chosen, More, OfAxis, Spec, load, print_notes, working
+from drivesizer.commands.common import (
+    DEFAULT,
+    Chosen,
+    More,
+    NothingFitsError,
+    OfAxis,
+    Spec,
+    load_whole,
+    print_notes,
+    working,
+)  # fmt: skip
+from drivesizer.commands.machine import of_one_axis, sized_machine
 from drivesizer.commands.validate import pick
 
 __all__ = ["export"]
@@ -21,15 +32,42 @@ def export(
     axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
-    """Write a drive for a simulator: MuJoCo, URDF, Gazebo, ros2_control, an FMU, or plain JSON."""
+    """Write a drive for a simulator: MuJoCo, URDF, Gazebo, ros2_control, an FMU, or plain JSON.
+
+    Of a machine all axes in one file, as mjcf, urdf or ros2_control: a robot's description with its drives, every
+    other axis as a joint of its own whose names begin with the axis.
+    """
     from drivesizer.output.export import accept, export_of, write
 
-    robot = load(spec, catalogs, axis)
+    robot = load_whole(spec, catalogs, axis)
+    if hasattr(robot, "axes"):
+        _whole(robot, output, form, chosen)
+        return
     accept(form, output)
     found = pick(robot, chosen)
     with working("designing the controller"):
         record = export_of(robot, found)
         written = write(record, form, output)
-    print_notes(record.said)
+    _printed(record.said, written)
+
+
+def _whole(machine: Any, output: Path, form: str, chosen: str | None) -> None:
+    """Write all axes of a machine."""
+    from drivesizer.output.export.machine import accept_machine, machine_export, write_machine
+
+    of_one_axis({"--set": chosen})
+    accept_machine(form, output)
+    result = sized_machine(machine, 1, None)
+    without = next((one.name for one in result.axes if one.best is None), None)
+    if without is not None:
+        raise NothingFitsError(f"{without}: no drive meets all limits; `drivesizer size` shows the closest rejected")
+    with working("designing the controllers"):
+        record = machine_export(result, one_rate=form == "ros2_control")
+        written = write_machine(record, form, output)
+    _printed((*record.said, *record.notes), written)
+
+
+def _printed(notes: tuple[str, ...], written: list[Path]) -> None:
+    print_notes(notes)
     for path in written:
         typer.echo(path)

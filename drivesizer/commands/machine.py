@@ -11,7 +11,7 @@ import typer
 from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, simulating, working
 from drivesizer.errors import InputError, NoLoopError
 
-__all__ = ["report_all", "size_all", "sized_machine", "validate_axes"]
+__all__ = ["of_one_axis", "report_all", "size_all", "sized_machine", "validate_axes"]
 
 
 def size_all(
@@ -43,7 +43,7 @@ def size_all(
     int
         0 where every axis has a drive, else 1.
     """
-    _of_one_axis(given)
+    of_one_axis(given)
     result = sized_machine(machine, top, objective, sampling)
     if json:
         from drivesizer.output.json.documents import as_text
@@ -94,7 +94,7 @@ def report_all(
     """
     from drivesizer.output.report import write_machine, write_machine_figures
 
-    _of_one_axis(given)
+    of_one_axis(given)
     result = sized_machine(machine, top, objective, sampling)
     with working("writing the report"):
         written = write_machine(result, output, paper=paper, date=date)
@@ -122,7 +122,7 @@ def validate_axes(machine: Any, given: Mapping[str, object], profile: str | None
     int
         0 where no axis fails, else 1.
     """
-    _of_one_axis(given)
+    of_one_axis(given)
     result, proofs, notes = sized_machine(machine, 1, None), {}, []
     without = next((axis.name for axis in result.axes if axis.best is None), None)
     if without is not None:
@@ -153,8 +153,19 @@ def _proof(axis: Any, profile: str | None) -> Any:
         return validate(axis.spec, axis.best, profile=profile, load_case=hardest_case(axis.spec, axis.best))
 
 
-def _of_one_axis(given: Mapping[str, object]) -> None:
-    """Refuse options that are of a single axis."""
+def of_one_axis(given: Mapping[str, object]) -> None:
+    """Refuse options that are of a single axis.
+
+    Parameters
+    ----------
+    given
+        Values by option; one that is not empty is refused.
+
+    Raises
+    ------
+    InputError
+        One line.
+    """
     refused = next((name for name, value in given.items() if value), None)
     if refused:
         raise InputError(f"{refused}: it is of a single axis; expected --axis beside it")

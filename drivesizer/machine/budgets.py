@@ -44,6 +44,8 @@ __all__ = [
     "mass_without_drive",
     "of_the_platform",
     "regeneration",
+    "riding_mass",
+    "riding_rows",
     "rows_of_drive",
 ]
 
@@ -207,6 +209,44 @@ def rows_of_drive(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
         return rows
     each = nan if spec.gear.mass is None else spec.gear.mass
     return *rows, MassRow(name=spec.gear.kind, each=each, number=spec.load.motors)
+
+
+def riding_mass(problem: Problem, one: DriveParts) -> float:
+    """Mass of an axis' drives that ride on another, without their controllers [kg].
+
+    What is estimated counts at the upper end of its band, as for a vehicle that carries its own drive.
+
+    Parameters
+    ----------
+    problem
+        The axis.
+    one
+        Its drive.
+
+    Returns
+    -------
+    float
+        Without parts of unknown mass.
+    """
+    return math.fsum(row.ends[1] for row in riding_rows(problem, one) if not isnan(row.each))
+
+
+def riding_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
+    """Masses of an axis' drives that ride on another, part by part: all but the controllers.
+
+    Parameters
+    ----------
+    problem
+        The axis.
+    one
+        Its drive.
+
+    Returns
+    -------
+    tuple of MassRow
+        NaN where a mass is unknown.
+    """
+    return tuple(row for row in rows_of_drive(problem, one) if row.name != "controller")
 
 
 def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:

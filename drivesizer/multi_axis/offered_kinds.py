@@ -11,12 +11,11 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.tables import Pairs
-from drivesizer.machine.budgets import rows_of_drive
+from drivesizer.machine.budgets import riding_mass
 from drivesizer.multi_axis.combinations import Choice, Cost
 from drivesizer.multi_axis.few_kinds import Kind, within
 from drivesizer.results.check import Status
 from drivesizer.results.drive_set import DriveParts, DriveSet
-from drivesizer.results.mass import MassRow
 from drivesizer.results.problem import Problem
 from drivesizer.search.both_methods import other_checks
 from drivesizer.search.own_mass import problem_with_drive_mass
@@ -28,7 +27,7 @@ from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["ORDER", "Loaded", "OfferedKinds", "kind_of", "riding_mass", "riding_rows"]
+__all__ = ["ORDER", "Loaded", "OfferedKinds", "kind_of"]
 
 ORDER: tuple[Status, ...] = ("pass", "open", "unknown", "fail")
 _FIRST = 200  # kinds of an axis that shares none, among which it chooses where other masses are on it
@@ -57,44 +56,6 @@ class _Row(NamedTuple):
 def kind_of(one: DriveParts) -> Kind:
     """Part numbers of a drive's motor and gearhead."""
     return one.motor.part, one.gearhead.part
-
-
-def riding_mass(problem: Problem, one: DriveParts) -> float:
-    """Mass of an axis' drives that ride on another, without their controllers [kg].
-
-    What is estimated counts at the upper end of its band, as for a vehicle that carries its own drive.
-
-    Parameters
-    ----------
-    problem
-        The axis.
-    one
-        Its drive.
-
-    Returns
-    -------
-    float
-        Without parts of unknown mass.
-    """
-    return fsum(row.ends[1] for row in riding_rows(problem, one) if not isnan(row.each))
-
-
-def riding_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
-    """Masses of an axis' drives that ride on another, part by part: all but the controllers.
-
-    Parameters
-    ----------
-    problem
-        The axis.
-    one
-        Its drive.
-
-    Returns
-    -------
-    tuple of MassRow
-        NaN where a mass is unknown.
-    """
-    return tuple(row for row in rows_of_drive(problem, one) if row.name != "controller")
 
 
 class OfferedKinds:

@@ -9,11 +9,12 @@ from typing import Any
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
+from drivesizer.machine.budgets import riding_mass, riding_rows
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, best_combination
 from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
 from drivesizer.multi_axis.joint_axes import with_joints
 from drivesizer.multi_axis.machine_power import machine_power, with_choppers
-from drivesizer.multi_axis.offered_kinds import ORDER, Loaded, OfferedKinds, kind_of, riding_mass, riding_rows
+from drivesizer.multi_axis.offered_kinds import ORDER, Loaded, OfferedKinds, kind_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, of_all_drives
 from drivesizer.results.problem import Problem

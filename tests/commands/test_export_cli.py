@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import jsonschema
 import pytest
@@ -67,3 +68,19 @@ def test_the_schema_is_printed(example, tmp_path, run):
     run("export", example, "--format", "json", "-o", tmp_path / "a.json")
     jsonschema.Draft202012Validator(json.loads(out)).validate(json.loads((tmp_path / "a.json").read_text()))
     assert status == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--format", "urdf", "--set", "1/2"], "--set: it is of a single axis; expected --axis beside it"),
+        (
+            ["--format", "fmu"],
+            "fmu is of a single axis; expected --axis beside it, or mjcf, urdf, ros2_control",
+        ),
+    ],
+)
+def test_of_a_machine_all_axes_or_one_line(words, said, tmp_path, run):
+    machine = Path(__file__).resolve().parents[2] / "examples" / "six_joint_arm.yaml"
+    status, out, err = run("export", machine, *words, "-o", tmp_path / f"arm.{'fmu' if 'fmu' in words else 'urdf'}")
+    assert (status, out, err.count("\n")) == (2, "", 1) and said in err and not list(tmp_path.iterdir())

@@ -28,30 +28,38 @@ from drivesizer.output.export.link import LEAST_INERTIA, Link, Vector, far_above
 from drivesizer.output.export.markup import brief, document, number, remark, text, vector
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 
-__all__ = ["DAMPING", "LOAD", "MOTOR", "PLUMB", "SHAFT", "render"]
+__all__ = [
+    "DAMPING", "LOAD", "MOST_POINTS", "MOTOR", "PER_PERIOD", "PLUMB", "SHAFT", "feedforward", "hard", "motor_figures",
+    "render", "tree",
+]  # fmt: skip
 
 SHAFT, MOTOR, DAMPING, LOAD, PLUMB = "shaft", "motor", "motor_damping", "load_torque", "plumb_line"
-_PER_PERIOD = 4  # steps in a period of the velocity loop: MuJoCo's is of first order in its step
+PER_PERIOD = 4  # steps in a period of the velocity loop: MuJoCo's is of first order in its step
 _HARD = "0.9999 0.9999 0.001 0.5 2"  # its dry friction is a constraint, this is as hard as it gets
-_MOST_POINTS = 2000  # of the cycle in the file
+MOST_POINTS = 2000  # of the cycle in the file
 _ZERO_CELSIUS = 273.15
 _SHOWN = {"mass": "0", "contype": "0", "conaffinity": "0"}  # of a shape that is for display only
 
 
 def render(of: Export) -> bytes:
     """The file of a drive."""
+    return document(tree(of))
+
+
+def tree(of: Export) -> Element:
+    """The model of a drive."""
     law = None if of.stepper else torque_law(of)
     root = Element("mujoco", model=text(of.name))
     said = _remarks(of, law) if law else _stepper_remarks(of)
     remark(root, f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V.", *said)
     SubElement(root, "compiler", angle="radian", autolimits="true")
-    option = SubElement(root, "option", timestep=number(of.period / _PER_PERIOD), integrator="Euler",
+    option = SubElement(root, "option", timestep=number(of.period / PER_PERIOD), integrator="Euler",
                         gravity=vector((0.0, 0.0, -of.gravity)))  # fmt: skip
     SubElement(option, "flag", contact="disable")
     _world(root, of)
     actuator = SubElement(root, "actuator")
     if law:
-        _motor(actuator, of, law)
+        SubElement(actuator, "dcmotor", {"name": MOTOR, "joint": SHAFT, **motor_figures(of, law)})
     else:
         _stepper(actuator, of)
     _load(actuator, of)
@@ -60,7 +68,7 @@ def render(of: Export) -> bytes:
         SubElement(sensor, kind, name=name, joint=SHAFT)
     SubElement(sensor, "actuatorfrc", name="motor_torque", actuator=MOTOR)
     _cycle(root, of)
-    return document(root)
+    return root
 
 
 def _remarks(of: Export, law: TorqueLaw) -> list[str]:
@@ -68,7 +76,7 @@ def _remarks(of: Export, law: TorqueLaw) -> list[str]:
         f"{one_of(of)}The joint is the driven shaft; the load travels {of.travel}."
         if of.train.radius != 1.0 else f"{one_of(of)}The joint is the load's.",
         "ctrl, at every step: reference [0] angle [rad] and [1] speed w [rad/s] of the motor, "
-        f"{number(of.train.ratio)} times those of the shaft; [2] feedforward torque [N*m], {_ahead(law)}; "
+        f"{number(of.train.ratio)} times those of the shaft; [2] feedforward torque [N*m], {feedforward(law)}; "
         "[3] torque of the load [N*m] beyond inertia, friction and weight.",
         'On plain voltage: input="voltage" in place of input and controller; then ctrl is [0] voltage, [1] load.',
         *_gear_remarks(of),
@@ -143,7 +151,7 @@ def _load_input(of: Export) -> int:
     return 2 if of.stepper else 3
 
 
-def _ahead(law: TorqueLaw) -> str:
+def feedforward(law: TorqueLaw) -> str:
     """The law of the feedforward, in words."""
     terms = [(law.per_speed, "w"), (law.per_acceleration, "dw/dt"), (law.per_direction, "sign(w)")]
     return " + ".join(f"{number(gain)} {what}" for gain, what in terms if gain) or "0"
@@ -174,7 +182,7 @@ def _world(root: Element, of: Export) -> None:
     armature = rotor + train.load_inertia * lost - (more * of.lever.length**2 if of.lever else 0.0)
     remark(body, "The body is the load's own: armature, and the mass of gears_loss, are what the gears add to it.")
     turns = {"name": SHAFT, "type": "hinge", "axis": vector(found.axis), "frictionloss": number(friction)}
-    SubElement(body, "joint", turns | {"armature": number(armature)} | _hard(of))
+    SubElement(body, "joint", turns | {"armature": number(armature)} | hard(of.period / PER_PERIOD))
     remark(body, found.said)
     about = vector([found.inertia] * 3)
     SubElement(body, "inertial", pos=vector(found.centre), mass=number(found.mass), diaginertia=about)
@@ -200,7 +208,7 @@ def _plumb(root: Element, ends: dict[str, tuple[Element, Vector]], friction: flo
     lever, unseen = of.lever, {"rgba": "0 0 0 0"}
     assert lever is not None
     force = {"name": PLUMB, "width": "1e-4", "frictionloss": number(friction / lever.length)}
-    line = SubElement(SubElement(root, "tendon"), "spatial", force | unseen | _hard(of))
+    line = SubElement(SubElement(root, "tendon"), "spatial", force | unseen | hard(of.period / PER_PERIOD))
     for name, (parent, place) in ends.items():
         SubElement(parent, "site", {"name": name, "pos": vector(place), "size": "1e-3"} | unseen)
         SubElement(line, "site", site=name)
@@ -212,17 +220,39 @@ def _by_direction(of: Export) -> tuple[float, float]:
     return (1.0 / e + e) / 2.0, (1.0 / e - e) / 2.0
 
 
-def _hard(of: Export) -> dict[str, str]:
-    """Of a dry friction, as hard as MuJoCo has it."""
-    return {"solreffriction": f"{number(2 * of.period / _PER_PERIOD)} 1", "solimpfriction": _HARD}
+def hard(step: float) -> dict[str, str]:
+    """Attributes of a dry friction, as hard as MuJoCo has it.
+
+    Parameters
+    ----------
+    step
+        Of time [s].
+
+    Returns
+    -------
+    dict
+        Of a joint or a tendon.
+    """
+    return {"solreffriction": f"{number(2 * step)} 1", "solimpfriction": _HARD}
 
 
-def _motor(actuator: Element, of: Export, law: TorqueLaw) -> None:
-    """The motor with its winding and its controller."""
+def motor_figures(of: Export, law: TorqueLaw) -> dict[str, str]:
+    """Attributes of the motor with its winding and its controller.
+
+    Parameters
+    ----------
+    of, law
+        The drive, and its controller.
+
+    Returns
+    -------
+    dict
+        Of ``dcmotor``, but for its name and what it moves.
+    """
     train = of.train
     s = _unlike(train)
     figures = {
-        "name": MOTOR, "joint": SHAFT, "gear": number(train.ratio), "resistance": number(train.resistance),
+        "gear": number(train.ratio), "resistance": number(train.resistance),
         "motorconst": f"{number(train.torque_constant)} {number(train.back_emf_constant)}",
         "armature": number(train.motor_inertia), "damping": number(train.viscous), "input": "pos vel ff",
         "controller": " ".join(number(x) for x in (law.kp, law.ki, law.kd, 0.0, 0.0, s * of.voltage)),
@@ -233,7 +263,7 @@ def _motor(actuator: Element, of: Export, law: TorqueLaw) -> None:
         figures["saturation"] = f"0 {number(s * of.peak_current)} 0"
     if of.heat is not None:
         figures["thermal"] = _thermal(of)
-    SubElement(actuator, "dcmotor", figures)
+    return figures
 
 
 def _stepper(actuator: Element, of: Export) -> None:
@@ -284,8 +314,8 @@ def _cycle(root: Element, of: Export) -> None:
     columns = {"cycle_time": cycle.time, "cycle_speed": cycle.speed}
     if cycle.load_time:
         columns |= {"cycle_load_time": cycle.load_time, "cycle_load_torque": cycle.load_torque}
-    if max(map(len, columns.values())) > _MOST_POINTS:
-        remark(custom, f"The cycle has more than {_MOST_POINTS} points and is left out; --format json has it.")
+    if max(map(len, columns.values())) > MOST_POINTS:
+        remark(custom, f"The cycle has more than {MOST_POINTS} points and is left out; --format json has it.")
         return
     remark(custom, "One cycle, straight lines between points: time [s], speed of the shaft [rad/s], load [N*m].")
     for name, column in columns.items():

@@ -21,6 +21,7 @@ The controller manager's update_rate is a whole number of hertz, 100 where none 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from drivesizer.errors import InputError
@@ -30,7 +31,10 @@ from drivesizer.output.export.joint import JOINT, limited
 from drivesizer.output.export.markup import document, identifier, number, remark, text
 from drivesizer.output.export.urdf import robot
 
-__all__ = ["CONTROLLER", "controllers", "render"]
+__all__ = [
+    "CONTROLLER", "REMARKS", "TRAJECTORY", "commented", "controllers", "hardware", "interfaces", "rate_of",
+    "rate_remarks", "render", "transmission", "velocity_gains", "velocity_loops",
+]  # fmt: skip
 
 CONTROLLER = "velocity_controller"
 _MOCK = "mock_components/GenericSystem"
@@ -39,28 +43,74 @@ _MOCK = "mock_components/GenericSystem"
 def render(of: Export) -> bytes:
     """The URDF of a set with its ``ros2_control`` block."""
     root = robot(of)
-    block = SubElement(root, "ros2_control", name=f"{identifier(of.name)}_drive", type="system")
-    hardware = SubElement(block, "hardware")
-    remark(hardware, f"{_MOCK} to try it; put your drive's own plugin here.")
-    SubElement(hardware, "plugin").text = _MOCK
-    joint = SubElement(block, "joint", name=JOINT)
-    known = limited(of)
-    for name in ("position",) if of.stepper else ("velocity", "effort"):
-        command = SubElement(joint, "command_interface", name=name)
-        for side, sign in (("min", "-"), ("max", "")) if name in known else ():
-            SubElement(command, "param", name=side).text = sign + known[name]
-    for name in ("position", "velocity") if of.stepper else ("position", "velocity", "effort"):
-        SubElement(joint, "state_interface", name=name)
-    _transmission(block, of)
+    block = hardware(root, identifier(of.name))
+    interfaces(block, JOINT, limited(of), steps=of.stepper is not None)
+    transmission(block, JOINT, of.train.ratio, "motor")
     return document(root)
 
 
-def _transmission(block: Element, of: Export) -> None:
-    transmission = SubElement(block, "transmission", name=f"{JOINT}_transmission")
-    SubElement(transmission, "plugin").text = "transmission_interface/SimpleTransmission"
-    SubElement(transmission, "actuator", name="motor", role="motor")
-    joint = SubElement(transmission, "joint", name=JOINT, role=JOINT)
-    SubElement(joint, "mechanical_reduction").text = number(of.train.ratio)
+def hardware(root: Element, name: str) -> Element:
+    """Add a ``ros2_control`` block with its hardware.
+
+    Parameters
+    ----------
+    root
+        The robot.
+    name
+        Of the robot.
+
+    Returns
+    -------
+    Element
+        The block.
+    """
+    block = SubElement(root, "ros2_control", name=f"{name}_drive", type="system")
+    plugin = SubElement(block, "hardware")
+    remark(plugin, f"{_MOCK} to try it; put your drive's own plugin here.")
+    SubElement(plugin, "plugin").text = _MOCK
+    return block
+
+
+def interfaces(block: Element, joint: str, known: dict[str, str], *, steps: bool) -> None:
+    """Add the interfaces of a joint.
+
+    Parameters
+    ----------
+    block
+        ``ros2_control``.
+    joint
+        Its name.
+    known
+        Its limits of effort and velocity.
+    steps
+        Whether the motor is a stepper, which takes positions.
+    """
+    of_joint = SubElement(block, "joint", name=joint)
+    for name in ("position",) if steps else ("velocity", "effort"):
+        command = SubElement(of_joint, "command_interface", name=name)
+        for side, sign in (("min", "-"), ("max", "")) if name in known else ():
+            SubElement(command, "param", name=side).text = sign + known[name]
+    for name in ("position", "velocity") if steps else ("position", "velocity", "effort"):
+        SubElement(of_joint, "state_interface", name=name)
+
+
+def transmission(block: Element, joint: str, ratio: float, actuator: str) -> None:
+    """Add a transmission.
+
+    Parameters
+    ----------
+    block
+        ``ros2_control``.
+    joint, actuator
+        Their names.
+    ratio
+        Motor turns per turn of the joint [1], or per travel [rad/m].
+    """
+    added = SubElement(block, "transmission", name=f"{joint}_transmission")
+    SubElement(added, "plugin").text = "transmission_interface/SimpleTransmission"
+    SubElement(added, "actuator", name=actuator, role=actuator)
+    of_joint = SubElement(added, "joint", name=joint, role=joint)
+    SubElement(of_joint, "mechanical_reduction").text = number(ratio)
 
 
 def controllers(of: Export) -> bytes:
@@ -73,21 +123,88 @@ def controllers(of: Export) -> bytes:
     """
     if of.stepper:
         return _trajectory(of)
+    law = torque_law(of)
+    said = [of.label, of.program, *lacking(of), *REMARKS, *rate_remarks(of)]
+    if law.per_acceleration or law.per_direction:
+        said.append("feedforward of acceleration and friction is left out")
+    return commented(said, velocity_loops({JOINT: velocity_gains(of)}, rate_of(of)))
+
+
+def commented(said: Iterable[str], body: str) -> bytes:
+    """A YAML file with remarks at its head.
+
+    Parameters
+    ----------
+    said
+        Remarks.
+    body
+        The document.
+
+    Returns
+    -------
+    bytes
+        UTF-8.
+    """
+    return ("".join(f"# {_line(line)}\n" for line in said) + body).encode()
+
+
+def velocity_gains(of: Export, travel: float = 1.0) -> str:
+    """Gains and clamps of one joint's velocity loop, as lines of YAML.
+
+    Parameters
+    ----------
+    of
+        The drive.
+    travel
+        Of the joint per angle of the driven shaft [1, or m/rad].
+
+    Returns
+    -------
+    str
+        Under the joint's name.
+
+    Raises
+    ------
+    InputError
+        When there is a position loop, which a velocity controller cannot have.
+    """
     law, train = torque_law(of), of.train
     if law.ki:
         raise InputError("--format: ros2_control gets a velocity loop; leave control.position out of the spec")
-    at_shaft = train.ratio**2 * train.efficiency
-    most, feedforward = of.limits.peak_torque.value, law.per_speed * at_shaft
-    held = most + abs(feedforward) * of.limits.peak_speed.value
-    said = [of.label, of.program, *lacking(of), *_REMARKS, *_rate_remarks(of)]
-    if law.per_acceleration or law.per_direction:
-        said.append("feedforward of acceleration and friction is left out")
-    head = "".join(f"# {_line(line)}\n" for line in said)
-    body = _PARAMETERS.format(
-        rate=_rate(of), name=CONTROLLER, joint=JOINT, p=_yaml(law.kd * at_shaft), i=_yaml(law.kp * at_shaft),
-        ff=_yaml(feedforward), most=_yaml(held), least=_yaml(-held),
+    at_joint = train.ratio**2 * train.efficiency / travel**2
+    most, feedforward = of.limits.peak_torque.value / travel, law.per_speed * at_joint
+    held = most + abs(feedforward) * of.limits.peak_speed.value * travel
+    force, angle, place = ("N*m", "/rad", " at the driven shaft") if travel == 1.0 else ("N", "/m", " at the joint")
+    return _GAINS.format(
+        p=_yaml(law.kd * at_joint), i=_yaml(law.kp * at_joint), ff=_yaml(feedforward), most=_yaml(held),
+        least=_yaml(-held), force=force, per=f"{force}*s{angle}{place}", angle=angle, speed=f"{force}*s{angle}",
     )  # fmt: skip
-    return (head + body).encode()
+
+
+def velocity_loops(gains: dict[str, str], rate: int, steppers: Sequence[str] = ()) -> str:
+    """Parameters of one velocity controller of several joints, as YAML.
+
+    Parameters
+    ----------
+    gains
+        Lines of :func:`velocity_gains`, by the names of joints as YAML has them.
+    rate
+        Of controller and controller manager [Hz].
+    steppers
+        Joints that take positions, from a controller of trajectories.
+
+    Returns
+    -------
+    str
+        The document.
+    """
+    named = {CONTROLLER: "pid_controller/PidController"} if gains else {}
+    named |= {_ALONG: "joint_trajectory_controller/JointTrajectoryController"} if steppers else {}
+    found = _MANAGER.format(rate=rate) + "".join(f"    {name}:\n      type: {kind}\n" for name, kind in named.items())
+    if gains:
+        joints = "".join(f"      {joint}:\n{lines}" for joint, lines in gains.items())
+        found += _VELOCITY.format(rate=rate, name=CONTROLLER, joints=", ".join(gains), gains=joints)
+    return found + (_POSITIONS.format(name=_ALONG, joints=", ".join(steppers)) if steppers else "")
 
 
 def _trajectory(of: Export) -> bytes:
@@ -97,23 +214,23 @@ def _trajectory(of: Export) -> bytes:
         "a stepper runs open-loop: it goes to the commanded positions, or loses steps unseen; keep accelerations to "
         "those that drivesizer validate has simulated",
     ]  # fmt: skip
-    head = "".join(f"# {_line(line)}\n" for line in said)
-    return (head + _POSITIONS.format(joint=JOINT)).encode()
+    return commented(said, velocity_loops({}, TRAJECTORY, (JOINT,)))
 
 
-def _rate(of: Export) -> int:
-    """Of the controller manager [Hz]."""
+def rate_of(of: Export) -> int:
+    """Rate of the controller manager [Hz]."""
     return max(1, round(1.0 / of.period))
 
 
-def _rate_remarks(of: Export) -> list[str]:
+def rate_remarks(of: Export) -> list[str]:
+    """Remarks on the rate for which gains hold, as sentences."""
     designed = 1.0 / of.period
     said = [
         f"p and i belong to a loop at {designed:.6g} Hz: where the controller manager does not run at update_rate they "
         "do not hold; for a loop at another rate give control: {rate: 1 kHz} in the spec and export anew"
     ]
-    if abs(_rate(of) - designed) > _NEAR * designed:
-        said.append(f"update_rate is a whole number: {_rate(of)} Hz for {designed:.6g} Hz")
+    if abs(rate_of(of) - designed) > _NEAR * designed:
+        said.append(f"update_rate is a whole number: {rate_of(of)} Hz for {designed:.6g} Hz")
     return said
 
 
@@ -128,50 +245,44 @@ def _yaml(value: float) -> str:
 
 
 _NEAR = 1e-6  # of a rate: what is no whole number
-_REMARKS = (
+REMARKS = (
     "u_clamp_max, u_clamp_min and antiwindup_strategy are of ros2_controllers 4.27 and 5.2 or later; older ones, "
     "such as Humble's 2.x, ignore them and limit the integral by i_clamp_max and i_clamp_min",
     "enable_feedforward is of 4.x and 5.0; later feedforward is always on; 2.x: the service set_feedforward_control",
     "the clamps limit p and i: the joint's effort, and the feedforward at the joint's velocity",
 )
-_POSITIONS = """controller_manager:
-  ros__parameters:
-    update_rate: 100  # Hz
-    joint_state_broadcaster:
-      type: joint_state_broadcaster/JointStateBroadcaster
-    joint_trajectory_controller:
-      type: joint_trajectory_controller/JointTrajectoryController
-
-joint_trajectory_controller:
-  ros__parameters:
-    joints: [{joint}]
-    command_interfaces: [position]
-    state_interfaces: [position, velocity]
-"""
-_PARAMETERS = """controller_manager:
+_ALONG = "joint_trajectory_controller"
+TRAJECTORY = 100  # Hz, of the controller manager where there are steppers alone
+_MANAGER = """controller_manager:
   ros__parameters:
     update_rate: {rate}  # Hz
     joint_state_broadcaster:
       type: joint_state_broadcaster/JointStateBroadcaster
-    {name}:
-      type: pid_controller/PidController
-
+"""
+_POSITIONS = """
+{name}:
+  ros__parameters:
+    joints: [{joints}]
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+"""
+_VELOCITY = """
 {name}:
   ros__parameters:
     update_rate: {rate}  # Hz, that of the controller manager
-    dof_names: [{joint}]
+    dof_names: [{joints}]
     command_interface: effort
     reference_and_state_interfaces: [velocity]
     enable_feedforward: true
     gains:
-      {joint}:
-        p: {p}  # N*m*s/rad at the driven shaft
-        i: {i}  # N*m/rad
+{gains}"""
+_GAINS = """        p: {p}  # {per}
+        i: {i}  # {force}{angle}
         d: 0.0
-        feedforward_gain: {ff}  # N*m*s/rad
-        u_clamp_max: {most}  # N*m
+        feedforward_gain: {ff}  # {speed}
+        u_clamp_max: {most}  # {force}
         u_clamp_min: {least}
-        i_clamp_max: {most}  # N*m
+        i_clamp_max: {most}  # {force}
         i_clamp_min: {least}
         antiwindup_strategy: conditional_integration
 """

@@ -13,14 +13,19 @@ from drivesizer.output.export.joint import BASE, JOINT, LINK, inertial, limited,
 from drivesizer.output.export.link import link_of
 from drivesizer.output.export.markup import document, identifier, number, remark, vector
 
-__all__ = ["render", "robot"]
+__all__ = ["both", "render", "robot", "transmission", "tree"]
 
 
 def render(of: Export) -> bytes:
     """The file of a drive."""
+    return document(tree(of))
+
+
+def tree(of: Export) -> Element:
+    """The robot with its transmission; as :func:`robot`."""
     root = robot(of)
-    _transmission(root, of)
-    return document(root)
+    transmission(root, JOINT, of.train.ratio, "motor", steps=of.stepper is not None)
+    return root
 
 
 def robot(of: Export) -> Element:
@@ -46,20 +51,53 @@ def robot(of: Export) -> Element:
 
 
 def _both(of: Export) -> dict[str, str]:
-    known = limited(of)
+    return both(of.label, limited(of))
+
+
+def both(label: str, known: dict[str, str]) -> dict[str, str]:
+    """Effort and velocity, which URDF requires.
+
+    Parameters
+    ----------
+    label
+        Of the drive.
+    known
+        Limits that are known.
+
+    Returns
+    -------
+    dict
+        The same.
+
+    Raises
+    ------
+    InputError
+        When one is unknown.
+    """
     for name, of_what in (("effort", "torque"), ("velocity", "speed")):
         if name not in known:
-            raise InputError(f"--format: no limit of {of_what} of {of.label} is known, and URDF needs one")
+            raise InputError(f"--format: no limit of {of_what} of {label} is known, and URDF needs one")
     return known
 
 
-def _transmission(root: Element, of: Export) -> None:
-    """Transmission as ROS 1 and MoveIt read it; ros2_control has its own."""
-    transmission = SubElement(root, "transmission", name=f"{JOINT}_transmission")
-    SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
-    joint = SubElement(transmission, "joint", name=JOINT)
-    SubElement(
-        joint, "hardwareInterface"
-    ).text = f"hardware_interface/{'Position' if of.stepper else 'Effort'}JointInterface"
-    actuator = SubElement(transmission, "actuator", name="motor")
-    SubElement(actuator, "mechanicalReduction").text = number(of.train.ratio)
+def transmission(root: Element, joint: str, ratio: float, actuator: str, *, steps: bool) -> None:
+    """Add a transmission as ROS 1 and MoveIt read it; ros2_control has its own.
+
+    Parameters
+    ----------
+    root
+        The robot.
+    joint, actuator
+        Their names.
+    ratio
+        Motor turns per turn of the joint [1], or per travel [rad/m].
+    steps
+        Whether the motor is a stepper, which takes positions.
+    """
+    added = SubElement(root, "transmission", name=f"{joint}_transmission")
+    SubElement(added, "type").text = "transmission_interface/SimpleTransmission"
+    of_joint = SubElement(added, "joint", name=joint)
+    interface = "Position" if steps else "Effort"
+    SubElement(of_joint, "hardwareInterface").text = f"hardware_interface/{interface}JointInterface"
+    of_motor = SubElement(added, "actuator", name=actuator)
+    SubElement(of_motor, "mechanicalReduction").text = number(ratio)

@@ -1,0 +1,87 @@
+"""A machine of several axes as one file for a simulator or a robot's software: the robot whole, other axes beside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from drivesizer.errors import InputError
+from drivesizer.files.writing import put
+from drivesizer.output.export import FORMATS, accept
+from drivesizer.output.export.machine.record import MachineExport, machine_export
+
+__all__ = ["WHOLE", "MachineExport", "accept_machine", "machine_export", "machine_files", "write_machine"]
+
+WHOLE = ("mjcf", "urdf", "ros2_control")  # formats with several joints
+
+
+def accept_machine(form: str, path: Path) -> None:
+    """Refuse a format without several joints, or an impossible target, before time is spent.
+
+    Parameters
+    ----------
+    form
+        Name of a format.
+    path
+        The file to write.
+
+    Raises
+    ------
+    InputError
+        One line that says what is expected.
+    """
+    if form in FORMATS and form not in WHOLE:
+        raise InputError(f"--format: {form} is of a single axis; expected --axis beside it, or {', '.join(WHOLE)}")
+    accept(form, path)
+
+
+def machine_files(of: MachineExport, form: str, path: Path) -> dict[Path, bytes]:
+    """The files of a format: one, and for ros2_control also the controllers' parameters beside it.
+
+    Parameters
+    ----------
+    of
+        The machine.
+    form
+        One of ``WHOLE``.
+    path
+        The file.
+
+    Returns
+    -------
+    dict of Path to bytes
+        Content by path.
+
+    Raises
+    ------
+    InputError
+        When the format needs a figure that is unknown, or has no place for what the machine has.
+    """
+    module = import_module(f"drivesizer.output.export.machine.{form}")
+    render: Callable[[MachineExport], bytes] = module.render
+    found = {path: render(of)}
+    if form == "ros2_control":
+        found[path.with_name(f"{path.stem}_controllers.yaml")] = module.controllers(of)
+    return found
+
+
+def write_machine(of: MachineExport, form: str, path: Path) -> list[Path]:
+    """Write a machine to a file of a format, whole or not at all.
+
+    Parameters
+    ----------
+    of
+        The machine.
+    form
+        One of ``WHOLE``.
+    path
+        The file.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+    """
+    accept_machine(form, path)
+    return put(machine_files(of, form, path))

@@ -1,0 +1,253 @@
+r"""A sized machine as every format needs it: the robot of a description with its drives, and axes beside it.
+
+The figures of a drive at its joint, with gears that drive, K total ratio, e efficiency, r travel of the joint per angle
+of the driven shaft:
+
+.. math:: F = \frac{K e M}{r}, \quad J = \frac{K^2 e J_m + J_b}{r^2}, \quad b = \frac{K^2 e b_m}{r^2},
+          \quad F_f = \frac{K e M_f + M_b}{r}
+
+J_m, M_f, b_m inertia, dry and viscous friction of the motor; J_b, M_b inertia and friction of a belt's pulleys. As in
+``common``, whose record a drive has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import isnan
+from typing import Any
+
+import numpy as np
+
+from drivesizer.errors import InputError
+from drivesizer.files.csv_columns import beside
+from drivesizer.joints.coupling import coupling
+from drivesizer.joints.inverse_dynamics import Attached
+from drivesizer.joints.joint_load import radius_of
+from drivesizer.joints.moving import held_joints
+from drivesizer.joints.places import drive_places, payload_place
+from drivesizer.joints.record import Array, JointMotion
+from drivesizer.joints.trajectory import motion_of
+from drivesizer.machine.budgets import riding_mass, riding_rows
+from drivesizer.output.export.common import Export, export_of
+from drivesizer.output.export.markup import number
+from drivesizer.results.machine import AxisSizing, MachineSizing
+from drivesizer.spec.description import read_description
+from drivesizer.spec.description.record import Robot
+from drivesizer.spec.description.urdf import rotation
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.robot_section import DrivePlace, RobotSection
+from drivesizer.version import __version__
+
+__all__ = ["JointDrive", "MachineExport", "RobotExport", "machine_export"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointDrive:
+    """The drive of a joint of a description."""
+
+    joint: str
+    of: Export
+    travel: float  # of the joint per angle of the driven shaft [1, or m/rad]
+    turns_by: Mapping[str, float]  # joints by whose angles the drive turns: its own 1, and those that its belt passes
+    mass: float  # kg, of what is known of it, without its controller
+    lacking: tuple[str, ...]  # parts of unknown mass
+    place: Attached  # of the mass
+    belt_inertia: float  # kg*m^2, at the driven shaft
+    belt_friction: float  # N*m
+
+    @property
+    def coupled(self) -> bool:
+        """Whether its belt passes other joints."""
+        return len(self.turns_by) > 1
+
+    @property
+    def ratio(self) -> float:
+        """Motor angle per turn of the joint [1], or per travel [rad/m]."""
+        return self.of.train.ratio / self.travel
+
+    @property
+    def armature(self) -> float:
+        """Inertia of the drive at the joint [kg*m^2, or kg]; NaN where that of the rotor is unknown."""
+        return (self.of.reflected_inertia + self.belt_inertia) / self.travel**2
+
+    @property
+    def damping(self) -> float:
+        """Viscous friction of the drive at the joint [N*m*s/rad, or N*s/m]."""
+        return self.of.damping / self.travel**2
+
+    @property
+    def friction(self) -> float:
+        """Dry friction of the drive at the joint [N*m, or N]."""
+        train = self.of.train
+        return (train.friction * train.ratio * train.efficiency + self.belt_friction) / self.travel
+
+    @property
+    def limits(self) -> dict[str, str]:
+        """Effort and velocity of the joint as text; what is unknown is left out."""
+        peak, fastest = self.of.limits.peak_torque, self.of.limits.peak_speed
+        named = {"effort": (peak, peak.value / self.travel), "velocity": (fastest, fastest.value * self.travel)}
+        return {name: number(value) for name, (limit, value) in named.items() if limit.by}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotExport:
+    """A robot description with drives."""
+
+    robot: Robot
+    section: RobotSection
+    drives: tuple[JointDrive, ...]  # in the order of the description
+    held: Mapping[str, float]  # rad or m, joints that do not move
+    payload: Attached | None
+    payload_mass: float  # kg
+    base: Array  # turn of the base against the world, shape (3, 3)
+    motion: JointMotion
+
+    @property
+    def keeps_friction(self) -> bool:
+        """Whether the friction in the description is that of bearings, and stays."""
+        return self.section.friction == "keep"
+
+    @property
+    def coupled(self) -> JointDrive | None:
+        """The first drive whose belt passes other joints."""
+        return next((drive for drive in self.drives if drive.coupled), None)
+
+    def drive(self, joint: str) -> JointDrive | None:
+        """The drive of a joint; None where it has none."""
+        return next((drive for drive in self.drives if drive.joint == joint), None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineExport:
+    """All axes of a machine."""
+
+    name: str
+    program: str
+    robot: RobotExport | None
+    axes: tuple[tuple[str, Export], ...]  # beside the robot, by name
+    gravity: float  # m/s^2
+    said: tuple[str, ...]  # how the drives were chosen
+
+    @property
+    def exports(self) -> tuple[Export, ...]:
+        """The drives of all axes."""
+        robot = tuple(drive.of for drive in self.robot.drives) if self.robot else ()
+        return (*robot, *(of for _, of in self.axes))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Assumptions on all drives, each once with the axes that it is of."""
+        found: dict[str, list[str]] = {}
+        named = [(drive.joint, drive.of) for drive in self.robot.drives] if self.robot else []
+        for name, of in (*named, *self.axes):
+            for line in of.said:
+                found.setdefault(line, []).append(name)
+        return tuple(f"{', '.join(names)}: {line}" for line, names in found.items())
+
+
+def machine_export(sizing: MachineSizing, *, one_rate: bool = False) -> MachineExport:
+    """The record of a machine that a sizing found.
+
+    Parameters
+    ----------
+    sizing
+        With a drive on every axis.
+    one_rate
+        Whether all controllers are designed for the same rate, the slowest of theirs.
+
+    Returns
+    -------
+    MachineExport
+        SI.
+
+    Raises
+    ------
+    InputError
+        When a figure is unknown that every format needs, or an axis has what several joints cannot.
+    """
+    machine = sizing.machine
+    exports = {axis.name: _exported(axis, None) for axis in sizing.axes}
+    periods = {of.period for of in exports.values() if of.controller}
+    if one_rate and len(periods) > 1:
+        rate = 1.0 / max(periods)
+        exports = {axis.name: _exported(axis, rate) for axis in sizing.axes}
+    joints = {axis.name for axis in machine.axes if axis.is_joint}
+    return MachineExport(
+        name=machine.name,
+        program=f"drivesizer {__version__}",
+        robot=_robot(sizing, {name: of for name, of in exports.items() if name in joints}) if machine.robot else None,
+        axes=tuple((name, of) for name, of in exports.items() if name not in joints),
+        gravity=machine.environment.gravity,
+        said=sizing.notes,
+    )
+
+
+def _exported(axis: AxisSizing, rate: float | None) -> Export:
+    """The drive of an axis, its controller at its own rate or a given one [Hz]."""
+    assert axis.best is not None
+
+    def at_rate(spec: RobotSpec) -> RobotSpec:
+        return spec.model_copy(update={"control": spec.control.model_copy(update={"rate": rate})})
+
+    return replace(export_of(axis.spec if rate is None else axis.spec.changed(at_rate), axis.best), name=axis.name)
+
+
+def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
+    """The description, with the drives of its joints."""
+    machine = sizing.machine
+    section = machine.robot
+    assert section is not None
+    robot = read_description(beside(machine.file, section.description, "robot.description"))
+    joints = tuple(name for name in robot.joints if name in exports)
+    held = held_joints(section, robot, joints)
+    places = drive_places(section, robot, joints)
+    turned = coupling(section, robot, held, joints)
+    mounting = section.mounting
+    return RobotExport(
+        robot=robot,
+        section=section,
+        drives=tuple(
+            _drive(sizing.axis(name), exports[name], (robot, section), places, dict(zip(joints, row, strict=True)))
+            for name, row in zip(joints, turned.tolist(), strict=True)
+        ),
+        held=held,
+        payload=payload_place(section, robot, joints),
+        payload_mass=section.payload.mass if section.payload else 0.0,
+        base=rotation(np.array([mounting.roll, mounting.pitch, mounting.yaw])),
+        motion=motion_of(section, robot, machine.file),
+    )
+
+
+def _drive(
+    axis: AxisSizing, of: Export, described: tuple[Robot, RobotSection], places: Mapping[str, Attached],
+    turned: Mapping[str, float],
+) -> JointDrive:  # fmt: skip
+    """The drive of one joint."""
+    robot, section = described
+    if axis.spec.gear is not None:
+        raise InputError(
+            f"{axis.name}: a further stage ({axis.spec.gear.kind}) between drive and joint has no place in a robot's "
+            "file; expected --axis, which exports the shaft before it"
+        )
+    assert axis.best is not None
+    place = section.drives.get(axis.name, DrivePlace())
+    belt: Any = axis.spec.belt
+    return JointDrive(
+        joint=axis.name,
+        of=of,
+        travel=radius_of(robot.joints[axis.name], place.travel_per_turn),
+        turns_by={name: share for name, share in turned.items() if share},
+        mass=riding_mass(axis.result.problem, axis.best),
+        lacking=tuple(row.name for row in riding_rows(axis.result.problem, axis.best) if isnan(row.each)),
+        place=places.get(axis.name) or Attached(_root(robot, axis.name), np.zeros(3)),
+        belt_inertia=belt.inertia if belt else 0.0,
+        belt_friction=belt.friction_torque if belt else 0.0,
+    )
+
+
+def _root(robot: Robot, joint: str) -> str:
+    """Link that a joint's chain begins with: where a drive on the base is."""
+    parent = robot.joints[joint].parent
+    chain = robot.chain(parent)
+    return chain[-1].parent if chain else parent
