@@ -110,7 +110,8 @@ def test_schema_knows_every_field():
 def test_the_starter_is_a_good_spec():
     from importlib import resources
 
-    for entry in (resources.files("drivesizer.spec") / "starters").iterdir():
+    starters = (resources.files("drivesizer.spec") / "starters").iterdir()
+    for entry in (one for one in starters if one.is_file()):  # machines are read in tests/commands
         read_spec(YamlSource(entry.read_text(encoding="utf-8"), entry.name))
 
 

@@ -43,6 +43,7 @@ NOT_SAMPLED = {  # figures whose tolerance has no effect on any sampled check, b
     "needs.mass": _SIZE, "needs.length": _SIZE, "needs.price": _SIZE, "needs.diameter": _SIZE,
     "needs.holding_factor": _MARGIN, "margins": _MARGIN,
     "needs.bandwidth": _LOOP, "control": _LOOP, "plant": "of the closed loop alone",
+    "mounting": "the mounting is in all samples as in the nominal one",
     "environment.altitude": "derating by altitude is that of the nominal one",
     "paper_factors": "the paper's factors do not enter the physics",
     "budget": _BUDGET, "battery": "of the battery autonomy, range, peak and voltage are sampled",
