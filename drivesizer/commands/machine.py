@@ -17,6 +17,7 @@ __all__ = ["of_one_axis", "report_all", "size_all", "sized_machine", "validate_a
 def size_all(
     machine: Any,
     spec: Path,
+    files: Sequence[Path],
     given: Mapping[str, object],
     top: int,
     objective: str | None,
@@ -33,6 +34,8 @@ def size_all(
         Of several axes.
     spec
         Its file as it was named.
+    files
+        Reports to write as well: .pdf, .csv.
     given
         Options that are of a single axis, by name; a value that is not empty is refused.
     top, objective, sampling, checks, quiet, json
@@ -43,8 +46,14 @@ def size_all(
     int
         0 where every axis has a drive, else 1.
     """
+    from drivesizer.output.report import accept, write_machine
+
     of_one_axis(given)
+    accept(files)
     result = sized_machine(machine, top, objective, sampling)
+    if files:
+        with working("writing the report"):
+            write_machine(result, files)
     if json:
         from drivesizer.output.json.documents import as_text
         from drivesizer.output.json.machine import machine_document

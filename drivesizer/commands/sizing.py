@@ -78,9 +78,10 @@ def size(
     if hasattr(robot, "axes"):
         from drivesizer.commands.machine import size_all
 
-        given = {"--pareto": pareto, "--csv": csv, "--pdf": pdf, "--paper": beside, "--derivation": derivation}
+        given = {"--pareto": pareto, "--paper": beside, "--derivation": derivation}
+        files = [path for path in (csv, pdf) if path]
         sampling = confidence, samples, seed, processes, loop_samples
-        raise typer.Exit(size_all(robot, spec, given, top, objective, sampling, checks or verbose, quiet, json))
+        raise typer.Exit(size_all(robot, spec, files, given, top, objective, sampling, checks or verbose, quiet, json))
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
     if csv:
         write_sets(result, csv)
