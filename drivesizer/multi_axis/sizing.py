@@ -171,11 +171,7 @@ def _with_few_kinds(
 ) -> MachineSizing:
     """The machine with common drives, where they cost no more of the objective than permitted."""
     machine = sizings.machine
-    if best.objective not in SUMMED:
-        where = machine.where(("few_kinds",))
-        raise InputError(
-            f"{where}: {best.objective} has no sum; expected one objective of all axes, e.g. mass or price"
-        )
+    _summed(machine, best.objective)
     masses = {axis: tuple(found.chosen[other].mass for other in carried[axis]) for axis in machine.order}
     bests = {axis.name: axis.best for axis in best.axes if axis.best}
     offers = sizings.kinds = OfferedKinds(masses, sizings.loaded)
@@ -229,7 +225,8 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     machine
         All axes.
     axis
-        Name of the one; where drives ride on it, the machine is sized first.
+        Name of the one. Where drives ride on it, or it on others, the machine is sized first; a drive that is the best
+        for the whole and not for the axis is then the choice of the spec.
 
     Returns
     -------
@@ -241,9 +238,23 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     InputError
         When there is no such axis, or as ``size`` does.
     """
-    if machine.robot is None and not machine.axis(axis).carries:
+    alone = machine.robot is None and not machine.axis(axis).carries
+    rides = any(axis in machine.carried(other.name) for other in machine.axes)
+    if alone and not rides and machine.few_kinds is None:
         return with_choppers(machine, load_parts).axis(axis).spec
-    return size_machine(machine).axis(axis).spec
+    found = size_machine(machine).axis(axis)
+    return _as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
+
+
+def _as_chosen(spec: RobotSpec, one: DriveSet) -> RobotSpec:
+    """The spec with the choice of a drive that is not its own best, but that of the machine."""
+    select = spec.select
+    motor = select.motor.model_copy(update={"family": None, "part": [one.motor.part]})
+    gearhead = select.gearhead
+    if not one.actuator:
+        gearhead = gearhead.model_copy(update={"family": None, "part": [one.gearhead.part]})
+    select = select.model_copy(update={"motor": motor, "gearhead": gearhead})
+    return spec.changed(lambda case: case.model_copy(update={"select": select}))
 
 
 def _bounded(sizings: _Sizings, axis: str, found: Combination) -> bool:
@@ -306,7 +317,9 @@ def _axis(sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Comb
         CarriedMass(other, mass, distances[other], _lacking(sizings, carried, found, other))
         for other, mass in zip(carried[name], masses, strict=True)
     )
-    return AxisSizing(name=name, result=result, carried=riding)
+    own = sizings.result(name, masses).sets
+    for_all = bool(result.sets and own) and result.sets[0].label != own[0].label
+    return AxisSizing(name=name, result=result, carried=riding, for_all=for_all)
 
 
 def _lacking(
@@ -315,7 +328,7 @@ def _lacking(
     """Parts of unknown mass of the drive that was chosen for an axis."""
     if name not in found.chosen:
         return ()
-    masses = tuple(found.chosen[other].mass for other in carried[name])
+    masses = tuple(found.chosen[other].mass if other in found.chosen else 0.0 for other in carried[name])
     result = sizings.chosen(name, masses, found.chosen[name].name)
     return _mass(result.problem, result.sets[0])[1]
 

@@ -57,6 +57,7 @@ class AxisSizing:
     name: str
     result: SizingResult
     carried: tuple[CarriedMass, ...]
+    for_all: bool = False  # whether its drive is the best for the machine, and not for the axis alone
 
     @property
     def spec(self) -> RobotSpec:

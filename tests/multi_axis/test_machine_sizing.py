@@ -81,6 +81,13 @@ def test_a_machine_of_one_axis_is_that_spec() -> None:
     assert as_text(document(one)) == as_text(document(other))
 
 
+def test_an_axis_alone_has_the_drive_that_is_the_best_for_all(tmp_path: Path) -> None:
+    found = size_machine(arm(Random(31), tmp_path, "price"), top=1)  # a dearer and lighter drive is worth its price
+    moved = next(axis for axis in found.axes if axis.for_all)
+    alone = size(laden(found.machine, moved.name), top=1).sets[0]
+    assert alone.label == moved.best.label and repr(alone.checks) == repr(moved.best.checks)
+
+
 def test_carried_axes_ride_on_all_below_them() -> None:
     axes = {**GANTRY["axes"], "rail": {**GANTRY["axes"]["bridge"], "carries": ["bridge"]}}
     machine = load_machine({**GANTRY, "axes": axes})
