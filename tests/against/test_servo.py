@@ -351,7 +351,7 @@ def test_iron_warms_as_friction_brakes():
 
     spec, catalog = spec_of(), load()
     motor = catalog.motors.record(catalog.motors.rows["309756"])  # EC-4pole 30
-    heat, said = set_up._heat(spec, replace(chosen(spec), motor=motor))
+    heat, said = set_up.motor_heat(spec, replace(chosen(spec), motor=motor))
     assert heat and not said
     dry, per_speed = 0.37, 0.63 / motor.no_load_speed  # of a winding without slots
     assert heat.loss_viscous / heat.loss_torque == pytest.approx(per_speed / dry, rel=1e-9)
@@ -363,7 +363,7 @@ def test_iron_warms_as_friction_brakes():
     assert iron > 0.1 * copper
 
     unknown = replace(motor, nominal_speed=float("nan"))
-    heat, said = set_up._heat(spec, replace(chosen(spec), motor=unknown))
+    heat, said = set_up.motor_heat(spec, replace(chosen(spec), motor=unknown))
     friction = motor.torque_constant * motor.no_load_current
     assert heat and heat.loss_torque == pytest.approx(0.37 * friction, rel=1e-9) and not said
     assert heat.loss_viscous == pytest.approx(0.63 * friction / motor.no_load_speed, rel=1e-9)
