@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-__all__ = ["Choice", "Combination", "Cost", "best_combination"]
+__all__ = ["Choice", "Combination", "Cost", "axis_by_axis", "best_combination"]
 
 _ROUNDING = 1e-9
 Cost = tuple[int, float]  # figures that are unknown, and the sum of those that are known: less is better in this order
@@ -96,6 +96,29 @@ def best_combination(
     if search.cost is None:  # the cheapest were too heavy to carry
         return _lightest(search)
     return Combination(search.best, search.cost, not (search.cut or search.falling), len(search.made))
+
+
+def axis_by_axis(order: Sequence[str], carried: Mapping[str, Sequence[str]], sized: Sized) -> Combination:
+    """The best drive of each axis as it is, those that ride on it chosen before.
+
+    Parameters
+    ----------
+    order, carried, sized
+        As of ``best_combination``.
+
+    Returns
+    -------
+    Combination
+        Another may cost less in all.
+    """
+    search, chosen, missing = _Search(order, carried, sized, 0), dict[str, Choice](), ""
+    for axis in order:
+        found = search.choices(axis, {name: chosen[name].mass if name in chosen else 0.0 for name in order})
+        if found:
+            chosen[axis] = found[0]
+        missing = missing or ("" if found else axis)
+    cost = _total(choice.cost for choice in chosen.values())
+    return Combination(chosen, cost, False, len(search.made), missing)
 
 
 def _descend(search: _Search, depth: int, chosen: dict[str, Choice], spent: Cost) -> None:

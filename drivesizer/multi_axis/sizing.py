@@ -10,7 +10,7 @@ from typing import Any
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.machine.budgets import riding_mass, riding_rows
-from drivesizer.multi_axis.combinations import Choice, Combination, Cost, best_combination
+from drivesizer.multi_axis.combinations import Choice, Combination, Cost, axis_by_axis, best_combination
 from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
 from drivesizer.multi_axis.joint_axes import with_joints
 from drivesizer.multi_axis.machine_power import machine_power, with_choppers
@@ -140,8 +140,10 @@ def size_machine(
     def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
         return _choices(sizings.result(axis, masses), sizings.objective(axis))
 
-    most = _PER_AXIS * len(machine.axes) if machine.whole else 0
-    found = best_combination(machine.order, carried, sized, most)
+    if machine.whole:
+        found = best_combination(machine.order, carried, sized, _PER_AXIS * len(machine.axes))
+    else:
+        found = axis_by_axis(machine.order, carried, sized)
     best = _of_machine(sizings, carried, found)
     if machine.few_kinds is None or found.missing:
         return best
