@@ -10,7 +10,6 @@ from by_hand import friction
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases.wheel import WheelLoad
-from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.export import FORMATS, export_of, files
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
@@ -45,9 +44,7 @@ def test_every_starter_finds_a_drive(name, tmp_path, catalog):
 @pytest.mark.parametrize("name", sorted(p.name for p in (ROOT / "examples").glob("*.yaml") if p.name != "study.yaml"))
 def test_every_example_finds_a_drive(name, catalog):
     spec = load_any(ROOT / "examples" / name)
-    if isinstance(spec, MachineSpec):
-        assert size_machine(spec, top=1).complete
-    else:
+    if not isinstance(spec, MachineSpec):  # the page on machines sizes the one that is
         assert size(spec, catalog=catalog, top=1).sets
 
 

@@ -30,9 +30,9 @@ from drivesizer.search.search import search
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
-PAIRS = 500  # sets per load
+PAIRS = 1000  # sets per load
 COUNTS = {  # fewer of a cycle with hundreds of segments, more where one set in a hundred passes
-    "arm swinging through": 60, "vehicle braking down a slope": 900, "ball screw upright": 900,
+    "arm swinging through": 120, "vehicle braking down a slope": 1600, "ball screw upright": 1600,
 }  # fmt: skip
 
 RECORDING = """time,speed,torque

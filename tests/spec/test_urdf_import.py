@@ -14,7 +14,6 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.multi_axis.joint_axes import with_joints
-from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.export import export_of, write
 from drivesizer.sizing import size
 from drivesizer.spec.description.urdf import read_urdf, rotation
@@ -307,9 +306,8 @@ SLIDES = (
 def test_every_joint_of_a_description_is_an_axis(tmp_path):
     text = machine_of(EXAMPLE, tmp_path)
     (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
-    found = size_machine(load_machine(tmp_path / "robot.yaml"), top=1)
-    names = ["waist", "shoulder", "elbow", "roll", "pitch", "turn"]
-    assert [axis.name for axis in found.axes] == names and found.complete
+    found, _ = with_joints(load_machine(tmp_path / "robot.yaml"))
+    assert [axis.name for axis in found.axes] == ["waist", "shoulder", "elbow", "roll", "pitch", "turn"]
     positions = load_machine(tmp_path / "robot.yaml").robot.waypoints[0].positions
     assert positions["shoulder"].value == pytest.approx(-0.7 - 0.75, rel=1e-3)  # a quarter of 3 rad from the middle
 
