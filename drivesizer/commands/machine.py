@@ -44,7 +44,7 @@ def size_all(
     Returns
     -------
     int
-        0 where every axis has a drive, else 1.
+        0 where every axis has a drive and none of the machine's own checks fails, else 1.
     """
     from drivesizer.output.report import accept, write_machine
 
@@ -65,7 +65,7 @@ def size_all(
         machine_sizing(result, spec="" if spec == DEFAULT else str(spec), checks=checks, quiet=quiet)
         if not quiet:
             print_notes(tuple(f"{axis.name}: {note}" for axis in result.axes for note in axis.result.warnings))
-    return 0 if result.complete and result.status != "fail" else 1
+    return int(result.status == "fail")
 
 
 def report_all(
@@ -111,7 +111,7 @@ def report_all(
             written += write_machine_figures(result, drawings)
     for path in written:
         typer.echo(path)
-    return 0 if result.complete and result.status != "fail" else 1
+    return int(result.status == "fail")
 
 
 def validate_axes(machine: Any, given: Mapping[str, object], profile: str | None, json: bool) -> int:

@@ -90,11 +90,11 @@ def best_combination(
     for axis in order:  # bounds: each axis with the least masses on it
         found = search.choices(axis, lightest)
         if not found:
-            return _without(search, axis)
+            return _one_by_one(search, _lightest)
         search.least[axis], lightest[axis] = found[0].cost, min(choice.mass for choice in found)
     _descend(search, 0, {}, (0, 0.0))
     if search.cost is None:  # the cheapest were too heavy to carry
-        return _lightest(search)
+        return _one_by_one(search, _lightest)
     return Combination(search.best, search.cost, not (search.cut or search.falling), len(search.made))
 
 
@@ -111,14 +111,8 @@ def axis_by_axis(order: Sequence[str], carried: Mapping[str, Sequence[str]], siz
     Combination
         Another may cost less in all.
     """
-    search, chosen, missing = _Search(order, carried, sized, 0), dict[str, Choice](), ""
-    for axis in order:
-        found = search.choices(axis, {name: chosen[name].mass if name in chosen else 0.0 for name in order})
-        if found:
-            chosen[axis] = found[0]
-        missing = missing or ("" if found else axis)
-    cost = _total(choice.cost for choice in chosen.values())
-    return Combination(chosen, cost, False, len(search.made), missing)
+    search = _Search(order, carried, sized, 0)
+    return _one_by_one(search, lambda found: found[0])
 
 
 def _descend(search: _Search, depth: int, chosen: dict[str, Choice], spent: Cost) -> None:
@@ -154,21 +148,17 @@ def _total(costs: Iterable[Cost]) -> Cost:
     return sum(missing for missing, _ in known), sum(value for _, value in known)
 
 
-def _lightest(search: _Search) -> Combination:
-    """The lightest drive of every axis: a combination that there is, as the bounds were made with it."""
-    chosen: dict[str, Choice] = {}
+def _one_by_one(search: _Search, pick: Callable[[Sequence[Choice]], Choice]) -> Combination:
+    """A drive of each axis that has one, those that ride on it chosen before; another choice may cost less."""
+    chosen, missing = dict[str, Choice](), ""
     for axis in search.order:
-        found = search.choices(axis, {name: choice.mass for name, choice in chosen.items()})
-        chosen[axis] = min(found, key=lambda choice: choice.mass)
-    return Combination(chosen, _total(choice.cost for choice in chosen.values()), False, len(search.made))
-
-
-def _without(search: _Search, missing: str) -> Combination:
-    """The lightest drives of all axes that have one, nothing riding on their carriers of those that have none."""
-    chosen: dict[str, Choice] = {}
-    for axis in search.order:
-        masses = {name: chosen[name].mass if name in chosen else 0.0 for name in search.order}
-        found = search.choices(axis, masses)
+        found = search.choices(axis, {name: chosen[name].mass if name in chosen else 0.0 for name in search.order})
         if found:
-            chosen[axis] = min(found, key=lambda choice: choice.mass)
-    return Combination(chosen, _total(choice.cost for choice in chosen.values()), False, len(search.made), missing)
+            chosen[axis] = pick(found)
+        missing = missing or ("" if found else axis)
+    cost = _total(choice.cost for choice in chosen.values())
+    return Combination(chosen, cost, False, len(search.made), missing)
+
+
+def _lightest(found: Sequence[Choice]) -> Choice:
+    return min(found, key=lambda choice: choice.mass)

@@ -68,6 +68,8 @@ def _part(
 
 
 def check_document(check: Check) -> schema.Check:
+    """A check, its demand and limit in the unit of the trade."""
+
     def shown(value: float) -> float | None:
         return number(from_si(value, check.unit, check.kind)) if isfinite(value) else None
 
@@ -268,6 +270,7 @@ def explanation(found: Explanation) -> dict[str, Any]:
 
 
 def figure_document(figure: Figure) -> schema.Figure:
+    """A figure without a limit, in the unit of the trade and in SI."""
     shown = number(from_si(figure.value, figure.unit, figure.kind)) if isfinite(figure.value) else None
     return {"value": shown, "unit": figure.unit, "si": number(figure.value), "at_time_s": figure.at_time}
 
