@@ -28,6 +28,7 @@ from drivesizer.output.report.html.curves import plain, sampled
 from drivesizer.output.report.html.field_plot import field_plot
 from drivesizer.output.report.html.mathematics import mathml
 from drivesizer.output.report.html.page import report_html
+from drivesizer.output.report.html.templates import environment
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
@@ -238,7 +239,7 @@ def test_no_text_of_a_figure_is_read_as_markup(named_page):
 
 
 def test_only_an_address_of_the_web_becomes_a_link():
-    parts = page_module._template({}).environment.get_template("blocks.html").module
+    parts = environment({}).get_template("blocks.html").module
     assert "<a " not in parts.linked("javascript:alert(1)") and "<a " not in parts.linked(" https://x.org")
     assert parts.linked('https://x.org/?a="><b>') == (
         '<a href="https://x.org/?a=&#34;&gt;&lt;b&gt;" rel="noopener noreferrer">https://x.org/?a=&#34;&gt;&lt;b&gt;</a>'
@@ -394,5 +395,6 @@ def test_a_suffix_that_is_no_kind_of_report_is_one_line(result, tmp_path):
 
 def test_a_symbol_in_a_note_is_lowered_and_the_rest_escaped():
     assert (
-        page_module._noted("F_N <b> & k_t^2") == "<var>F</var><sub>N</sub> &lt;b&gt; &amp; <var>k</var><sub>t</sub>^2"
+        environment({}).filters["noted"]("F_N <b> & k_t^2")
+        == "<var>F</var><sub>N</sub> &lt;b&gt; &amp; <var>k</var><sub>t</sub>^2"
     )

@@ -200,7 +200,7 @@ def test_limits_are_named_once_above_small_diagrams(result):
 
 
 def test_no_button_of_a_figure_sends_it_anywhere():
-    script = (HTML / "page.js").read_text(encoding="utf-8")
+    script = (HTML / "plots.js").read_text(encoding="utf-8")
     (buttons,) = re.findall(r"modeBarButtons: (\[\[.*?\]\])", script)
     known = {"toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"}
     assert {*re.findall(r'"(\w+)"', buttons)} == known  # by name: none that plotly.js adds appears

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import re
-from collections.abc import Iterator, Mapping
-from importlib import resources
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,14 +25,15 @@ from drivesizer.output.report.html.load_plots import cycle_plot, motion_plot
 from drivesizer.output.report.html.loop_plots import bode_plot, closed_loop_plot, step_plots
 from drivesizer.output.report.html.mathematics import mathml
 from drivesizer.output.report.html.stills import image
+from drivesizer.output.report.html.templates import environment, mathematics, own_file, unbroken
 from drivesizer.output.report.sections.candidates import candidate_numbers
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
 from drivesizer.results.sizing import SizingResult
 
-__all__ = ["STILL", "filled_page", "movable", "render", "report_html"]
+__all__ = ["SCRIPTS", "STILL", "filled_page", "movable", "render", "report_html"]
 
-_FILES = resources.files("drivesizer.output.report.html")
+SCRIPTS = ("tables.js", "plots.js", "page.js")  # one after the other, as one script
 STILL = (
     "way",
     "tornado",
@@ -45,7 +44,6 @@ STILL = (
     "energy",
 )  # figures that the page shows as the PDF does
 _MOST_PANELS = 6  # of the motor's field that can be moved
-_BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places itself
 
 
 def render(
@@ -111,77 +109,29 @@ def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: M
 
     from drivesizer.output.report.html.kept import packed
 
-    doc = _unbroken(filled)
-    library, script = get_plotlyjs(), _text("page.js")
-    page: str = _template(mathml(_mathematics(doc["sections"]))).render(
-        doc=doc,
-        figures=figures,
-        pictures={name: image(draw("svg")) for name, draw in pictures.items()},
-        colours=COLOURS,
-        style=Markup(_text("style.css")),  # noqa: S704 - our own file
-        script=Markup(script),  # noqa: S704 - our own file
-        # Packed, 2 MB in place of 4.8: a page is sent by mail, and text and tables are there before the figures.
-        library=base64.b64encode(packed(library)).decode(),
-        digests=[_digest(script), _digest(library)],
+    doc = unbroken(filled)
+    library, script = get_plotlyjs(), "".join(own_file(name) for name in SCRIPTS)
+    page: str = (
+        environment(mathml(mathematics(doc["sections"])))
+        .get_template("page.html")
+        .render(
+            doc=doc,
+            figures=figures,
+            pictures={name: image(draw("svg")) for name, draw in pictures.items()},
+            colours=COLOURS,
+            style=Markup(own_file("style.css")),  # noqa: S704 - our own file
+            script=Markup(script),  # noqa: S704 - our own file
+            # Packed, 2 MB in place of 4.8: a page is sent by mail, and text and tables are there before the figures.
+            library=base64.b64encode(packed(library)).decode(),
+            digests=[_digest(script), _digest(library)],
+        )
     )
     return page.encode()
-
-
-def _text(name: str) -> str:
-    return _FILES.joinpath(name).read_text(encoding="utf-8")
 
 
 def _digest(script: str) -> str:
     """Digest by which a content security policy names a script."""
     return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-
-
-def _unbroken(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _unbroken(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_unbroken(entry) for entry in value]
-    return value.replace(_BREAK, "") if isinstance(value, str) else value
-
-
-def _mathematics(value: Any) -> Iterator[str]:
-    """Mathematics anywhere in the sections: marks in a text, and steps of the derivation."""
-    if isinstance(value, list):
-        for entry in value:
-            yield from _mathematics(entry)
-    elif isinstance(value, dict) and value.get("kind") == "equation":
-        step = value["step"]
-        yield from (step[name] for name in ("symbol_value", "printed", "used"))
-        yield f"{step['numbers']} = {step['result']}" if step["numbers"] else ""
-    elif isinstance(value, dict) and value.get("kind") == "math":
-        yield value["symbol"]
-    elif isinstance(value, dict):
-        yield from _mathematics([*value.values()])
-
-
-def _template(math: Any) -> Any:
-    """The template with its filters; a name that the document does not have is an error, not an empty place."""
-    import jinja2
-    from markupsafe import Markup
-
-    from drivesizer.output.report.html.kept import Compiled
-
-    environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(_text), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True, bytecode_cache=Compiled(),
-    )  # fmt: skip
-    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "ensure_ascii": False, "separators": (",", ":")}
-    environment.filters["math"] = lambda source: Markup(math[source])  # noqa: S704 - set by typst from our own source
-    environment.filters["noted"] = _noted
-    return environment.get_template("page.html")
-
-
-def _noted(text: str) -> Any:
-    """A note with its symbols set: F_N with a lowered N."""
-    from markupsafe import Markup, escape
-
-    symbol = r"\b([A-Za-zα-ω]{1,2})_([A-Za-z]+)"
-    return Markup(re.sub(symbol, r"<var>\1</var><sub>\2</sub>", str(escape(text))))  # noqa: S704 - escaped before
 
 
 def movable(content: Content) -> dict[str, Plot]:
