@@ -6,7 +6,7 @@ those of one drive are, by the sum.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import fsum, isnan, nan
 
 import numpy as np
@@ -49,7 +49,8 @@ def common_supply(
     Parameters
     ----------
     shared
-        What the axes share: supply, brake resistor, battery, equipment, environment, margins, mission.
+        What the axes share: supply, brake resistor, battery, equipment, environment, margins, mission; load cases by
+        their names.
     catalog
         Where power supplies, brake resistors and batteries are listed.
     axes
@@ -70,7 +71,8 @@ def common_supply(
         When a motion is longer than the cycle, or a part of the supply is not listed.
     """
     shared = with_parts_of_supply(shared, catalog)
-    buses = {name: common_bus(name, shared, axes, synchronised, cycle_time) for name in _cases(axes)}
+    cases = dict(shared.load_cases)
+    buses = {name: common_bus(name, cases.get(name, shared), axes, synchronised, cycle_time) for name in _cases(axes)}
     controllers = [(one.one, one.problem.spec.load.motors) for one in axes]
     withstood = _least([one.controller.supply_max if one.controller else nan for one, _ in controllers])
     by_case = [(name, _supplied(bus)) for name, bus in buses.items()]
@@ -79,7 +81,7 @@ def common_supply(
     if shared.battery is None and shared.supply.kind != "battery":
         found = [bus.on_bus for bus in buses.values()]
         braking = bus_budget(shared, catalog, found, withstood, worst_of_cases)
-    voltage = [(name, (_voltage(bus, braking, controllers),)) for name, bus in buses.items()]
+    voltage = [(name, (_voltage(bus, braking, axes),)) for name, bus in buses.items()]
     checks = (*checks, *worst_of_cases(voltage), *(braking.checks if braking else ()))
     if shared.battery is not None:
         energy = {name: _energy(name, bus, axes, catalog) for name, bus in buses.items()}
@@ -135,12 +137,26 @@ def _share_said(bus: CommonBus, name: str) -> str:
     return f"at the worst phase; exceeded for {show(one.most, '%', 'dimensionless')} of the time at most"
 
 
-def _voltage(bus: CommonBus, braking: BrakingBudget | None, drives: Sequence[tuple[DriveParts, int]]) -> Check:
-    """Highest voltage of the bus against the controllers' limit; the smallest of those that are known may fail it."""
-    limits = [one.controller.supply_max if one.controller else nan for one, _ in drives]
-    known, highest = _least(limits), _highest(bus, braking, drives)
-    limit = known if highest > known or not any(map(isnan, limits)) else nan
-    return at_most("bus_voltage", highest, limit, undecided=_STAYS).at((), "budget")
+def _voltage(bus: CommonBus, braking: BrakingBudget | None, axes: Sequence[AxisPower]) -> Check:
+    """Highest voltage of the bus against the controllers' limits; the smallest of those that are known may fail it."""
+    drives = [(axis.one, axis.problem.spec.load.motors) for axis in axes]
+    limits = {axis.name: axis.one.controller.supply_max if axis.one.controller else nan for axis in axes}
+    known, highest = _least([*limits.values()]), _highest(bus, braking, drives)
+    limit = known if highest > known or not any(map(isnan, limits.values())) else nan
+    note = _whose(limits, highest, known) if len(axes) > 1 and not isnan(highest + limit) else ""
+    return at_most("bus_voltage", highest, limit, undecided=_STAYS, note=note).at((), "budget")
+
+
+def _whose(limits: Mapping[str, float], highest: float, least: float) -> str:
+    """The axes whose controllers do not withstand the bus; else those of the least limit.
+
+    >>> _whose({"x": 50.0, "y": 70.0}, 60.0, 50.0), _whose({"x": 70.0, "y": 70.0, "z": 75.0}, 60.0, 70.0)
+    ('more than the controllers of x withstand', 'least limit: x, y')
+    """
+    over = [name for name, limit in limits.items() if limit < highest]
+    if over:
+        return f"more than the controllers of {', '.join(over)} withstand"
+    return f"least limit: {', '.join(name for name, limit in limits.items() if limit == least)}"
 
 
 def _highest(bus: CommonBus, braking: BrakingBudget | None, drives: Sequence[tuple[DriveParts, int]]) -> float:

@@ -10,6 +10,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError
 from drivesizer.machine.supply_unit import with_parts_of_supply
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
+from drivesizer.multi_axis.shared_sections import shared_sections
 from drivesizer.results.check import Check, worst_of_cases
 from drivesizer.results.check_columns import at_most
 from drivesizer.results.machine import AxisSizing
@@ -47,7 +48,7 @@ def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePo
     found = [
         AxisPower(one.name, one.result.problem, one.best, machine.axis(one.name).start) for one in on_it if one.best
     ]
-    shared = _shared(machine, on_it[0].spec)
+    shared = shared_sections(machine, [one.spec for one in on_it])
     catalog = _listing(machine, [one.result.problem.catalog for one in on_it])
     try:
         power = common_supply(shared, catalog, found, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
@@ -101,24 +102,13 @@ def with_choppers(machine: MachineSpec, catalog_of: Callable[[RobotSpec], Catalo
     if section is None or section.chopper_voltage is not None or _alone(machine) or not on_it:
         return machine
     catalog = _listing(machine, [catalog_of(spec) for spec in on_it])
-    resistor = with_parts_of_supply(_shared(machine, on_it[0]), catalog).brake_resistor
+    resistor = with_parts_of_supply(shared_sections(machine, on_it), catalog).brake_resistor
     return replace(machine, axes=tuple(on_common_bus(one, resistor) for one in machine.axes))
 
 
 def _alone(machine: MachineSpec) -> bool:
     """Whether the only axis has the sections of the machine as its own."""
     return len(machine.axes) == 1 and machine.robot is None
-
-
-def _shared(machine: MachineSpec, first: RobotSpec) -> RobotSpec:
-    """Sections that all axes share, with surroundings, margins and mission of the first."""
-    return first.alone(
-        supply=machine.supply,
-        battery=machine.battery,
-        equipment=list(machine.equipment),
-        brake_resistor=machine.brake_resistor,
-        budget=None,
-    )
 
 
 def _listing(machine: MachineSpec, catalogs: Sequence[Catalog]) -> Catalog:

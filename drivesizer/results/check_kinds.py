@@ -165,6 +165,7 @@ _PHYSICS = {
     "supply_current": CheckKind("Supply current, all drives", *_AMPS, _FED, on_inertia=True),
     "supply_power": CheckKind("Supply power, all drives", *_WATT, _FED, on_inertia=True),
     "bus_voltage": CheckKind("Bus voltage, energy returned", *_VOLTS, (*_FED, "controller.supply_max")),
+    "common_bus_voltage": CheckKind("Highest voltage of the common supply", *_VOLTS, ("controller.supply_max",)),
     "encoder_counts": CheckKind("Encoder counts per turn", rests_on=("COUNTS",)),
     "encoder_speed": CheckKind("Encoder speed", *_SPEED, (*_RATIO, "encoder.max_speed")),
     "encoder_frequency": CheckKind(

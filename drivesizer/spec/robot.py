@@ -105,6 +105,7 @@ class RobotSpec(Section):
     _source: YamlSource | None = PrivateAttr(default=None)
     _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
+    _on_common_bus: bool = PrivateAttr(default=False)
 
     @model_validator(mode="after")
     def _chain(self) -> RobotSpec:
@@ -321,6 +322,11 @@ class RobotSpec(Section):
         return self.battery is not None or self.supply.kind == "battery"
 
     @property
+    def on_common_bus(self) -> bool:
+        """Whether it is an axis on the supply of its machine, where what all axes regenerate is judged together."""
+        return self._on_common_bus
+
+    @property
     def chopper_voltage(self) -> float | None:
         """Voltage above which a chopper does not let the bus rise [V]; None where there is none, or it is not known."""
         return self.brake_resistor.chopper_voltage if self.brake_resistor else None
@@ -417,6 +423,17 @@ class RobotSpec(Section):
         made = self.model_copy(update={"cases": [], **sections})
         made._cases = ()
         return made
+
+    def on_supply_of_machine(self) -> RobotSpec:
+        """The spec as an axis of several: what it regenerates is judged with the others', in the machine."""
+        shared = {"accepts": "all", "overvoltage_trip": None, "part": None}
+
+        def marked(one: RobotSpec) -> RobotSpec:
+            made = one.model_copy(update={"supply": one.supply.model_copy(update=shared)})
+            made._on_common_bus = True
+            return made
+
+        return self.changed(marked)
 
     def with_cases(self, further: Iterable[tuple[str, RobotSpec]]) -> RobotSpec:
         """The spec with more load cases behind its own, by name."""

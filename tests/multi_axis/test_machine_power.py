@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import jsonschema
@@ -11,20 +12,23 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.multi_axis.machine_power import machine_power
+from drivesizer.multi_axis.shared_sections import shared_sections
 from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.machine import machine_document
 from drivesizer.output.json.schema import machine_report_schema
 from drivesizer.output.parts import machine_parts_of_axes
 from drivesizer.output.terminal.several_axes import machine_sizing
+from drivesizer.results.check import tightest
 from drivesizer.results.machine import MachineSizing
+from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.several_axes.machine_file import load_machine
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
 MOTION = {"speed": "0.6 m/s", "acceleration_time": "80 ms", "deceleration_time": "40 ms", "cruise_time": "100 ms",
           "rest_time": "0.2 s", "there_and_back": True}  # fmt: skip
-SMALL = {"motor": {"family": "DCX 22 L"}, "gearhead": {"family": "GPX 22"}, "catalogs": ["maxon"]}
+SMALL = {"motor": {"part": "DCX22L01EBKL570"}, "gearhead": {"family": "GPX 22"}, "catalogs": ["maxon"]}
 RESISTOR = {"resistance": "20 ohm", "power": "20 W", "peak_power": "200 W", "pulse_energy": "30 J",
             "chopper_voltage": "55 V", "chopper_current": "5 A"}  # fmt: skip
 
@@ -104,6 +108,60 @@ def test_motors_have_their_voltage_while_all_axes_draw(sizing):
 def test_an_axis_on_a_supply_of_its_own_is_left_out(sizing):
     alone = {**MACHINE, "axes": {**MACHINE["axes"], "y": {**MACHINE["axes"]["y"], "supply": {"nominal": "24 V"}}}}
     assert machine_power(load_machine(alone), sizing.axes).axes == ("x",)
+
+
+def test_one_bus_is_judged_once_against_the_controller_of_each_axis(sizing):
+    """An axis holds its controller against the voltage of the common bus, not against what it returns alone."""
+    assert not any(check.name == "bus_voltage" for axis in sizing.axes for check in axis.best.checks)
+    for one in sizing.axes:
+        own = next(check for check in one.best.checks if check.name == "common_bus_voltage")
+        assert (own.demand, own.limit, own.status) == (55.0, one.best.controller.supply_max, "pass")
+        assert own not in tightest(one.best.deciding, 99)
+    assert next(c for c in sizing.checks if c.name == "bus_voltage").note == "least limit: x, y"
+    x, y = sizing.axes
+    weak = replace(y.best, controller=replace(y.best.controller, supply_max=54.0))
+    weak = replace(y, result=replace(y.result, sets=(weak,)))
+    found = next(c for c in machine_power(sizing.machine, (x, weak)).checks if c.name == "bus_voltage")
+    assert (found.status, found.limit) == ("fail", 54.0)
+    assert found.note == "more than the controllers of y withstand"
+    own = {**MACHINE["axes"], "y": {**MACHINE["axes"]["y"], "supply": {"nominal": "24 V"}}}
+    axes = load_machine({**MACHINE, "axes": own}).axes
+    assert [axis.spec.on_common_bus for axis in axes] == [True, False]
+
+
+def shared(axes: dict[str, dict[str, Any]], **top: Any) -> RobotSpec:
+    """Sections of the machine with some of the axes' own."""
+    given = {name: {**MACHINE["axes"][name], **axes.get(name, {})} for name in MACHINE["axes"]}
+    machine = load_machine({**MACHINE, **top, "axes": given})
+    return shared_sections(machine, [axis.spec for axis in machine.axes])
+
+
+def test_margins_and_surroundings_are_the_machine_s_else_the_strictest_of_the_axes(sizing):
+    hot, cold = {"ambient": "50 degC"}, {"ambient": "10 degC", "altitude": "2000 m"}
+    axes = {
+        "x": {"margins": {"torque": "5 %"}, "environment": cold, "mission": {"duration": "2 h"}},
+        "y": {"margins": {"torque": "20 %", "speed": "10 %"}, "environment": hot, "mission": {"duration": "3 h"}},
+    }
+    for given in (axes, {"x": axes["y"], "y": axes["x"]}):
+        own = shared(given)
+        assert (own.margins.torque, own.margins.speed, own.mission.duration) == (0.2, 0.1, 3 * 3600.0)
+        assert (own.environment.ambient, own.environment.altitude) == (323.15, 2000.0)
+        top = shared(given, margins={"torque": "10 %"}, environment={"ambient": "30 degC"}, mission={"duration": "1 h"})
+        assert (top.margins.torque, top.margins.speed, top.mission.duration) == (0.1, 0.1, 3600.0)
+        assert (top.environment.ambient, top.environment.altitude) == (303.15, 2000.0)
+    plain = shared({"y": {}})
+    assert (plain.margins.torque, plain.mission, plain.environment.ambient) == (0.0, None, 298.15)
+    power = machine_power(load_machine({**MACHINE, "margins": {"torque": "10 %"}}), sizing.axes)
+    assert next(c for c in power.checks if c.name == "supply_current").needed == 0.1
+
+
+def test_load_cases_change_the_machine_s_surroundings_and_supply():
+    of_all = {"name": "summer", "environment": {"ambient": "45 degC"}, "supply": {"min": "40 V", "current": "2 A"}}
+    cases = dict(shared({}, environment={"ambient": "20 degC"}, cases=[of_all]).load_cases)
+    (first, *_), summer = cases.values(), cases["summer"]
+    assert first.environment.ambient == 293.15 and first.supply.lowest == 48.0
+    assert summer.environment.ambient == 318.15 and (summer.supply.lowest, summer.supply.current) == (40.0, 2.0)
+    assert summer.brake_resistor == first.brake_resistor and not summer.supply.accepts
 
 
 def test_a_cycle_that_is_too_short_is_refused_where_it_stands(sizing):

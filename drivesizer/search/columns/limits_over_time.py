@@ -32,6 +32,7 @@ __all__ = [
     "Pair",
     "Wanted",
     "between_bounds",
+    "bus_limit",
     "exact",
     "hottest",
     "kept_on_the_bus",
@@ -350,7 +351,7 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
         at_most("supply_voltage", found.voltage, usable, needed=speed, time=found.voltage_time),
         at_most("controller_peak_time", found.above, controller["peak_time"]),
-        at_most("bus_voltage", bus, controller["supply_max"], undecided=_STAYS, note=held),
+        bus_limit(spec, bus, controller["supply_max"], undecided=_STAYS, note=held),
     ]
     if supply.current is not None:
         drawn = power / supply.lowest
@@ -359,6 +360,28 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     if supply.power is not None:
         checks.append(at_most("supply_power", power, supply.power, needed=torque, time=found.power_time))
     return checks
+
+
+def bus_limit(spec: Any, bus: Any, limit: Any, **more: Any) -> CheckColumn:
+    """Highest voltage of the bus against the controller's limit.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    bus, limit
+        Columns over candidates [V].
+    more
+        Further fields of the column.
+
+    Returns
+    -------
+    CheckColumn
+        On the common supply of a machine the voltage that the controller was chosen for, whatever its axis returns.
+    """
+    if spec.on_common_bus:
+        return at_most("common_bus_voltage", bus, limit, by_choice=True)
+    return at_most("bus_voltage", bus, limit, **more)
 
 
 def kept_on_the_bus(spec: Any) -> Any:

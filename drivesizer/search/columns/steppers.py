@@ -30,6 +30,7 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import controllers
+from drivesizer.search.columns.limits_over_time import bus_limit
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.altitude import controller_needed
 from drivesizer.spec.robot import RobotSpec
@@ -380,7 +381,7 @@ def supply_limits(spec: RobotSpec, returned: Array, most: Array, parts: Parts, p
     bus = np.where(none | spec.accepts_all, supply.highest, raised)  # as if all of a cycle came at once
     found = [
         at_most("supply_voltage", supply.highest, np.where(np.isnan(printed), np.inf, printed)),
-        at_most("bus_voltage", bus, np.where(none, np.inf, parts.controller["supply_max"]), undecided=_KEPT),
+        bus_limit(spec, bus, np.where(none, np.inf, parts.controller["supply_max"]), undecided=_KEPT),
     ]
     if supply.current is not None:
         found.append(at_most("supply_current", power / supply.lowest, supply.current, needed=torque))

@@ -13,7 +13,7 @@ from drivesizer.spec.brake_resistor import BrakeResistor
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import RobotSection
-from drivesizer.spec.sections import Environment, Supply, TitleBlock
+from drivesizer.spec.sections import Environment, Margins, Mission, Supply, TitleBlock
 
 __all__ = ["AxisSpec", "Carried", "MachineSpec"]
 
@@ -50,6 +50,8 @@ class MachineSpec:
     few_kinds: float | None  # share of that sum that common drives may cost more; None: none are preferred
     supply: Supply
     environment: Environment
+    margins: Margins
+    mission: Mission | None
     battery: Battery | None
     equipment: tuple[Consumer, ...]
     budget: Budget | None

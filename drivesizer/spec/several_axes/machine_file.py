@@ -26,7 +26,7 @@ from drivesizer.spec.messages import explained
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.robot_section import RobotSection
-from drivesizer.spec.sections import Environment, Supply, TitleBlock
+from drivesizer.spec.sections import Environment, Margins, Mission, Supply, TitleBlock
 from drivesizer.spec.several_axes.carried import check_carrier
 from drivesizer.spec.several_axes.machine import AxisSpec, Carried, MachineSpec
 from drivesizer.spec.tolerance_text import taken
@@ -96,6 +96,8 @@ class MachineFields(Section):
     )
     supply: Supply
     environment: Environment = Field(default_factory=Environment)
+    margins: Margins = Field(default_factory=Margins)
+    mission: Mission | None = None
     battery: Battery | None = None
     equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(default_factory=list)
     budget: Budget | None = None
@@ -200,6 +202,8 @@ def read_machine(source: YamlSource) -> MachineSpec:
         few_kinds=head.few_kinds,
         supply=head.supply,
         environment=head.environment,
+        margins=head.margins,
+        mission=head.mission,
         battery=head.battery,
         equipment=tuple(head.equipment),
         budget=head.budget,
@@ -319,7 +323,7 @@ def _axis(source: YamlSource, shared: dict[str, Any], name: str, own: dict[str, 
     own_supply = not alone and "nominal" in (sections.get("supply") or ())
     axis = AxisSpec(
         name=name,
-        spec=spec if alone or own_supply else _on_common_supply(spec),
+        spec=spec if alone or own_supply else spec.on_supply_of_machine(),
         carries=_carries(head),
         start=head.start,
         own_supply=own_supply,
@@ -346,12 +350,6 @@ def _carries(head: AxisFields) -> tuple[Carried, ...]:
     """Carried axes, with their distances where these are given."""
     places = head.carries if isinstance(head.carries, dict) else dict.fromkeys(head.carries, CarriedPlace())
     return tuple(Carried(other, place.at) for other, place in places.items())
-
-
-def _on_common_supply(spec: RobotSpec) -> RobotSpec:
-    """An axis of several: what it regenerates is judged with the others', in the machine."""
-    shared = {"accepts": "all", "overvoltage_trip": None, "part": None}
-    return spec.changed(lambda one: one.model_copy(update={"supply": one.supply.model_copy(update=shared)}))
 
 
 def _check_carried(source: YamlSource, at: Path_, axis: AxisSpec) -> None:
