@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import settings
 from specs import estimates_off
 
 from drivesizer import cli
@@ -28,6 +29,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 CACHE = ROOT / ".pytest_cache" / "compiled"
+
+settings.register_profile("no_deadline", deadline=None)  # how long an example takes says how busy the machine is
+settings.load_profile("no_deadline")
 
 
 def pytest_configure(config: pytest.Config) -> None:

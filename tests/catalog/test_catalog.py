@@ -250,7 +250,7 @@ def _choices(section: str, least: int = 1) -> st.SearchStrategy[list[str]]:
     )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.tuples(_choices("motors"), _choices("gearheads"), _choices("gearheads", 0)), max_size=4))
 def test_groups_multiply_out(groups: list[tuple[list[str], list[str], list[str]]]) -> None:
     text = 'catalog: 1\nmanufacturer: A\nsources: {s: {document: "A", confidence: quoted}}\n'

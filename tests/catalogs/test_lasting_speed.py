@@ -43,7 +43,7 @@ def test_by_hand(breaks, expected):
     assert exceeded(*cycle(*breaks), SHORT).item() == pytest.approx(expected, abs=2e-3)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 10_000), st.sampled_from([SHORT, (0.3, 0.5), (2.0, 1.0), (30.0, 1.0)]))
 def test_as_bisection_finds_it(seed, permitted):
     random = np.random.default_rng(seed)

@@ -382,7 +382,6 @@ UP, DOWN = 0.5 * 3.0, 0.4 * 3.4
 
 
 @given(st.floats(0.3, 0.97), st.floats(1, 40), st.integers(1, 5))
-@settings(deadline=None)
 def test_a_hoist_loses_what_its_rope_takes(e, mass, motors):
     """Up: weight times height over e. Down: e times it comes back. Kinetic energy, of the drum too, cancels."""
     load = f"kind: hoist, mass: {mass!r} kg, drum_diameter: 80 mm, falls: 2, rope_efficiency: {e!r}, motors: {motors}, "
@@ -395,7 +394,6 @@ def test_a_hoist_loses_what_its_rope_takes(e, mass, motors):
 
 
 @given(st.floats(0.51, 0.97), st.floats(-3, 0.95).map(lambda back: round(back, 9)))  # 0, or no less than is accepted
-@settings(deadline=None)
 def test_a_screw_loses_what_its_thread_takes(e, back):
     for extra, e_b in (("", 2 - 1 / e), (f", back_efficiency: {back!r}", back)):
         load = f"kind: ball_screw, mass: 30 kg, lead: 5 mm, efficiency: {e!r}, incline: 90 deg, inertia: 3 kg*cm^2"
@@ -500,7 +498,7 @@ def massive(kind, k=1.0, motors=1):
 
 @pytest.mark.parametrize("kind", KINDS)
 @given(k=st.floats(0.01, 100))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_k_times_as_heavy_takes_k_times_the_torque(kind, k):
     one, other = massive(kind), massive(kind, k)
     assert other.torque == pytest.approx(k * one.torque, rel=1e-9, abs=1e-9 * k)

@@ -152,7 +152,7 @@ def changed(cycle, time=1.0, speed=1.0, acceleration=1.0, torque=1.0):
     )
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 10_000), st.floats(1.1, 9))
 def test_in_slow_motion(catalog, seed, s):
     """Time x s with speed / s, acceleration / s^2 and the same torque: the gearhead's torques stay, its powers fall."""
@@ -162,7 +162,7 @@ def test_in_slow_motion(catalog, seed, s):
     assert now == pytest.approx(was * [1, 1, 1 / s, 1 / s, 1 / s, 1 / s], rel=1e-9)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 10_000), st.integers(2, 5))
 def test_several_times_the_same_cycle(catalog, seed, times):
     cycle = random_cycle(seed)
@@ -172,7 +172,7 @@ def test_several_times_the_same_cycle(catalog, seed, times):
         assert now == pytest.approx(was, rel=1e-9)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 10_000), st.floats(1.1, 9))
 def test_a_belt_takes_what_the_load_gives(catalog, seed, s):
     """Belt ratio x s before a load with speed / s and torque x s: nobody behind it sees a difference."""
@@ -182,7 +182,7 @@ def test_a_belt_takes_what_the_load_gives(catalog, seed, s):
         assert now == pytest.approx(was, rel=1e-9)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 10_000))
 def test_the_other_way_round(catalog, seed):
     cycle = random_cycle(seed)

@@ -55,7 +55,7 @@ def assert_carries(functions, seed, count=400):
 ends = st.lists(st.tuples(*[st.sampled_from([-3.0, -1.7, -0.4, 0.0, 0.6, 1.3, 2.9])] * 6), min_size=1, max_size=30)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(ends, st.integers(0, 2**32 - 1))
 def test_small_cycles_with_many_ties(rows, seed):
     table = np.array(rows).reshape(-1, 2, 3)
@@ -167,7 +167,7 @@ def by_pairs(points):
     return found
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.lists(st.tuples(*[st.integers(-4, 4)] * 3), min_size=1, max_size=60))
 def test_undominated_by_every_pair(rows):
     points = np.array(rows) * 0.37

@@ -112,7 +112,6 @@ def test_scipy_stays_in_the_periodic_state_of_a_slow_motor():
 
 
 @given(cycles())
-@settings(deadline=None)
 def test_each_segment_ends_where_the_matrix_exponential_says(case):
     motor, dt, squares, losses = case
     found = periodic_heat(motor, AMBIENT, dt, squares, losses)
@@ -123,7 +122,7 @@ def test_each_segment_ends_where_the_matrix_exponential_says(case):
 
 
 @given(cycles())
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 def test_heat_in_is_heat_out(case):
     motor, dt, squares, losses = case
     found = periodic_heat(motor, AMBIENT, dt, squares, losses)
@@ -224,7 +223,7 @@ def test_the_winding_peaks_within_a_segment():
 
 
 @given(cycles())
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 def test_no_sample_is_warmer_than_the_peak(case):
     motor, dt, squares, losses = case
     found = periodic_heat(motor, AMBIENT, dt, squares, losses)
@@ -420,7 +419,6 @@ def test_overload_against_scipy(start, current, loss):
 
 
 @given(motors(), st.floats(0.0, 60.0), st.floats(0.0, 60.0), st.floats(0.01, 30.0), st.floats(0.0, 40.0))
-@settings(deadline=None)
 def test_the_winding_is_at_its_limit_when_the_time_is_over(motor, warm_w, warm_h, share, rise):
     start, T_max = State(AMBIENT + warm_w, AMBIENT + warm_h), AMBIENT + 70.0
     square = share / (COPPER * motor.R_25 * (motor.R_th1 + motor.R_th2))

@@ -41,7 +41,7 @@ amps, spans = st.floats(-6, 6).map(lambda x: round(x, 2)), st.floats(0.05, 3).ma
 segments = st.lists(st.tuples(spans, st.tuples(amps, amps), st.tuples(amps, amps)), min_size=1, max_size=6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(segments)
 def test_energy_against_fine_sampling(rows):
     found = one(*rows)
@@ -61,7 +61,7 @@ def test_energy_against_fine_sampling(rows):
         assert sums.stored[0] == pytest.approx(most, abs=100 * size)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(segments)
 def test_largest_power_against_fine_sampling(rows):
     found = one(*rows)
@@ -80,7 +80,7 @@ def test_largest_power_against_fine_sampling(rows):
     assert max(at_that_time) == pytest.approx(power[0], rel=1e-9, abs=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(segments, st.integers(1, 500).map(lambda n: n / 100 + 0.005))
 def test_longest_above_against_fine_sampling(rows, limit):
     found = one(*rows)

@@ -207,7 +207,7 @@ def test_on_a_slope_the_work_is_what_it_climbs():
 turns = st.floats(-4.0, 4.0)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(turns, turns, turns)
 def test_straight_lines_miss_little_of_speeds_and_torques(x, y, turn):
     """In the middle of pieces, against the motion itself there."""

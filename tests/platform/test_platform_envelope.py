@@ -126,7 +126,7 @@ def clears_corner(size, one, other, t):
 
 
 @given(st.floats(0.3, 1.5), st.floats(0.3, 1.5), st.floats(0.2, 2.5), st.floats(0.05, 1.0))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_rectangle_round_a_corner_by_pushing_it(one, other, length, width):
     """Second opinion by points on its outline, at every angle: no distance to a line, no polynomial."""
     room = corner_width(length, one, other)
@@ -160,7 +160,7 @@ def test_straight_through_the_middle_and_beside_it():
     sizes(off=0.3), st.floats(-1.0, 1.0), st.floats(-0.3, 0.3), st.floats(0.0, 0.6), st.floats(-math.pi, math.pi),
     st.floats(2.2, 4.0),
 )  # fmt: skip
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_a_passage_turned_in_the_world_by_points_on_the_outline(size, heading, aside, depth, direction, width):
     """Held askew, along the passage: many points on the outline at many moments, in the world."""
     turn = complex(math.cos(direction), math.sin(direction))

@@ -140,7 +140,7 @@ def trajectory(ways, **more):
         return plan([ORIGIN, Waypoint(x=1.0, y=1.0)], Limits(**DRIVING, **TURNING, **more))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(points, min_size=2, max_size=6), jerks, jerks)
 def test_limits_are_never_exceeded(ways, jerk, turning_jerk):
     t = trajectory(ways, jerk=jerk, turning_jerk=turning_jerk)
@@ -154,7 +154,7 @@ def test_limits_are_never_exceeded(ways, jerk, turning_jerk):
             assert jumps.max(initial=0.0) <= 1e-9
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(points, min_size=2, max_size=6), jerks)
 def test_it_is_one_motion_from_rest_to_rest_through_all_waypoints(ways, jerk):
     t = trajectory(ways, jerk=jerk)

@@ -28,6 +28,7 @@ from drivesizer.catalog.tables import Catalog, Table
 __all__ = ["Fit", "Peers", "fit", "fits", "left_out", "widening"]
 
 _PARTS, _FAMILIES, _MAKERS = 30, 4, 3  # fewer are no law: the ends of the band would be single parts
+_SAME = 7  # digits of logarithms that make two figures one: 27/7 is 3.857142857 too, and last digits go by processor
 _OF_ONE = 2  # families that make a construction one of the peers: with one left out the law has still seen it
 _LEVELS = (0.05, 0.95)
 Array = NDArray[np.float64]
@@ -196,7 +197,8 @@ def _logarithms(law: Law, table: Table[Any]) -> tuple[Array, Array, NDArray[np.i
     listed = np.flatnonzero(known)
     x = np.column_stack([np.ones(len(listed)), *(term[listed] for term in terms)])
     family = np.unique(table["family"][listed], return_inverse=True)[1]
-    one_each = np.sort(np.unique(np.column_stack([x, y[listed], family]), axis=0, return_index=True)[1])
+    alike = np.round(np.column_stack([x, y[listed], family]), _SAME)
+    one_each = np.sort(np.unique(alike, axis=0, return_index=True)[1])
     return x[one_each], y[listed[one_each]], listed[one_each]
 
 
