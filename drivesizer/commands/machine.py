@@ -8,8 +8,9 @@ from typing import Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, simulating, working
-from drivesizer.errors import InputError, NoLoopError
+from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, working
+from drivesizer.commands.proving import proven_axes
+from drivesizer.errors import InputError
 
 __all__ = ["of_one_axis", "report_all", "size_all", "sized_machine", "validate_axes"]
 
@@ -17,7 +18,8 @@ __all__ = ["of_one_axis", "report_all", "size_all", "sized_machine", "validate_a
 def size_all(
     machine: Any,
     spec: Path,
-    files: Sequence[Path],
+    csv: Path | None,
+    pdf: Path | None,
     given: Mapping[str, object],
     top: int,
     objective: str | None,
@@ -34,8 +36,8 @@ def size_all(
         Of several axes.
     spec
         Its file as it was named.
-    files
-        Reports to write as well: .pdf, .csv.
+    csv, pdf
+        Files to write as well: the table of axes, and the report with all closed loops.
     given
         Options that are of a single axis, by name; a value that is not empty is refused.
     top, objective, sampling, checks, quiet, json
@@ -49,11 +51,14 @@ def size_all(
     from drivesizer.output.report import accept, write_machine
 
     of_one_axis(given)
-    accept(files)
+    accept([path for path in (csv, pdf) if path])
     result = sized_machine(machine, top, objective, sampling)
-    if files:
+    if csv:
+        write_machine(result, {}, [csv])
+    if pdf:
+        simulated = proven_axes(result)
         with working("writing the report"):
-            write_machine(result, files)
+            write_machine(*simulated, [pdf])
     if json:
         from drivesizer.output.json.documents import as_text
         from drivesizer.output.json.machine import machine_document
@@ -75,6 +80,7 @@ def report_all(
     top: int,
     objective: str | None,
     sampling: tuple[Any, ...],
+    profile: str | None,
     drawings: Path | None,
     paper: str,
     date: str | None,
@@ -91,6 +97,8 @@ def report_all(
         Options that are of a single axis, by name; a value that is not empty is refused.
     top, objective, sampling
         As of ``drivesizer size``.
+    profile
+        As of ``drivesizer validate``.
     drawings
         A folder for every figure, where they are wanted.
     paper, date
@@ -104,11 +112,11 @@ def report_all(
     from drivesizer.output.report import write_machine, write_machine_figures
 
     of_one_axis(given)
-    result = sized_machine(machine, top, objective, sampling)
+    result, proofs = proven_axes(sized_machine(machine, top, objective, sampling), profile)
     with working("writing the report"):
-        written = write_machine(result, output, paper=paper, date=date)
+        written = write_machine(result, proofs, output, paper=paper, date=date)
         if drawings:
-            written += write_machine_figures(result, drawings)
+            written += write_machine_figures(result, proofs, drawings)
     for path in written:
         typer.echo(path)
     return int(result.status == "fail")
@@ -132,15 +140,11 @@ def validate_axes(machine: Any, given: Mapping[str, object], profile: str | None
         0 where no axis fails, else 1.
     """
     of_one_axis(given)
-    result, proofs, notes = sized_machine(machine, 1, None), {}, []
+    result = sized_machine(machine, 1, None)
     without = next((axis.name for axis in result.axes if axis.best is None), None)
     if without is not None:
         raise NothingFitsError(f"{without}: no drive meets all limits; `drivesizer size` shows the closest rejected")
-    for axis in result.axes:
-        try:
-            proofs[axis.name] = _proof(axis, profile)
-        except NoLoopError as error:
-            notes.append(f"{axis.name}: not simulated in closed loop: {error}")
+    _, proofs = proven_axes(result, profile)
     if json:
         from drivesizer.output.json.documents import SCHEMA_VERSION, as_text, validation
 
@@ -150,16 +154,7 @@ def validate_axes(machine: Any, given: Mapping[str, object], profile: str | None
         from drivesizer.output.terminal.several_axes import machine_proofs
 
         machine_proofs(machine.name, proofs)
-    print_notes(tuple(notes))
     return 1 if any(proof.status == "fail" for proof in proofs.values()) else 0
-
-
-def _proof(axis: Any, profile: str | None) -> Any:
-    """The best drive of an axis in closed loop."""
-    from drivesizer.simulate import hardest_case, validate
-
-    with simulating(f"simulating {axis.name} in closed loop"):
-        return validate(axis.spec, axis.best, profile=profile, load_case=hardest_case(axis.spec, axis.best))
 
 
 def of_one_axis(given: Mapping[str, object]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -24,9 +23,10 @@ from drivesizer.commands.common import (
     simulating,
     working,
 )
+from drivesizer.commands.proving import proven
 from drivesizer.commands.setup import start_by_questions
 from drivesizer.commands.starting import at_terminal
-from drivesizer.errors import InputError, NoLoopError, quoted
+from drivesizer.errors import InputError, quoted
 
 __all__ = ["explain", "report", "size"]
 
@@ -79,15 +79,15 @@ def size(
         from drivesizer.commands.machine import size_all
 
         given = {"--pareto": pareto, "--paper": beside, "--derivation": derivation}
-        files = [path for path in (csv, pdf) if path]
         sampling = confidence, samples, seed, processes, loop_samples
-        raise typer.Exit(size_all(robot, spec, files, given, top, objective, sampling, checks or verbose, quiet, json))
+        shown = checks or verbose
+        raise typer.Exit(size_all(robot, spec, csv, pdf, given, top, objective, sampling, shown, quiet, json))
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
     if csv:
         write_sets(result, csv)
     if pdf:
         with working("writing the report"):
-            write(*_proven(result, None), [pdf])
+            write(*proven(result), [pdf])
     if json:
         from drivesizer.output.json import documents as json_documents
 
@@ -158,14 +158,11 @@ def report(
     if hasattr(robot, "axes"):
         from drivesizer.commands.machine import report_all
 
-        given, sampling = (
-            {"--pareto": pareto, "--profile": profile},
-            (confidence, samples, seed, processes, loop_samples),
-        )
-        raise typer.Exit(report_all(robot, output, given, top, objective, sampling, drawings, paper, date))
+        given, sampling = {"--pareto": pareto}, (confidence, samples, seed, processes, loop_samples)
+        raise typer.Exit(report_all(robot, output, given, top, objective, sampling, profile, drawings, paper, date))
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
     with simulating("simulating the drive in closed loop"):
-        result, proof = _proven(result, profile)
+        result, proof = proven(result, profile)
     with working("writing the report"):
         written = write(result, proof, output, paper=paper, date=date)
         if drawings:
@@ -205,20 +202,3 @@ def explain(
         terminal.explained(found, catalog)
         print_notes(found.warnings)
     raise typer.Exit(0 if any(s.status != "fail" for s in found.sets) else 1)
-
-
-def _proven(result: Any, profile: str | None) -> tuple[Any, Any]:
-    """A sizing and its best drive in closed loop, in its hardest load case; None and a note where it cannot be."""
-    from drivesizer.simulate import hardest_case
-    from drivesizer.simulate import validate as validated
-
-    if not result.sets:
-        return result, None
-    best = result.sets[0]
-    try:
-        return result, validated(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
-    except NoLoopError as error:
-        print_notes((str(error),))
-        return replace(
-            result, warnings=(*result.warnings, f"not simulated in {'open' if best.steps else 'closed'} loop: {error}")
-        ), None

@@ -86,7 +86,7 @@ def files(machine: MachineSizing, tmp_path_factory: pytest.TempPathFactory) -> d
     folder = tmp_path_factory.mktemp("report")
     kinds = ["report.pdf", "report.html", "report.xlsx", "report.csv"]
     with blank_figures():
-        written = write_machine(machine, [folder / name for name in kinds])
+        written = write_machine(machine, {}, [folder / name for name in kinds])
     return {path.name: path.read_bytes() for path in written}
 
 
@@ -174,7 +174,7 @@ def test_the_workbook_has_a_sheet_for_each_axis(machine, files):
 
 def test_the_same_machine_gives_the_same_bytes(machine, files, tmp_path):
     with blank_figures():
-        written = write_machine(machine, [tmp_path / "report.html", tmp_path / "report.xlsx"])
+        written = write_machine(machine, {}, [tmp_path / "report.html", tmp_path / "report.xlsx"])
     assert {path.name: path.read_bytes() for path in written} == {path.name: files[path.name] for path in written}
     (figure,) = MachineContent(machine).loads.values()
     assert figure("svg") == figure("svg")

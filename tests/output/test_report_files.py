@@ -116,14 +116,14 @@ def test_a_killed_report_leaves_the_older_one_and_does_not_hinder_the_next(examp
 @pytest.mark.parametrize("suffix", KNOWN)
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, MemoryError])
 def test_a_render_that_fails_touches_nothing(suffix, error, result, tmp_path, monkeypatch):
-    from drivesizer.output import report
+    from drivesizer.output.report import kinds
 
     def fail(*_, **__):
         raise error
 
     target = tmp_path / f"report{suffix}"
     target.write_bytes(b"older")
-    module = import_module(f"drivesizer.output.{report._RENDERERS[suffix][0]}")
+    module = import_module(f"drivesizer.output.{kinds.OF_ONE[suffix][0]}")
     monkeypatch.setattr(module, "render", fail)
     with pytest.raises(error):
         write(result, None, [target])

@@ -21,7 +21,7 @@ from drivesizer.units import KINDS
 if TYPE_CHECKING:
     from drivesizer.output.json import schema
 
-__all__ = ["MOST_SAMPLES", "document", "render"]
+__all__ = ["MOST_SAMPLES", "document", "render", "simulated"]
 
 MOST_SAMPLES = 2000  # of the time series: finer than a screen
 
@@ -63,8 +63,13 @@ def document(result: SizingResult, proof: Validation | None) -> schema.Report:
         Plain data.
     """
     parts = machine_parts(result.sets[0], result.problem) if result.sets else []
-    simulated: schema.Validation | None = {**validation(proof), "series": _series(proof)} if proof else None
-    return {**sizing(result), "parts_list": [_line(line) for line in parts], "validation": simulated}
+    found = simulated(proof) if proof else None
+    return {**sizing(result), "parts_list": [_line(line) for line in parts], "validation": found}
+
+
+def simulated(proof: Validation) -> schema.Validation:
+    """The closed loop of a report: the document of ``drivesizer validate --json`` with the series over time."""
+    return {**validation(proof), "series": _series(proof)}
 
 
 def _line(line: PartLine) -> schema.Line:

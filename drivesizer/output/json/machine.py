@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from drivesizer.control.validation import Validation
 from drivesizer.output.json.documents import (
     SCHEMA_VERSION,
     braking_document,
@@ -12,6 +14,7 @@ from drivesizer.output.json.documents import (
     figure_document,
     sizing,
 )
+from drivesizer.output.json.file import simulated
 from drivesizer.output.json.loops import number
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.results.machine_power import MachinePower
@@ -23,13 +26,15 @@ if TYPE_CHECKING:
 __all__ = ["machine_document"]
 
 
-def machine_document(result: MachineSizing) -> schema.Machine:
-    """The document of ``drivesizer size --json`` of a machine.
+def machine_document(result: MachineSizing, proofs: Mapping[str, Validation] | None = None) -> schema.Machine:
+    """The document of ``drivesizer size --json`` of a machine, or of its report.
 
     Parameters
     ----------
     result
         The sizing.
+    proofs
+        Closed loops by the name of the axis, in a report; an axis without one has null.
 
     Returns
     -------
@@ -45,14 +50,14 @@ def machine_document(result: MachineSizing) -> schema.Machine:
         "total": number(result.total),
         "best_of_all": result.certain,
         "power": _power(result.power) if result.power else None,
-        "axes": {axis.name: _axis(axis) for axis in result.axes},
+        "axes": {axis.name: _axis(axis, proofs) for axis in result.axes},
         "notes": list(result.notes),
     }
 
 
-def _axis(axis: AxisSizing) -> schema.MachineAxis:
-    """An axis with the drives that ride on it."""
-    return {
+def _axis(axis: AxisSizing, proofs: Mapping[str, Validation] | None) -> schema.MachineAxis:
+    """An axis with the drives that ride on it; in a report its closed loop, as in that of it alone."""
+    found: schema.MachineAxis = {
         "drives": axis.drives,
         "carried": [
             {"axis": one.of, "mass_kg": one.mass, "distance_m": one.distance, "unknown_mass_of": list(one.lacking)}
@@ -60,6 +65,10 @@ def _axis(axis: AxisSizing) -> schema.MachineAxis:
         ],
         "sizing": sizing(axis.result),
     }
+    if proofs is not None:
+        proof = proofs.get(axis.name)
+        found["validation"] = simulated(proof) if proof else None
+    return found
 
 
 def _power(power: MachinePower) -> schema.MachinePower:

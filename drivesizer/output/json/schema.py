@@ -8,7 +8,7 @@ is ``validation`` without ``series``.
 # ruff: noqa: UP013 - several fields to a line, as in a table
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, NotRequired
 
 from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
@@ -197,7 +197,12 @@ Carried = TypedDict("Carried", {
     "axis": str, "mass_kg": float,
     "distance_m": Annotated[float | None, Field(description="null: along a line")], "unknown_mass_of": list[str],
 })  # fmt: skip
-MachineAxis = TypedDict("MachineAxis", {"drives": Count, "carried": list[Carried], "sizing": Sizing})
+MachineAxis = TypedDict("MachineAxis", {
+    "drives": Count, "carried": list[Carried], "sizing": Sizing,
+    "validation": NotRequired[Annotated[
+        Validation | None, Field(description="of a report; null: no drive passes, or it cannot be simulated"),
+    ]],
+})  # fmt: skip
 Exceeded = TypedDict("Exceeded", {"check": str, "limit_W": float, "share_least": Number, "share_most": Number})
 Course = TypedDict("Course", {
     "time_s": Annotated[list[float], Field(description="ends of the pieces, one more than there are means")],

@@ -1,18 +1,17 @@
 """Reports to hand on: what a sizing and its validation found, as PDF, CSV or figures.
 
-Every kind of report is a function from records to the bytes of files, and is imported when it is used;
-``put`` writes those bytes, whole or not at all.
+Every kind of report is a function from records to the bytes of files, of ``kinds``; ``put`` writes those bytes,
+whole or not at all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from drivesizer.errors import InputError, quoted
-from drivesizer.files.writing import put, ready_all
+from drivesizer.files.writing import put
+from drivesizer.output.report.kinds import KNOWN, OF_MACHINES, OF_ONE, accept, written
 
 if TYPE_CHECKING:
     from drivesizer.control.path_following.following import Followed
@@ -25,24 +24,6 @@ __all__ = [
     "KNOWN", "accept", "write", "write_driving", "write_figures", "write_loop_figures", "write_machine",
     "write_machine_figures", "write_path", "write_series", "write_sets",
 ]  # fmt: skip
-
-# suffix -> module with a function ``render``, and what it takes beside the records
-_RENDERERS: dict[str, tuple[str, tuple[str, ...]]] = {
-    ".pdf": ("report.pdf", ("paper", "date")),
-    ".html": ("report.html.page", ("date",)),
-    ".xlsx": ("report.workbook", ()),
-    ".csv": ("report.table.csv", ()),
-    ".json": ("json.file", ()),
-}
-KNOWN = tuple(_RENDERERS)
-# the same of machines, each a function ``render_machine``
-_OF_MACHINES = {
-    ".pdf": ("report.machine.pdf", ("paper", "date")),
-    ".html": ("report.machine.html", ("date",)),
-    ".xlsx": ("report.machine.workbook", ()),
-    ".csv": ("report.machine.csv", ()),
-    ".json": ("report.machine.json", ()),
-}
 
 
 def write(
@@ -79,11 +60,16 @@ def write(
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
         then, and older files stay unchanged.
     """
-    return _written(_RENDERERS, "render", (result, validation), paths, {"paper": paper, "date": date})
+    return written(OF_ONE, "render", (result, validation), paths, {"paper": paper, "date": date})
 
 
 def write_machine(
-    sizing: MachineSizing, paths: Sequence[Path], *, paper: str = "a4", date: str | None = None
+    sizing: MachineSizing,
+    proofs: Mapping[str, Validation],
+    paths: Sequence[Path],
+    *,
+    paper: str = "a4",
+    date: str | None = None,
 ) -> list[Path]:
     """Write reports of a machine of several axes; see :func:`write`.
 
@@ -91,6 +77,8 @@ def write_machine(
     ----------
     sizing
         The machine.
+    proofs
+        The closed loop of each axis' best drive by the axis' name, where it was simulated.
     paths, paper, date
         As there.
 
@@ -106,50 +94,8 @@ def write_machine(
     """
     from drivesizer.output.report.machine.content import MachineContent
 
-    return _written(_OF_MACHINES, "render_machine", (MachineContent(sizing),), paths, {"paper": paper, "date": date})
-
-
-def _written(
-    renderers: Mapping[str, tuple[str, tuple[str, ...]]],
-    function: str,
-    records: tuple[Any, ...],
-    paths: Sequence[Path],
-    given: Mapping[str, Any],
-) -> list[Path]:
-    """Files of several kinds, written together."""
-    accept(paths)
-    files: dict[Path, bytes] = {}
-    for path in paths:
-        module, takes = renderers[path.suffix.lower()]
-        render = getattr(import_module(f"drivesizer.output.{module}"), function)
-        made: dict[Path, bytes] = render(*records, path, **{name: given[name] for name in takes})
-        twice = files.keys() & made.keys()
-        if twice:
-            raise InputError(f"{min(twice)}: would be written twice; expected another name")
-        files |= made
-    return put(files)
-
-
-def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
-    """Refuse what :func:`write` would refuse, before time is spent on what goes into it.
-
-    Parameters
-    ----------
-    paths
-        Of reports.
-    tables
-        Of single tables, whose suffix says nothing.
-
-    Raises
-    ------
-    InputError
-        When a suffix is none of the known ones, a path is no place for a file or what was read, or two are one file.
-    """
-    for path in paths:
-        if path.suffix.lower() not in _RENDERERS:
-            known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
-            raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
-    ready_all((*paths, *tables))
+    content = MachineContent(sizing, proofs)
+    return written(OF_MACHINES, "render_machine", (content,), paths, {"paper": paper, "date": date})
 
 
 def write_sets(result: SizingResult, path: Path) -> list[Path]:
@@ -301,13 +247,13 @@ def write_figures(result: SizingResult, validation: Validation | None, folder: P
     return figures_into(report_drawings(result, validation), folder)
 
 
-def write_machine_figures(sizing: MachineSizing, folder: Path) -> list[Path]:
+def write_machine_figures(sizing: MachineSizing, proofs: Mapping[str, Validation], folder: Path) -> list[Path]:
     """Write every figure of a machine's report as SVG and as PNG; see :func:`write_loop_figures`.
 
     Parameters
     ----------
-    sizing
-        The machine.
+    sizing, proofs
+        As of :func:`write_machine`.
     folder
         Where to; it is made where it does not exist.
 
@@ -319,4 +265,4 @@ def write_machine_figures(sizing: MachineSizing, folder: Path) -> list[Path]:
     from drivesizer.output.report.figure_files import figures_into
     from drivesizer.output.report.machine.content import MachineContent
 
-    return figures_into(MachineContent(sizing).drawings, folder)
+    return figures_into(MachineContent(sizing, proofs).drawings, folder)

@@ -185,7 +185,7 @@ def _next(console: Console, spec: str, result: MachineSizing) -> None:
 
 
 def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
-    """Print the closed loops of a machine's axes, a line each.
+    """Print the closed loops of a machine's axes, and steppers behind their pulses, a line each.
 
     Parameters
     ----------
@@ -196,9 +196,8 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
     """
     console = tables.console()
     failed = [axis for axis, proof in proofs.items() if proof.status == "fail"]
-    tables.heading(
-        console, name, f"FAIL: {', '.join(failed)}" if failed else "closed loop", STYLE["fail"] * bool(failed)
-    )
+    loops = " and ".join(dict.fromkeys(proof.loop for proof in proofs.values()))
+    tables.heading(console, name, f"FAIL: {', '.join(failed)}" if failed else loops, STYLE["fail"] * bool(failed))
     heads = [("axis", "left"), ("drive", "left"), ("tightest", "left"), ("", "right"), ("", "left")]
     table = tables.bare(*heads, edged=False)
     for axis, proof in proofs.items():

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Layer", "axes_power", "layers", "power_unit"]
+__all__ = ["LOOKS", "Layer", "axes_power", "layers", "power_unit"]
 
 Array = NDArray[np.float64]
 _MOST = 6  # axes that have a layer of their own
 _PIECES = 1500  # finer than print
-_LOOKS: tuple[tuple[str, str], ...] = (  # colour and hatch, so that a grey print distinguishes them too
+LOOKS: tuple[tuple[str, str], ...] = (  # colour and hatch, so that a grey print distinguishes them too
     ("blue", ""), ("orange", "////"), ("green", "...."), ("purple", "\\\\\\\\"), ("sky", "xxxx"),
     ("vermillion", "----"), ("grey", "++++"),
 )  # fmt: skip
@@ -100,7 +100,7 @@ _ABREAST = 5  # names of the legend
 def _stack(axes: Axes, course: Course, found: list[Layer], unit: str) -> None:
     """The layers over each other: drawn upward, returned downward."""
     above, below = np.zeros(len(course.total)), np.zeros(len(course.total))
-    for layer, (colour, hatch) in zip(found, _LOOKS, strict=False):
+    for layer, (colour, hatch) in zip(found, LOOKS, strict=False):
         look: dict[str, Any] = {"fill": True, "facecolor": _light(colour), "hatch": hatch,
                                 "edgecolor": COLOURS[colour], "linewidth": 0.4}  # fmt: skip
         up, down = above + layer.drawn, below - layer.returned

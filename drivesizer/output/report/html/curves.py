@@ -219,6 +219,8 @@ def _entry(trace: Plot) -> Plot:
         "colour": trace["line"]["color"] if drawn else marker["color"],
         "dash": trace["line"]["dash"] if drawn else "",
         "filled": trace.get("fill") == "toself",
+        "stacked": "stackgroup" in trace,
+        "hatch": trace.get("fillpattern", {}).get("shape", ""),
         "mark": marker.get("symbol", "") if not drawn else "",
         "shown": trace.get("visible", True) is True,
         "traces": [],

@@ -3,7 +3,7 @@
 
 // -- colours -----------------------------------------------------------------------------------------------------
 
-const NAMES = ["blue", "vermillion", "green", "purple", "grey", "orange", "ink", "soft", "hair", "grid", "page"];
+const NAMES = ["blue", "vermillion", "green", "purple", "grey", "orange", "sky", "ink", "soft", "hair", "grid", "page"];
 
 /** The values of the named colours, as the page has them now or as paper has them. */
 function palette(printing) {

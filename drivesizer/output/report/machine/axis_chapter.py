@@ -6,24 +6,22 @@ from collections.abc import Iterator
 
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.machine.content import AxisContent
+from drivesizer.output.report.sections import SECTIONS
 from drivesizer.output.report.sections.assumptions import unknown_blocks
 from drivesizer.output.report.sections.blocks import Block, Tiles, Verdict, Words
-from drivesizer.output.report.sections.changes import CHANGES
-from drivesizer.output.report.sections.checks import CHECKS
 from drivesizer.output.report.sections.confidence import confidence_table
-from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, field_picture
-from drivesizer.output.report.sections.derivation import DERIVATION
-from drivesizer.output.report.sections.estimates import ESTIMATES
-from drivesizer.output.report.sections.machine import BATTERY, BRAKING, MACHINE
+from drivesizer.output.report.sections.cycle import field_picture
 from drivesizer.output.report.sections.part_lines import parts_table
-from drivesizer.output.report.sections.reliability import RELIABILITY
 from drivesizer.output.report.sections.section import Section
 from drivesizer.output.report.sections.summary import OUTCOMES, change_blocks, outcome_texts, tiles
 from drivesizer.units import show
 
 __all__ = ["axis_sections", "opening"]
 
-_SECTIONS = (CHECKS, CHANGES, ESTIMATES, CYCLE, ENERGY, RELIABILITY, MACHINE, BATTERY)
+_ELSEWHERE = {  # sections of the report of one axis that the machine prints once, or that `--axis` alone prints
+    "summary", "parts", "drive", "heat", "candidates", "specification", "pieces", "assumptions", "physics", "repeat",
+    "file", "datasheets",
+}  # fmt: skip
 
 
 def opening(axis: AxisContent) -> Iterator[Block]:
@@ -66,9 +64,9 @@ def axis_sections(axis: AxisContent) -> Iterator[tuple[str, list[Block]]]:
     -------
     Iterator of pairs
     """
-    more = [BRAKING] if axis.own_supply else []
-    more += [] if axis.content.result.method == "paper" else [DERIVATION]
-    for section in (*_SECTIONS, *more, _UNKNOWN):
+    left = _ELSEWHERE | (set() if axis.own_supply else {"braking"})
+    left |= {"derivation"} if axis.content.result.method == "paper" else set()
+    for section in (*(one for one in SECTIONS if one.name not in left), _UNKNOWN):
         blocks = [*section.blocks(axis.content)]
         if blocks:
             yield section.headed(axis.content), blocks

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from drivesizer.output.datasheet import datasheets
 from drivesizer.output.report.lines.drive import figure_row
 from drivesizer.output.report.machine.content import MachineContent
+from drivesizer.output.report.machine.loops import loop_blocks
 from drivesizer.output.report.machine.summary import summary_blocks
 from drivesizer.output.report.sections.appendix import repeat_blocks
 from drivesizer.output.report.sections.blocks import (
@@ -72,9 +73,11 @@ def _power(content: MachineContent) -> Iterator[Block]:
         yield Bullets("Of some axes the power is unknown, and with it the sum:", list(power.unknown), "alarm")
     together = "" if power.synchronised else " Every axis starts at any time; here all their peaks fall together."
     case = f" Load case {power.case}." if power.case else ""
-    yield Picture("power", f"Power at the controllers of all axes, stacked: above 0 what each draws, below what each "
-                  f"returns. The black line is what the source gives.{case}{together}",
-                  "power of every axis over time", about="shows the power over the machine's cycle.")  # fmt: skip
+    stacked = "Power at the controllers of all axes, stacked: above 0 what each draws, below what each returns."
+    moved = "Pointed at, an axis has what it draws less what it returns."
+    yield Picture("power", f"{stacked} The black line is what the source gives.{case}{together}",
+                  "power of every axis over time", about="shows the power over the machine's cycle.",
+                  on_page=f"{stacked} The line is what the source gives. {moved}{case}{together}")  # fmt: skip
     yield Facts("All axes on one supply", [*map(figure_row, power.figures)], "machine_figures", halves=True)
     if power.exceeded:
         yield _exceeded(power)
@@ -173,7 +176,7 @@ def _assumptions(content: MachineContent) -> Iterator[Block]:
 
 def _repeat(content: MachineContent) -> Iterator[Block]:
     sizing = content.sizing
-    yield Words(("A report of one axis, with its candidates, its heat and its closed loop: ",
+    yield Words(("A report of one axis, with its candidates and its heat: ",
                  Code(f"drivesizer report {content.file} --axis NAME -o axis.pdf"), "."))  # fmt: skip
     yield from repeat_blocks(content.catalogs, content.method, sizing.objective, content.file, sizing.machine.text)
 
@@ -191,6 +194,7 @@ FRONT = (
     Chapter("loads", "Loads of the axes", _loads),
     Chapter("supply", "Power of all axes", _power),
     Chapter("carried", "Carried drives", _carried),
+    Chapter("loops", "Closed loops of the axes", loop_blocks),
 )
 BACK = (
     Chapter("assumptions", "Assumptions", _assumptions),

@@ -1,11 +1,12 @@
-"""Content of a machine's report: its sizing, the content of each axis, its parts, and the figures of all axes."""
+"""Content of a machine's report: its sizing, the content and closed loop of each axis, its parts, its figures."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
+from drivesizer.control.validation import Validation
 from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.axes_power import axes_power
@@ -47,12 +48,15 @@ class MachineContent:
     """A sizing of a machine; each part that takes time is computed once, when it is used."""
 
     sizing: MachineSizing
+    proofs: Mapping[str, Validation] = field(default_factory=dict)  # closed loops, by the name of the axis
 
     @cached_property
     def axes(self) -> list[AxisContent]:
         """Every axis, in the order of the file."""
         lines = parts_by_axis(self.sizing)
-        alone = [Content(replace(one.result, front=(), pareto=())) for one in self.sizing.axes]  # it served the choice
+        alone = [  # without the front, which served the choice
+            Content(replace(one.result, front=(), pareto=()), self.proofs.get(one.name)) for one in self.sizing.axes
+        ]
         return [
             AxisContent(key=f"axis{number}-", sizing=one, content=content, lines=lines[one.name], own_supply=own)
             for number, (one, content, own) in enumerate(

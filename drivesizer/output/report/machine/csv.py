@@ -1,4 +1,4 @@
-"""CSV of a machine: a row for each axis; beside it the parts list of all axes, and their power over time."""
+"""CSV of a machine: a row for each axis; beside it parts list, power over time and closed loops of all axes."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
+from drivesizer.output.report.machine.loops import loop_files
 from drivesizer.output.report.machine.power_columns import power_columns
 from drivesizer.output.report.table.csv import columns_csv, encoded, set_columns, shared_parts_csv
 
@@ -20,7 +21,8 @@ def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
     content
         What the report is about.
     path
-        Of the table of axes; the parts list has its name with ``-parts``, the power over time with ``-power``.
+        Of the table of axes; the parts list has its name with ``-parts``, the power over time with ``-power``, the
+        closed loops as of :func:`loop_files`.
 
     Returns
     -------
@@ -31,7 +33,7 @@ def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
     power = content.sizing.power
     if power is not None:
         files[path.with_name(f"{path.stem}-power{path.suffix}")] = columns_csv(power_columns(power))
-    return files
+    return files | loop_files(content, path)
 
 
 def axes_csv(content: MachineContent) -> bytes:

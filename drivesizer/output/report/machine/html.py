@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from drivesizer.output.report.html.page import STILL, filled_page, movable
+from drivesizer.output.report.html.power_plot import power_plot
 from drivesizer.output.report.machine.content import MachineContent
 from drivesizer.output.report.machine.document import document, shown
 
@@ -30,8 +31,11 @@ def render_machine(content: MachineContent, path: Path, *, date: str | None = No
     """
     filled = document(content, date)
     wanted, drawings = set(shown(filled["sections"])), content.drawings
-    still = [*content.loads, *content.supply, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
+    still = [*content.loads, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
     pictures = {name: drawings[name] for name in still if name in wanted and name in drawings}
-    figures = {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
+    power = content.sizing.power
+    stacked = power_plot(power) if power else None
+    figures = {"power": stacked} if stacked else {}
+    figures |= {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
     several = {name: re.sub(r"-\d+$", "", name) for name in figures}  # those of one kind are numbered
     return {path: filled_page(filled, {name: figures[name] for name in figures if several[name] in wanted}, pictures)}

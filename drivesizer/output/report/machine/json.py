@@ -1,4 +1,4 @@
-"""JSON of a machine: the document of ``drivesizer size --json``."""
+"""JSON of a machine: the document of ``drivesizer size --json`` with the closed loop of every axis in it."""
 
 from __future__ import annotations
 
@@ -25,4 +25,4 @@ def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
     -------
     dict[Path, bytes]
     """
-    return {path: f"{as_text(machine_document(content.sizing))}\n".encode("utf-8", "backslashreplace")}
+    return {path: f"{as_text(machine_document(content.sizing, content.proofs))}\n".encode("utf-8", "backslashreplace")}

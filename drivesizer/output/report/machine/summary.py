@@ -55,10 +55,27 @@ def verdict_text(content: MachineContent) -> tuple[Any, ...]:
     ranked = f"ranked by {sizing.objective.replace('_', ' ')}"
     if without:
         others = f" The others: {drives}, {ranked}." if content.drives else ""
-        return Strong(f"No drive for {', '.join(without)}."), others
+        return Strong(f"No drive for {', '.join(without)}."), *_simulated(content), others
     failed = ", ".join(check.title for check in sizing.checks if check.status == "fail" and not check.advice)
     together = (Strong(f" Together they fail on: {failed}."),) if failed else ()
-    return Strong("Every axis has a drive."), *together, f" {drives} on {len(sizing.axes)} axes, {ranked}."
+    return (
+        Strong("Every axis has a drive."),
+        *together,
+        *_simulated(content),
+        f" {drives} on {len(sizing.axes)} axes, {ranked}.",
+    )
+
+
+def _simulated(content: MachineContent) -> tuple[Any, ...]:
+    """Verdict of all closed loops: those that fail by name."""
+    failed = [name for name, proof in content.proofs.items() if proof.status == "fail"]
+    if failed:
+        return (
+            Strong(f" Simulated in its hardest load case, {', '.join(failed)} fail{'s' if len(failed) == 1 else ''}."),
+        )
+    passed = all(proof.status == "pass" for proof in content.proofs.values())
+    said = f" Simulated in its hardest load case, {'every axis passes' if passed else 'no axis fails'}."
+    return (said,) if len(content.proofs) == len(content.axes) else ()
 
 
 def notes(content: MachineContent) -> list[str]:

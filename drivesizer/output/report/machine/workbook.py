@@ -1,4 +1,4 @@
-"""XLSX of a machine: sheets of the machine, its axes and its parts, then one for each axis."""
+"""XLSX of a machine: sheets of the machine, its axes, parts and closed loops, then those of each axis."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from pathlib import Path
 
 from drivesizer.output.parts import totals
 from drivesizer.output.report.lines import rows as table
+from drivesizer.output.report.lines.machine import driven_over
 from drivesizer.output.report.machine.chapters import assumptions, warnings
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
+from drivesizer.output.report.machine.loops import loop_sheet, loop_summary, time_series_sheets
 from drivesizer.output.report.machine.power_columns import power_columns
 from drivesizer.output.report.machine.summary import drive_name, notes, verdict_text
 from drivesizer.output.report.sections.appendix import about_sheet, file_sheet
@@ -57,10 +59,12 @@ def sheets(content: MachineContent) -> list[Sheet]:
     """
     machine = content.sizing.machine
     file = file_sheet(content.file, machine.text, machine.entered)
-    own = [_machine(content), _axes(content), _parts(content), *_power(content)]
+    own = [_machine(content), _axes(content), _parts(content), *_power(content), *loop_sheet(content)]
     taken = {sheet.name for sheet in (*own, file)} | {"About"}
-    names = sheet_names([one.name for one in content.axes], taken)
-    found = [*own, *(_axis(one, name) for one, name in zip(content.axes, names, strict=True)), file]
+    axes, simulated = [one.name for one in content.axes], [*content.proofs]
+    names = sheet_names([*axes, *(f"{name} over time" for name in simulated)], taken)
+    found = [*own, *(_axis(one, name) for one, name in zip(content.axes, names, strict=False))]
+    found += [*time_series_sheets(content, dict(zip(simulated, names[len(axes) :], strict=True))), file]
     return [*found, about_sheet(content.catalogs, content.method, content.sizing.objective, found)]
 
 
@@ -120,6 +124,7 @@ def _machine(content: MachineContent) -> Sheet:
     if sizing.power:
         rows += [{"part": "All axes on one supply"}]
         rows += [table.figure_row("power", figure) for figure in sizing.power.figures]
+    rows += loop_summary(content)
     if content.bought:
         rows += [{"part": "All parts"}, *map(priced, table.total_rows(content.totals))]
     rows += [*texts("Of all axes together", notes(content)), *texts("Assumptions", assumptions(content)),
@@ -214,6 +219,9 @@ def _axis_rows(one: AxisContent) -> Iterator[table.Row]:
         yield {"title": "Drive", "status": "fail", "note": "no candidate"}
         return
     yield {"title": "Drive", "status": one.status, "note": text_of(drive_name(one))}
+    v = one.content.validation
+    if v:
+        yield {"title": v.loop.capitalize(), "status": v.status, "note": f"over {driven_over(v)}"}
     yield from map(_carried, one.sizing.carried)
     yield {"part": "Parts"}
     yield from table.set_rows(drive, result.objective)
@@ -225,3 +233,6 @@ def _axis_rows(one: AxisContent) -> Iterator[table.Row]:
     yield from map(table.requirement_row, (*result.requirements, *drive.requirements))
     yield from texts("Assumptions", result.assumptions)
     yield from texts("Warnings", result.warnings)
+    if v:
+        yield from texts("Assumptions of the simulation", v.assumptions)
+        yield from texts("Warnings of the simulation", v.warnings)

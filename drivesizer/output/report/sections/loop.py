@@ -32,9 +32,12 @@ from drivesizer.output.thinning import on_curves
 from drivesizer.results.check_parts import by_part
 from drivesizer.units import from_si
 
-__all__ = ["LINEAR_LOOPS", "LOOP", "MOST_SAMPLES"]
+__all__ = ["LINEAR_LOOPS", "LOOP", "LOOP_COLUMNS", "MOST_SAMPLES", "time_series"]
 
 MOST_SAMPLES = 50_000  # of the time series: what a spreadsheet opens at once; the CSV report has all
+LOOP_COLUMNS = (
+    SheetColumn("of", "section"), SheetColumn("figure", "title"), SheetColumn("direction or case", "case"), *LIMITS,
+)  # fmt: skip
 
 
 def _blocks(content: Content) -> Iterator[Block]:
@@ -69,31 +72,43 @@ def _blocks(content: Content) -> Iterator[Block]:
 def _sheets(content: Content) -> Iterator[Sheet]:
     """Checks, figures, gains and linear loops of the closed loop; and its time series."""
     v = content.validation
-    columns = (SheetColumn("of", "section"), SheetColumn("figure", "title"), SheetColumn("direction or case", "case"),
-               *LIMITS)  # fmt: skip
     if v is None:
         yield Sheet(
-            name="Closed loop", columns=columns, rows=[], note="no drive meets all limits: nothing was simulated"
+            name="Closed loop", columns=LOOP_COLUMNS, rows=[], note="no drive meets all limits: nothing was simulated"
         )
         yield Sheet(
             name="Time series", columns=(SheetColumn("time (s)", "time"),), rows=[], note="nothing was simulated"
         )
         return
     rows = list(table.closed_loop_rows(v))
-    yield Sheet(name=v.loop.capitalize(), columns=columns, rows=rows, note=f"over {driven_over(v)}", still=2)
-    yield _time_series(v)
+    yield Sheet(name=v.loop.capitalize(), columns=LOOP_COLUMNS, rows=rows, note=f"over {driven_over(v)}", still=2)
+    yield time_series(v)
 
 
-def _time_series(v: Validation) -> Sheet:
-    """The closed loop over time; of a longer record samples evenly, with the peaks of every column."""
+def time_series(v: Validation, name: str = "Time series", most: int = MOST_SAMPLES) -> Sheet:
+    """The closed loop over time; of a longer record samples evenly, with the peaks of every column.
+
+    Parameters
+    ----------
+    v
+        The closed loop.
+    name
+        Of the sheet.
+    most
+        Samples at most.
+
+    Returns
+    -------
+    Sheet
+    """
     units = v.series_units
     columns = {name: from_si(x, units[name][1], units[name][0]) for name, x in v.series.items()}
     count = len(columns["time"])
-    kept = on_curves(tuple(columns.values()), MOST_SAMPLES)
+    kept = on_curves(tuple(columns.values()), most)
     note = f"{len(kept)} of {count} samples, evenly and with the peaks of every column" if len(kept) < count else ""
     heads = tuple(SheetColumn(headed(name.replace("_", " "), units[name][1]), name, "sample") for name in columns)
     rows = zip(*(values[kept].tolist() for values in columns.values()), strict=True)
-    return Sheet(name="Time series", columns=heads, note=note, still=1, filtered=False,
+    return Sheet(name=name, columns=heads, note=note, still=1, filtered=False,
                  drawn=tuple(name for name in _DRAWN if name in columns),
                  rows=[dict(zip(columns, row, strict=True)) for row in rows])  # fmt: skip
 
