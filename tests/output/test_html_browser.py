@@ -1,15 +1,14 @@
 """The HTML report in a browser: it loads in silence, sorts, answers pointer and keys, prints, and fits a telephone."""
 
-import os
 import re
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from math import nan
 from pathlib import Path
 from typing import Any
 
 import pytest
+from browser_pages import kept, launched, until
 from html_reports import CASE, hostile_spec, whole_validation
 
 from drivesizer.load_cases import load_cycle
@@ -20,22 +19,10 @@ from drivesizer.sizing import size
 
 pytestmark = pytest.mark.slow
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
-
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """The machine's Chromium; where the project's checks run, it must be there."""
-    found = next(filter(None, map(shutil.which, NAMES)), None)
-    if found is None:
-        said = f"no browser: none of {', '.join(NAMES)} is installed"
-        pytest.fail(said) if os.environ.get("CI") == "true" else pytest.skip(said)
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        made = driver.chromium.launch(executable_path=found)
-        yield made
-        made.close()
+    yield from launched()
 
 
 @pytest.fixture(scope="module")
@@ -60,42 +47,6 @@ def hoist(tmp_path_factory, catalog) -> SizingResult:
 def hostile(hoist: SizingResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
     (path,) = write(hoist, None, [tmp_path_factory.mktemp("page") / "report.html"])
     return path
-
-
-class Heard:
-    """What a page said, asked for and opened."""
-
-    def __init__(self, page: Any) -> None:
-        self.console: list[str] = []
-        self.requests: list[str] = []
-        page.on("console", lambda message: self.console.append(f"{message.type}: {message.text}"))
-        page.on("pageerror", lambda error: self.console.append(f"error: {error}"))
-        page.on("request", lambda request: self.requests.append(request.url))
-        page.on("dialog", lambda dialog: (self.console.append(f"dialog: {dialog.message}"), dialog.dismiss()))
-
-
-def opened(browser: Any, path: Path, width: int = 1400, **more: Any) -> tuple[Any, Heard]:
-    page = browser.new_page(viewport={"width": width, "height": 1000}, **more)
-    heard = Heard(page)
-    page.goto(path.as_uri())
-    page.wait_for_selector("html[data-drawn]", timeout=60_000)
-    return page, heard
-
-
-def until(page: Any, happened: Callable[[], bool], patience: int = 400) -> None:
-    """Wait for what a busy machine may take seconds to draw; the page's own policy forbids the browser's waiting."""
-    for _ in range(patience):
-        if happened():
-            return
-        page.wait_for_timeout(50)
-    pytest.fail("did not happen within 20 s")
-
-
-def kept(browser: Any, path: Path, width: int = 1400, **more: Any) -> Iterator[Any]:
-    made, heard = opened(browser, path, width, **more)
-    made.heard = heard
-    yield made
-    made.close()
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,9 @@ import jsonschema
 import numpy as np
 import openpyxl
 import pytest
-import stepper_catalog
-import yaml
-from forty_motors import catalogue
+from docs_pages import held_against_the_page
 from printed import blank_figures, text_of
+from two_axes import STEPPER, two_axes
 
 import drivesizer.simulate
 from drivesizer.commands.machine import report_all, validate_axes
@@ -28,37 +27,13 @@ from drivesizer.output.json.schema import machine_report_schema
 from drivesizer.output.report.html.power_plot import power_plot
 from drivesizer.output.report.machine.content import MachineContent
 from drivesizer.output.report.machine.document import document
-from drivesizer.spec.several_axes.machine_file import load_machine
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
-
-STEPPER = 0.39  # kg, of A2 as its catalogue has it
 
 
 @pytest.fixture(scope="module")
 def machine(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """A belt axis that carries the stepper of a table."""
-    folder = tmp_path_factory.mktemp("shelf")
-    shelf = folder / "shelf.yaml"
-    shelf.write_text(catalogue(lambda n: 0.6 - 0.01 * n, "0.1 K/W"), encoding="utf-8")
-    ramp = {"acceleration_time": "0.15 s", "cruise_time": "0.1 s", "rest_time": "0.1 s"}
-    axes = {
-        "x": {"load": {"kind": "belt_axis", "mass": "2 kg", "pulley_diameter": "40 mm"}, "carries": ["table"],
-              "motion": {"speed": "1 m/s", "there_and_back": True, **ramp}, "select": {"catalogs": [str(shelf)]}},
-        "table": {"load": {"kind": "flywheel", "inertia": "4e-4 kg*m^2"}, "motion": {"speed": "300 rpm", **ramp},
-                  "transmission": [{"kind": "direct"}],
-                  "select": {"catalogs": [str(stepper_catalog.written(folder))],
-                             "motor": {"kind": "stepper", "part": "A2"}}},
-    }  # fmt: skip
-    spec = {
-        "name": "two",
-        "supply": {"nominal": "24 V", "accepts": "all"},
-        "select": {"estimates": "off"},
-        "axes": axes,
-    }
-    path = folder / "two.yaml"
-    path.write_text(yaml.safe_dump(spec, sort_keys=False), encoding="utf-8")
-    return load_machine(path)
+    return two_axes(tmp_path_factory.mktemp("shelf"))
 
 
 @pytest.fixture(scope="module")
@@ -200,6 +175,9 @@ def test_documents_with_and_without_loops_obey_the_schema(files, content):
     validator.validate(report)
     validator.validate(json.loads(as_text(machine_document(content.sizing))))  # of size, and of earlier versions
     assert machine_document(content.sizing, {})["axes"]["x"]["validation"] is None
+    held_against_the_page("Machine", [report])
+    held_against_the_page("Axis", report["axes"].values())
+    held_against_the_page("Power", [report["power"]])
     report["axes"]["x"]["validation"]["profile"] = 1
     assert not validator.is_valid(report)
 

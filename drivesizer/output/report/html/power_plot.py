@@ -50,7 +50,7 @@ def power_plot(power: MachinePower) -> Plot | None:
 
 
 def _stacked(layer: Layer, look: tuple[str, str], time: Array, unit: str, least: float) -> list[Plot]:
-    """What a layer draws and what it returns, each on a stack of its own; the difference where it is pointed at."""
+    """Traces of a layer: drawn and returned power on a stack of their own, the difference where it is pointed at."""
     colour, hatch = look
     net = layer.drawn - layer.returned
     said = {"customdata": numbers(_ends(np.where(np.abs(net) > least, net, 0.0), unit), 4),
