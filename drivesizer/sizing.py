@@ -47,6 +47,7 @@ from drivesizer.units import show
 
 __all__ = ["explain", "explained", "load_parts", "size"]
 
+_MISSES = 3  # closest rejected, where a drive passes
 _ALTERNATIVES = 3  # drives of other motor families beside the best
 _FEW = 4  # missing figures at most that are worth a request to the maker
 
@@ -96,6 +97,7 @@ def size(
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     sampling: Sampling | None = None,
+    brief: bool = False,
 ) -> SizingResult:
     """Size a drive.
 
@@ -115,6 +117,8 @@ def size(
         Called with the drives that are examined and all there are, a chunk at a time.
     sampling
         How drives are sampled for their tolerances; as the spec says when not given.
+    brief
+        The drives alone: no alternatives, no checks by the other method, no changes that would let one pass.
 
     Returns
     -------
@@ -130,15 +134,16 @@ def size(
     catalog = load_parts(spec, catalog)
     objective = objective or spec.select.objective
     picked = shortlist(
-        spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling, others=_ALTERNATIVES
-    )
+        spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling,
+        misses=0 if brief else _MISSES, others=0 if brief else _ALTERNATIVES, brief=brief,
+    )  # fmt: skip
     problem, found, short = picked.problem, picked.found, picked.short
 
     def passing(rows: list[int], before: int = 0) -> tuple[DriveSet, ...]:
         return tuple(
             picked.record(
                 row, rank,
-                beside=other_checks(problem, drive_parts(found.evaluation, row)),
+                beside=() if brief else other_checks(problem, drive_parts(found.evaluation, row)),
                 reliability=picked.reliability.get(row),
             )
             for rank, row in enumerate(rows, before + 1)
@@ -155,7 +160,7 @@ def size(
         requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *short)), 0)),
         sets=sets,
         misses=tuple(picked.record(row, rank) for rank, row in enumerate(rejected, len(sets) + len(unsure) + 1)),
-        relaxations=() if found.passing or found.short else relaxations(problem, objective),
+        relaxations=() if brief or found.passing or found.short else relaxations(problem, objective),
         counts=found.counts,
         assumptions=(
             *_assumptions(problem.spec),
@@ -166,7 +171,7 @@ def size(
             *_of_data(spec, (*sets, *unsure)),
         ),
         warnings=(*picked.weighed, *_warnings(problem, sets), *_held_back(picked, sets), *budgets, *catalog.replaced),
-        unrestricted=_unrestricted(problem, objective),
+        unrestricted=None if brief else _unrestricted(problem, objective),
         front=tuple(picked.record(row, rank) for rank, row in enumerate(found.front, 1)),
         pareto=pareto,
         unsure=unsure,

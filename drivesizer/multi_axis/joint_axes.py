@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,11 +10,13 @@ import numpy as np
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.robot_section import RobotSection
 from drivesizer.spec.several_axes.machine import MachineSpec
 from drivesizer.spec.several_axes.machine_file import in_order, joint_axis
 
-__all__ = ["Joints", "with_joints"]
+__all__ = ["Joints", "TorquesOf", "with_joints"]
 
+TorquesOf = Callable[[RobotSection, str, float], JointTorques]
 _ROUNDING = 1e-9  # of the largest torque
 
 
@@ -84,13 +86,15 @@ class Joints:
         return True
 
 
-def with_joints(machine: MachineSpec) -> tuple[MachineSpec, Joints]:
+def with_joints(machine: MachineSpec, torques_of: TorquesOf = joint_torques) -> tuple[MachineSpec, Joints]:
     """A machine with the joints of its robot among its axes.
 
     Parameters
     ----------
     machine
         As it was read.
+    torques_of
+        Computes the torques of a robot's joints, or has them already.
 
     Returns
     -------
@@ -105,7 +109,7 @@ def with_joints(machine: MachineSpec) -> tuple[MachineSpec, Joints]:
     if machine.robot is None:
         return machine, Joints(None)
     try:
-        torques = joint_torques(machine.robot, machine.file, machine.environment.gravity)
+        torques = torques_of(machine.robot, machine.file, machine.environment.gravity)
     except FieldError as error:
         raise InputError(f"{machine.where(error.field)}: {error}") from None
     lost = next((axis.name for axis in machine.axes if axis.is_joint and axis.name not in torques.joints), None)

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
+from drivesizer.joints.mass_columns import joint_torques
 from drivesizer.machine.budgets import riding_mass, riding_rows
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, axis_by_axis, best_combination
 from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
-from drivesizer.multi_axis.joint_axes import with_joints
+from drivesizer.multi_axis.joint_axes import TorquesOf, with_joints
 from drivesizer.multi_axis.machine_power import machine_power, with_choppers
 from drivesizer.multi_axis.offered_kinds import ORDER, Loaded, OfferedKinds, kind_of
 from drivesizer.results.drive_set import DriveSet
@@ -33,16 +34,27 @@ __all__ = ["laden", "size_machine"]
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average
 SamplingOf = Callable[[RobotSpec], Sampling | None]
+PartsOf = Callable[[RobotSpec], Catalog]
+
+
+class _Options(NamedTuple):
+    """Options of the sizing of all axes."""
+
+    top: int
+    objective: Ranking | None
+    progress: Progress | None
+    sampling: SamplingOf
+    brief: bool
+    parts: PartsOf
+    torques: TorquesOf
 
 
 class _Sizings:
     """Sizings of the axes with drives of some masses on them, each made once."""
 
-    def __init__(
-        self, machine: MachineSpec, top: int, objective: Ranking | None, sampling: SamplingOf, progress: Progress | None
-    ) -> None:
-        self.machine, self.joints = with_joints(machine)
-        self.top, self.ranking, self.sampling, self.progress = top, objective, sampling, progress
+    def __init__(self, machine: MachineSpec, how: _Options) -> None:
+        self.machine, self.joints = with_joints(machine, how.torques)
+        self.how, self.ranking = how, how.objective
         self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
         self.kinds: OfferedKinds | None = None  # where common drives are preferred
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
@@ -58,15 +70,15 @@ class _Sizings:
         if (axis, masses) not in self.made:
             spec = self.laden(axis, masses)
             self.made[axis, masses] = size(
-                spec, catalog=self._parts(spec), top=self.top, objective=self.ranking, pareto=self._front(axis),
-                progress=self.progress, sampling=self.sampling(spec),
+                spec, catalog=self._parts(spec), top=self.how.top, objective=self.ranking, pareto=self._front(axis),
+                progress=self.how.progress, sampling=self.how.sampling(spec), brief=self.how.brief,
             )  # fmt: skip
         return self.made[axis, masses]
 
     def loaded(self, axis: str, masses: tuple[float, ...]) -> Loaded:
         """An axis with carried drives of these masses [kg], for a search of few kinds."""
         spec = self.laden(axis, masses)
-        return Loaded(spec, self._parts(spec), str(self.objective(axis)), self.sampling(spec))
+        return Loaded(spec, self._parts(spec), str(self.objective(axis)), self.how.sampling(spec))
 
     def chosen(self, axis: str, masses: tuple[float, ...], label: str) -> SizingResult:
         """The sizing of an axis with the drive of a label as its first."""
@@ -90,7 +102,7 @@ class _Sizings:
         """The catalogues of an axis, those of the same choice once."""
         key = tuple(spec.select.catalogs), spec.select.motor.kind, spec.select.estimates
         if key not in self.catalogs:
-            self.catalogs[key] = load_parts(spec)
+            self.catalogs[key] = self.how.parts(spec)
         return self.catalogs[key]
 
     def laden(self, axis: str, masses: tuple[float, ...]) -> RobotSpec:
@@ -111,6 +123,9 @@ def size_machine(
     objective: Ranking | None = None,
     progress: Progress | None = None,
     sampling: SamplingOf = sampling_of,
+    brief: bool = False,
+    parts: PartsOf = load_parts,
+    torques: TorquesOf = joint_torques,
 ) -> MachineSizing:
     """Size all axes of a machine.
 
@@ -122,6 +137,10 @@ def size_machine(
         As of ``size``, for every axis.
     sampling
         How drives of an axis are sampled for their tolerances.
+    brief
+        As of ``size``.
+    parts, torques
+        Give the catalogues of an axis, and the torques of a robot's joints: several machines may share them.
 
     Returns
     -------
@@ -133,7 +152,7 @@ def size_machine(
     InputError
         As ``size`` does.
     """
-    sizings = _Sizings(machine, top, objective, sampling, progress)
+    sizings = _Sizings(machine, _Options(top, objective, progress, sampling, brief, parts, torques))
     machine = sizings.machine
     carried = {axis.name: tuple(machine.carried(axis.name)) for axis in machine.axes}
 

@@ -12,7 +12,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.units import KINDS, noun
 
-__all__ = ["explained", "known_keys", "models_at"]
+__all__ = ["explained", "has_names", "known_keys", "models_at"]
 
 # beginnings of validators' messages that state what was found
 _ALONE = (
@@ -231,18 +231,50 @@ def models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseM
     list[type[BaseModel]]
         More than one where the data does not decide.
     """
+    return _reached(model, path, data)[0]
+
+
+def has_names(model: type[BaseModel], path: Path_, data: Any) -> bool:
+    """Whether the keys at a path are names that the user gives, such as joints.
+
+    Parameters
+    ----------
+    model, path, data
+        As of ``models_at``.
+
+    Returns
+    -------
+    bool
+        False where they are fields.
+    """
+    return _reached(model, path, data)[1]
+
+
+def _reached(model: type[BaseModel], path: Path_, data: Any) -> tuple[list[type[BaseModel]], bool]:
+    """Models of a path, and whether the keys there are names by which each has one of these models."""
     models: list[type[BaseModel]] = [model]
+    by_name = False
     for step in path:
         try:
             data = data[step]
         except (TypeError, KeyError, IndexError):
             data = None
-        if isinstance(step, str):
+        if isinstance(step, str) and not by_name:
             fields = [m.model_fields[step] for m in models if step in m.model_fields]
             models = [found for f in fields for part in (f.annotation, *f.metadata) for found in _models_in(part)]
+            by_name = any(_is_by_name(f.annotation) for f in fields)
+        elif isinstance(step, str):
+            by_name = False
         found = data if isinstance(data, dict) else {}
         models = [m for m in models if _is_named(m, found)] or models
-    return models
+    return models, by_name
+
+
+def _is_by_name(annotation: Any) -> bool:
+    """Whether a type is a group of fields by names of the user's, or may be one."""
+    if get_origin(annotation) in (Union, UnionType):
+        return any(map(_is_by_name, get_args(annotation)))
+    return get_origin(annotation) is dict
 
 
 def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:

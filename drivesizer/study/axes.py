@@ -7,23 +7,20 @@ repeated by hand, and the spec alone decides which values a field accepts.
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args, get_origin
+from itertools import pairwise
+from typing import Any
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.loads.kinds import AXES
-from drivesizer.spec.messages import known_keys, models_at
-from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.several_axes.machine_file import is_machine
 from drivesizer.spec.tolerance_text import has_tolerance, tolerance
+from drivesizer.study.fields import kind_of, path_of, unknown_field
 from drivesizer.units import number, scale, to_si
 
-__all__ = ["Axis", "Place", "axes_of", "changed", "once", "path_of"]
+__all__ = ["Axis", "Place", "axes_of", "once"]
 
-_STEP = re.compile(r"(\w+)((?:\[[1-9][0-9]{0,3}\])*)", re.ASCII)
 _RANGE = "e.g. {from: 30 kg, to: 60 kg, steps: 4}"
 _DIGITS = 12  # of a value inside a range, to hide rounding errors
 
@@ -134,13 +131,15 @@ def once(place: Place, given: Sequence[Any]) -> None:
 
 
 def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> Axis:
-    path = path_of(name)
+    axes = spec.data.get("axes") or {} if is_machine(spec) else {}
+    path = path_of(name, axes)
     if path is None:
         raise place.error(f"is no field; expected one of {spec.name}, e.g. load.mass or transmission[2].ratio")
-    if path[:2] == ("select", "catalogs"):
+    if ("select", "catalogs") in pairwise(path):
         raise place.error("expected them in the study's own list, catalogs")
-    _refuse_unknown(place, spec, path)
-    kind = _kind(path, spec.data)
+    if wrong := unknown_field(spec, path):
+        raise place.error(wrong)
+    kind = kind_of(spec, path, _first(given))
     if isinstance(given, dict):
         return _range(place, Axis(name=name, path=path, kind=kind), given, grid)
     if not isinstance(given, list) or not given:
@@ -152,6 +151,15 @@ def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> 
     if not kind or any(has_tolerance(str(value)) for value in given):  # shown as written
         return Axis(name=name, path=path, values=tuple(given))
     return Axis(name=name, path=path, kind=kind, unit=number(str(given[0]))[1], values=tuple(given))
+
+
+def _first(given: Any) -> Any:
+    """The first value of a list or range, without its tolerance."""
+    value = given.get("from") if isinstance(given, dict) else given[0] if isinstance(given, list) and given else given
+    try:
+        return tolerance(value).nominal if isinstance(value, str) and has_tolerance(value) else value
+    except InputError:  # refused at its place
+        return value
 
 
 def _checked(place: Place, value: Any, kind: str, *further: str | int) -> float:
@@ -196,99 +204,3 @@ def _stepped(place: Place, axis: Axis, steps: Any) -> Axis:
     figures = [float(f"{low + (high - low) * n / (steps - 1):.{_DIGITS}g}") for n in range(steps - 1)] + [high]
     values = tuple(axis.text(figure) for figure in figures)
     return Axis(name=axis.name, path=axis.path, kind=axis.kind, unit=axis.unit, values=values)
-
-
-# --- fields of the spec
-
-
-def path_of(name: str) -> Path_ | None:
-    """Path of a field's name, None where it is malformed: ``transmission[2].ratio`` counts from 1, as messages do.
-
-    >>> path_of("transmission[2].ratio")
-    ('transmission', 1, 'ratio')
-    """
-    path: list[str | int] = []
-    for step in name.split("."):
-        match = _STEP.fullmatch(step)
-        if match is None:
-            return None
-        path += [match[1], *(int(index) - 1 for index in re.findall(r"[0-9]+", match[2]))]
-    return tuple(path)
-
-
-def _refuse_unknown(place: Place, spec: YamlSource, path: Path_) -> None:
-    """Refuse a field that a spec cannot have, and an entry of a list that this spec lacks."""
-    data: Any = spec.data
-    for n, step in enumerate(path):
-        if isinstance(step, int):
-            if not isinstance(data, list) or step >= len(data):
-                found = len(data) if isinstance(data, list) else 0
-                raise place.error(f"entry {step + 1} does not exist, there are {found} in {spec.name}")
-            data = data[step]
-            continue
-        known = _known(path[:n], spec.data)
-        if step not in known:
-            hint = nearest(step, known) or (f"; expected one of {', '.join(known)}" if known else "")
-            raise place.error(f"{quoted(step)} is no field of {_name(path[:n]) or 'a spec'}{hint}")
-        data = data.get(step) if isinstance(data, dict) else None
-
-
-def _name(path: Path_) -> str:
-    return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
-
-
-def _known(path: Path_, data: Any) -> list[str]:
-    return known_keys(RobotSpec, _of_the_spec(path), data)
-
-
-def _of_the_spec(path: Path_) -> Path_:
-    """A load case changes fields of the spec itself."""
-    return path[2:] if path[:1] == ("cases",) and len(path) > 2 else path
-
-
-def _kind(path: Path_, data: Any) -> str:
-    """The kind of quantity of a field, empty where it is none."""
-    path = _of_the_spec(path)
-    fields = [m.model_fields[str(path[-1])] for m in models_at(RobotSpec, path[:-1], data)
-              if path[-1] in m.model_fields]  # fmt: skip
-    found = [q for field in fields for q in _quantities((*field.metadata, field.annotation))]
-    if not found:
-        return ""
-    load = data.get("load") if isinstance(data, dict) else None
-    axis = AXES.get(str(load.get("kind")) if isinstance(load, dict) else "", "linear")
-    return found[0].rotary if axis == "rotary" and found[0].rotary else found[0].kind
-
-
-def _quantities(marks: Sequence[Any]) -> list[Quantity]:
-    """Quantities in a field's metadata and type; lists of values are left out."""
-    found = [mark for mark in marks if isinstance(mark, Quantity)]
-    for mark in marks:
-        if get_origin(mark) not in (None, list, dict, tuple) or get_origin(mark) is Annotated:
-            found += _quantities(get_args(mark) if get_origin(mark) is not Annotated else mark.__metadata__)
-    return found
-
-
-def changed(data: Any, path: Path_, value: Any) -> Any:
-    """A spec's data with another value at a path; everything else is shared, not copied.
-
-    Parameters
-    ----------
-    data
-        Of the spec, or of a part of it.
-    path
-        Of the field.
-    value
-        Its new value.
-
-    Returns
-    -------
-    dict or list
-        New along the path.
-    """
-    if not path:
-        return value
-    step, rest = path[0], path[1:]
-    if isinstance(step, int):
-        return [*data[:step], changed(data[step], rest, value), *data[step + 1 :]]
-    inside = data if isinstance(data, dict) else {}
-    return {**inside, step: changed(inside.get(step), rest, value)}

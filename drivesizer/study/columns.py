@@ -6,28 +6,18 @@ A figure of a drive becomes a column by one line in ``_DRIVE``; by one more in `
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import isnan, nan
-from typing import Any, Literal, NamedTuple
+from math import nan
+from typing import Any, NamedTuple
 
 from drivesizer.output.sums import unknown_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import worst
 from drivesizer.study.best import Best
-from drivesizer.study.plan import Plan
+from drivesizer.study.column import Column, Form, Row, cell
+from drivesizer.study.machine_columns import machine_columns
+from drivesizer.study.plan import Job, Plan
 
-__all__ = ["Column", "Form", "Row", "columns_of", "failed", "found"]
-
-Form = Literal["whole", "number", "text"]
-Row = list[Any]  # a figure that is not known is None
-_DIGITS = 12  # of a figure, to hide rounding errors
-
-
-class Column(NamedTuple):
-    """A column: its head, its type, and its unit for programs that read units separately."""
-
-    head: str
-    form: Form
-    unit: str = ""
+__all__ = ["HEAD", "columns_of", "failed", "found"]
 
 
 class _Of(NamedTuple):
@@ -90,6 +80,7 @@ _DRIVE: tuple[_Of, ...] = (
         "probability_error", lambda one: one.reliability.error if one.reliability else nan, "1"
     ),  # of sampling, 95 %
 )
+HEAD = Column("objective", "text"), Column("rank", "whole"), Column("status", "text")
 _MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
 _COUNTS = Column("sets_examined", "whole"), Column("sets_that_stand", "whole")
 _LAST = Column("nearest_miss", "text"), Column("error", "text")
@@ -100,9 +91,16 @@ def columns_of(plan: Plan) -> tuple[Column, ...]:
     spec = (Column("spec", "text"),) if len(plan.names) > 1 else ()
     catalogs = (Column("catalogs", "text"),) if any(plan.catalogs) else ()
     varied = tuple(Column(axis.head, _form(axis), axis.unit) for axis in plan.job.axes)
-    result = Column("objective", "text"), Column("rank", "whole"), Column("status", "text")
-    parts = tuple(one.column for one in _DRIVE)
-    return (Column("variant", "whole"), *spec, *varied, *catalogs, *result, *parts, *_MARGIN, *_COUNTS, *_LAST)
+    return (Column("variant", "whole"), *spec, *varied, *catalogs, *_result(plan.job))
+
+
+def _result(job: Job) -> tuple[Column, ...]:
+    """The columns behind what varies: of a drive, or of a machine."""
+    if job.machine and job.axis is None:
+        own: tuple[Column, ...] = machine_columns(job.members)
+    else:
+        own = (*(one.column for one in _DRIVE), *_MARGIN)
+    return (*HEAD, *own, *_COUNTS, *_LAST)
 
 
 def _form(axis: Any) -> Form:
@@ -129,21 +127,23 @@ def found(head: Row, best: Best) -> list[Row]:
     counts = [best.counts.considered, best.counts.feasible]
     if best.sets:
         return [
-            [*head, best.objective, one.rank, one.status, *(_cell(c, of(one)) for c, of in _DRIVE),
+            [*head, best.objective, one.rank, one.status, *(cell(c, of(one)) for c, of in _DRIVE),
              *_smallest_margin(one), *counts, "", ""]
             for one in best.sets
         ]  # fmt: skip
     near = best.nearest
-    none = [_cell(column, nan if column.form == "number" else "") for column, _ in _DRIVE]
+    none = [cell(column, nan if column.form == "number" else "") for column, _ in _DRIVE]
     margin = _smallest_margin(near) if near else [None, ""]
     return [[*head, best.objective, None, "fail", *none, *margin, *counts, near.label if near else "", ""]]
 
 
-def failed(head: Row, objective: str, message: str) -> list[Row]:
+def failed(job: Job, head: Row, objective: str, message: str) -> list[Row]:
     """Row of a variant that is invalid or cannot be sized.
 
     Parameters
     ----------
+    job
+        The study.
     head
         Number and varied values of the variant.
     objective
@@ -156,17 +156,11 @@ def failed(head: Row, objective: str, message: str) -> list[Row]:
     list[Row]
         One row with status ``error``.
     """
-    none = [_cell(column, nan if column.form == "number" else "") for column, _ in _DRIVE]
-    return [[*head, objective, None, "error", *none, None, "", None, None, "", message]]
+    none = ["" if column.form == "text" else None for column in _result(job)[len(HEAD) : -1]]
+    return [[*head, objective, None, "error", *none, message]]
 
 
 def _smallest_margin(one: DriveSet) -> Row:
     """The smallest margin and its check."""
     check = worst(one.deciding)
-    return [_cell(_MARGIN[0], check.margin), check.name] if check else [None, ""]
-
-
-def _cell(column: Column, value: Any) -> Any:
-    if column.form != "number":
-        return value
-    return None if isnan(value) else float(f"{value:.{_DIGITS}g}")
+    return [cell(_MARGIN[0], check.margin), check.name] if check else [None, ""]

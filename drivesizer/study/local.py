@@ -14,7 +14,7 @@ from itertools import islice
 from typing import Any
 
 from drivesizer.errors import InputError
-from drivesizer.study.columns import Row
+from drivesizer.study.column import Row
 from drivesizer.study.plan import Job, Plan, Variant
 from drivesizer.study.variant import Part, rows_of
 

@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.output.report.figures.all_figures import Drawing
-from drivesizer.study.columns import Row, columns_of
+from drivesizer.study.column import Row
+from drivesizer.study.columns import columns_of
 from drivesizer.study.map_figure import draw
 from drivesizer.study.map_panel import Dimension, Map, Panel
 from drivesizer.study.plan import Plan
@@ -28,6 +29,7 @@ MAPS: tuple[Map, ...] = (
     Map("best_set", "set", "Best drive"),
     Map("mass", "mass_kg", "Mass of motor and gearhead (kg)", lacks="mass_lacks"),
     Map("price", "price_EUR", "Price of the parts (EUR)", lacks="price_lacks"),
+    Map("peak_power", "peak_W", "Power out of the supply of all axes, largest (W)"),
     Map("smallest_margin", "smallest_margin", "Smallest margin (%)", scale=100.0, signed=True),
     Map("none_fails", "none_fails", "Probability that no check fails (%)", scale=100.0),
 )

@@ -19,8 +19,9 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
 from drivesizer.search.ranking import objective_of, title_of
-from drivesizer.spec.several_axes.machine_file import is_machine
+from drivesizer.spec.several_axes.machine_file import is_machine, read_machine
 from drivesizer.study.axes import Axis, Place, axes_of, once
+from drivesizer.study.machine_job import machine_job
 from drivesizer.study.schema import Hypercube, StudyFile, schema_of
 
 __all__ = ["MOST", "Job", "Plan", "Variant", "read_study"]
@@ -49,6 +50,9 @@ class Job:
     catalogs: tuple[tuple[str, ...] | None, ...]  # None: the spec's own
     objectives: tuple[str | None, ...]
     top: int
+    machine: bool = False  # whether the specs are machines of several axes
+    axis: str | None = None  # of a machine that is tabled; None: the whole machine
+    members: tuple[str, ...] = ()  # axes of a machine that is tabled as a whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,6 +160,7 @@ def read_study(path: str | Path) -> Plan:
     specs = [_spec(Place(source, place), name, Path(path).parent) for place, name in zip(places, names, strict=True)]
     hypercube = study.sampling if isinstance(study.sampling, Hypercube) else None
     axes = axes_of(source, specs[0], study.vary or {}, hypercube is None)
+    of_machine = machine_job(source, study, specs)
     catalogs = _catalogs(source, study, Path(path).parent)
     _objectives(source, study)
     plan = Plan(
@@ -167,6 +172,7 @@ def read_study(path: str | Path) -> Plan:
             catalogs=catalogs,
             objectives=tuple(study.objectives or (None,)),
             top=study.top,
+            **of_machine,
         ),
         catalogs=tuple(" + ".join(names) for names in study.catalogs or [[]]),
         shares=None,
@@ -182,11 +188,8 @@ def _spec(place: Place, name: str, folder: Path) -> YamlSource:
     found = read(folder / name)
     if not isinstance(found.data, dict):
         raise InputError(f"{found.name}: expected fields such as name, load, motion; see `drivesizer init`")
-    if is_machine(found):
-        raise place.error(
-            f"{quoted(name)} is a machine, of which no study is made; expected the spec of one axis, "
-            "with the drives on it in the mass of its load"
-        )
+    if is_machine(found) and not isinstance(found.data.get("axes") or {}, dict):
+        read_machine(found)  # says what is wrong with it
     return found
 
 

@@ -20,6 +20,7 @@ from drivesizer.version import __version__
 
 __all__ = ["made_of", "refuse_if_all_invalid"]
 
+_READ = (".csv", ".txt", ".json", ".urdf", ".xml", ".mjcf")  # ends of names of files that specs name
 _TRIED = 200  # variants, to find a valid one
 
 
@@ -54,19 +55,27 @@ def _canonical(data: Any) -> bytes:
 
 
 def _named(data: Any) -> list[str]:
-    """Catalogues that a spec names; the default ones where it has none or the field is malformed."""
-    select = data.get("select")
+    """Catalogues that a spec or the axes of a machine name; default ones where it has none or a field is malformed."""
+    axes = data.get("axes")
+    found = [_named_in(data), *(_named_in(axis) for axis in (axes.values() if isinstance(axes, dict) else ()))]
+    names = [name for some in found for name in some]
+    return list(dict.fromkeys(names if found[0] else [*Select().catalogs, *names]))
+
+
+def _named_in(data: Any) -> list[str]:
+    """Catalogues of a section ``select``."""
+    select = data.get("select") if isinstance(data, dict) else None
     given = select.get("catalogs") if isinstance(select, dict) else None
     names = [given] if isinstance(given, str) else given
-    return [str(name) for name in names] if isinstance(names, list) and names else list(Select().catalogs)
+    return [str(name) for name in names] if isinstance(names, list) else []
 
 
 def _files(data: Any, folder: Path) -> Iterator[str]:
-    """Texts in a spec that name a file, such as a recording."""
+    """Texts in a spec that name a file, such as a recording or a robot's description."""
     if isinstance(data, dict | list):
         for value in data.values() if isinstance(data, dict) else data:
             yield from _files(value, folder)
-    elif isinstance(data, str) and data.lower().endswith((".csv", ".txt", ".json")) and (folder / data).is_file():
+    elif isinstance(data, str) and data.lower().endswith(_READ) and (folder / data).is_file():
         yield data
 
 

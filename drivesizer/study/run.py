@@ -11,7 +11,8 @@ from pathlib import Path
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.writing import remove_all
 from drivesizer.output.report.figure_files import figures_into
-from drivesizer.study.columns import Column, Row, columns_of
+from drivesizer.study.column import Column, Row
+from drivesizer.study.columns import columns_of
 from drivesizer.study.local import cores, on_processes
 from drivesizer.study.lock import locked
 from drivesizer.study.maps import MOST_POINTS, Chosen, chosen, drawings, points

@@ -52,9 +52,12 @@ def _fields(value: object) -> object:
 class StudyFile(Section):
     """A study.yaml: which variants of which spec are sized."""
 
-    spec: str | None = Field(default=None, min_length=1, description="the robot.yaml that is varied")
+    spec: str | None = Field(default=None, min_length=1, description="the robot.yaml or machine that is varied")
     specs: Annotated[list[str], _several("[light.yaml, heavy.yaml]")] | None = Field(
         default=None, description="several specs instead, unchanged"
+    )
+    axis: str | None = Field(
+        default=None, min_length=1, description="of a machine the one that is tabled; the whole machine if not given"
     )
     vary: Annotated[dict[str, Any], BeforeValidator(_fields)] | None = Field(
         default=None, description="by field, such as load.mass: a range or a list"

@@ -20,7 +20,7 @@ from typing import Any
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.cache import digest_of
 from drivesizer.files.writing import put, remove_all
-from drivesizer.study.columns import Row
+from drivesizer.study.column import Row
 from drivesizer.study.plan import Plan
 from drivesizer.study.variant import Part
 

@@ -18,7 +18,7 @@ from typing import Any, BinaryIO
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.writing import ready
 from drivesizer.output.cells import csv_cell
-from drivesizer.study.columns import Column, Row
+from drivesizer.study.column import Column, Row
 
 __all__ = ["has_parquet", "write_csv", "write_parquet"]
 

@@ -12,16 +12,19 @@ from typing import NamedTuple
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.view.stepper_view import STEPPER, view_for
 from drivesizer.errors import DrivesizerError
-from drivesizer.files.yaml_source import YamlSource
+from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.study.axes import changed
+from drivesizer.spec.several_axes.machine_file import is_machine, read_machine
 from drivesizer.study.best import best
-from drivesizer.study.columns import Row, failed, found
+from drivesizer.study.column import Row
+from drivesizer.study.columns import failed, found
+from drivesizer.study.fields import changed
+from drivesizer.study.machine_rows import machine_rows
 from drivesizer.study.plan import Job, Variant
 from drivesizer.version import __version__
 
-__all__ = ["Part", "parts_for", "rows_of", "spec_of"]
+__all__ = ["Part", "document_of", "parts_for", "rows_of", "spec_of"]
 
 
 class Part(NamedTuple):
@@ -42,8 +45,8 @@ def _catalog(names: tuple[str, ...], beside: str, kind: str | None, estimates: b
     return view_for(load(names, beside=Path(beside)), kind, estimates)
 
 
-def spec_of(job: Job, variant: Variant) -> RobotSpec:
-    """The spec of a variant: the file with other values in some fields.
+def document_of(job: Job, variant: Variant) -> YamlSource:
+    """The file of a variant: the spec's with other values in some fields.
 
     Parameters
     ----------
@@ -51,6 +54,36 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
         The study.
     variant
         One of its variants.
+
+    Returns
+    -------
+    YamlSource
+        Not yet checked; messages have the lines of the spec's file.
+    """
+    source = copy(_source(*job.specs[variant.spec]))
+    for axis, value in zip(job.axes, variant.values, strict=True):
+        source.data = changed(source.data, axis.path, value)
+    names = job.catalogs[variant.catalogs]
+    if names:
+        for path in _choices(source):
+            source.data = changed(source.data, (*path, "select", "catalogs"), list(names))
+    return source
+
+
+def _choices(source: YamlSource) -> list[Path_]:
+    """Places of the catalogues: of a machine also those of axes that have their own."""
+    axes = (source.data.get("axes") or {}) if is_machine(source) else {}
+    own = [name for name, given in axes.items() if "catalogs" in ((given or {}).get("select") or ())]
+    return [(), *(("axes", name) for name in own)]
+
+
+def spec_of(job: Job, variant: Variant) -> RobotSpec:
+    """The spec of a variant of a single axis.
+
+    Parameters
+    ----------
+    job, variant
+        As of ``document_of``.
 
     Returns
     -------
@@ -62,13 +95,8 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
     InputError
         When the variant is invalid; the message has the field's line in the spec's file.
     """
-    source = copy(_source(*job.specs[variant.spec]))
-    for axis, value in zip(job.axes, variant.values, strict=True):
-        source.data = changed(source.data, axis.path, value)
-    names = job.catalogs[variant.catalogs]
-    if names:
-        source.data = changed(source.data, ("select", "catalogs"), list(names))
-    return read_spec(source)
+    source = document_of(job, variant)
+    return read_machine(source).axes[0].spec if is_machine(source) else read_spec(source)
 
 
 def parts_for(spec: RobotSpec) -> Catalog:
@@ -107,13 +135,20 @@ def _rows(job: Job, variant: Variant, head: Row, made: dict[str, str]) -> list[R
     text = job.objectives[variant.objective]
     objective = objective_of(text) if text else None
     title = title_of(objective) if objective else ""
-    try:
-        spec = spec_of(job, variant)
+
+    def parts(spec: RobotSpec) -> Catalog:
         catalog = parts_for(spec)
-        made |= {f"catalogue {name}": digest for name, digest in catalog.digests.items()}
-        return found(head, best(spec, catalog, objective=objective, top=job.top))
+        made.update({f"catalogue {name}": digest for name, digest in catalog.digests.items()})
+        return catalog
+
+    try:
+        if job.machine:
+            return machine_rows(job, document_of(job, variant), objective, head, parts)
+        spec = spec_of(job, variant)
+        return found(head, best(spec, parts(spec), objective=objective, top=job.top))
     except DrivesizerError as error:
-        return failed(head, title, " ".join(str(error).split()))
+        return failed(job, head, title, " ".join(str(error).split()))
     except (ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
         # A fault of the program, not of the variant: its row says so, and the following variants are still computed.
-        return failed(head, title, f"a fault of drivesizer, please report it: {type(error).__name__}: {error}"[:400])
+        text = f"a fault of drivesizer, please report it: {type(error).__name__}: {error}"[:400]
+        return failed(job, head, title, text)

@@ -137,3 +137,22 @@ def every_combination(machine: MachineSpec, objective: str) -> Iterator[tuple[fl
         for elbow in holding("elbow", (wrist[1],)):
             for shoulder in holding("shoulder", (elbow[1], wrist[1])):
                 yield wrist[0] + elbow[0] + shoulder[0], len({wrist[2], elbow[2], shoulder[2]})
+
+
+def two_joints(folder: Path, **robot: Any) -> dict[str, Any]:
+    """A level arm of two thin links with point masses at their ends: 1 kg at 0.4 m and 0.5 kg at 0.7 m."""
+    link = '<link name="{}"><inertial><origin xyz="{} 0 0"/><mass value="{}"/>'
+    link += '<inertia ixx="1e-9" iyy="1e-9" izz="1e-9"/></inertial></link>'
+    joint = '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/><origin xyz="{} 0 0"/>'
+    joint += '<axis xyz="0 1 0"/><limit lower="-3" upper="3" velocity="5" effort="99"/></joint>'
+    parts = [link.format("upper", 0.4, 1.0), link.format("fore", 0.3, 0.5)]
+    parts += [joint.format("shoulder", "base", "upper", 0), joint.format("elbow", "upper", "fore", 0.4)]
+    (folder / "arm.urdf").write_text(f'<robot name="arm"><link name="base"/>{"".join(parts)}</robot>', encoding="utf-8")
+    poses = [{"positions": {"shoulder": "0 deg", "elbow": "0 deg"}, "pause": "1 s"},
+             {"positions": {"shoulder": "-40 deg", "elbow": "-30 deg"}}]  # fmt: skip
+    section = {
+        "description": str(folder / "arm.urdf"),
+        "waypoints": poses,
+        "limits": {"all": {"acceleration": "4 rad/s^2"}},
+    }
+    return {"name": "arm", "supply": {"nominal": "48 V"}, "robot": {**section, **robot}}

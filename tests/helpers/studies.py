@@ -6,7 +6,12 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+from drivesizer.study.local import tasks
+from drivesizer.study.plan import Plan
+from drivesizer.study.variant import Part, rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = (ROOT / "examples" / "sps_robot.yaml").read_text(encoding="utf-8")
@@ -55,3 +60,8 @@ def results(folder: Path) -> dict[str, bytes]:
     """The files of a study that is done, by name."""
     paths = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != "lock")
     return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
+
+
+def in_this_process(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[tuple[int, Part]]:
+    """Chunks without a process of their own, each of which takes a second to start."""
+    return ((chunk, rows_of(plan.job, variants, heads)) for chunk, variants, heads in tasks(plan, chunks))

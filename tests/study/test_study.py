@@ -16,9 +16,9 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.sizing import worst
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
-from drivesizer.study.axes import changed, path_of
 from drivesizer.study.best import best
 from drivesizer.study.columns import columns_of
+from drivesizer.study.fields import changed, path_of
 from drivesizer.study.plan import MOST, read_study
 from drivesizer.study.provenance import made_of, refuse_if_all_invalid
 from drivesizer.study.variant import rows_of, spec_of
@@ -396,10 +396,3 @@ def test_the_amounts_on_the_page_are_the_program_s():
         per_second = float(sets.replace(" ", "")) / (float(time) * {"ms": 1e-3, "s": 1.0}[unit])
         assert math.isclose(per_second, float(rate.replace(" ", "")), rel_tol=0.1)
     assert len(rows) == 3
-
-
-def test_a_machine_of_several_axes_is_refused_in_a_line(tmp_path):
-    (tmp_path / "cell.yaml").write_text("name: cell\nsupply: {nominal: 24 V}\naxes: {x: {}}\n", encoding="utf-8")
-    (tmp_path / "study.yaml").write_text("spec: cell.yaml\nvary: {load.mass: [1 kg, 2 kg]}\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r'study.yaml:1: spec: "cell.yaml" is a machine.*the spec of one axis'):
-        read_study(tmp_path / "study.yaml")

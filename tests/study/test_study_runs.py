@@ -13,13 +13,11 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from studies import CHEAP, FEW, MANY, command, laid, ran, results, surroundings
+from studies import CHEAP, FEW, MANY, command, in_this_process, laid, ran, results, surroundings
 
 from drivesizer import cli
 from drivesizer.study import cluster
-from drivesizer.study.local import tasks
 from drivesizer.study.lock import locked
-from drivesizer.study.variant import rows_of
 
 WAIT = 120.0  # s, for a process to come so far
 
@@ -62,10 +60,6 @@ def run(run, monkeypatch, tmp_path):
 def here(monkeypatch):
     """Variants in this process, of studies where it is not the processes that matter: each takes a second to start."""
     monkeypatch.setattr("drivesizer.study.run.on_processes", in_this_process)
-
-
-def in_this_process(plan, chunks, processes):
-    return ((chunk, rows_of(plan.job, variants, heads)) for chunk, variants, heads in tasks(plan, chunks))
 
 
 def until(condition, *, every=0.02):

@@ -1,0 +1,225 @@
+"""Fields of a spec or a machine by name: their places, which there are, and their kinds of quantity."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any, get_args, get_origin
+
+from pydantic import BaseModel
+
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.fields import Quantity
+from drivesizer.files.yaml_overlay import overlay
+from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.loads.kinds import AXES
+from drivesizer.spec.messages import has_names, known_keys, models_at
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.robot_section import Either
+from drivesizer.spec.several_axes.machine_file import WHOLE, AxisFields, MachineFields, is_machine
+from drivesizer.units import to_si
+
+__all__ = ["changed", "kind_of", "path_of", "unknown_field"]
+
+_STEP = re.compile(r"(\w+)((?:\[[1-9][0-9]{0,3}\])*)", re.ASCII)
+
+
+def path_of(name: str, axes: Iterable[str] = ()) -> Path_ | None:
+    """Path of a field's name, None where it is malformed: ``transmission[2].ratio`` counts from 1, as messages do.
+
+    Parameters
+    ----------
+    name
+        As in messages.
+    axes
+        Of a machine: their names may have blanks and points.
+
+    Returns
+    -------
+    tuple or None
+        Keys and indices from the top of the document.
+
+    >>> path_of("transmission[2].ratio"), path_of("axes.left arm.load.mass", ["left arm"])
+    (('transmission', 1, 'ratio'), ('axes', 'left arm', 'load', 'mass'))
+    """
+    longest_first, rest = sorted(axes, key=len, reverse=True), name
+    path: list[str | int] = []
+    while True:
+        axis = next((one for one in longest_first if path and f"{rest}.".startswith(f"{one}.")), "")
+        step = axis or rest.partition(".")[0]
+        match = _STEP.fullmatch(step)
+        if not axis and match is None:
+            return None
+        path += [axis] if axis or match is None else _keys(match)
+        if step == rest:
+            return tuple(path)
+        rest = rest[len(step) + 1 :]
+
+
+def _keys(step: re.Match[str]) -> list[str | int]:
+    """A key and the indices behind it."""
+    return [step[1], *(int(index) - 1 for index in re.findall(r"[0-9]+", step[2]))]
+
+
+def unknown_field(spec: YamlSource, path: Path_) -> str:
+    """Fault of a path: a field that a spec cannot have, or an entry of a list that this spec lacks.
+
+    Parameters
+    ----------
+    spec
+        The spec, or the machine.
+    path
+        Of the field.
+
+    Returns
+    -------
+    str
+        One sentence with the nearest name; empty where nothing is.
+    """
+    data: Any = spec.data
+    for n, step in enumerate(path):
+        if isinstance(step, int):
+            if not isinstance(data, list) or step >= len(data):
+                found = len(data) if isinstance(data, list) else 0
+                return f"entry {step + 1} does not exist, there are {found} in {spec.name}"
+            data = data[step]
+            continue
+        known = _known(spec, path[:n])
+        if known is not None and step not in known:
+            hint = nearest(step, known) or (f"; expected one of {', '.join(known)}" if known else "")
+            return f"{quoted(step)} is no {_place(path[:n], is_machine(spec))}{hint}"
+        data = data.get(step) if isinstance(data, dict) else None
+    return ""
+
+
+def _place(path: Path_, machine: bool) -> str:
+    """Kind of name that a place has.
+
+    >>> _place((), False), _place(("load",), False), _place(("axes",), True)
+    ('field of a spec', 'field of load', 'axis')
+    """
+    if machine and path == ("axes",):
+        return "axis"
+    name = "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
+    return f"field of {name or ('a machine' if machine else 'a spec')}"
+
+
+def _known(spec: YamlSource, path: Path_) -> list[str] | None:
+    """Names that a place may have; None where a user gives them."""
+    if is_machine(spec):
+        if not path:
+            return list(dict.fromkeys((*MachineFields.model_fields, *RobotSpec.model_fields)))
+        if path == ("axes",):  # joints need not be in the file
+            return None if "robot" in spec.data else list(spec.data["axes"])
+        if path[0] == "axes" and len(path) == 2:
+            own = [name for name in RobotSpec.model_fields if name not in WHOLE]
+            return list(dict.fromkeys((*AxisFields.model_fields, *own)))
+    model, inner, data = _root(spec, path)
+    return None if has_names(model, inner, data) else known_keys(model, inner, data)
+
+
+def _root(spec: YamlSource, path: Path_) -> tuple[type[BaseModel], Path_, Any]:
+    """The model that declares the fields at a path, the path in it, and the data that decide between its kinds."""
+    data: Any = spec.data
+    if is_machine(spec) and path[0] == "axes":
+        own = (data.get("axes") or {}).get(path[1])
+        path, data = path[2:], overlay(spec, path[:2], data, own if isinstance(own, dict) else {}).data
+        if path and path[0] in AxisFields.model_fields:
+            return AxisFields, path, data
+    elif is_machine(spec) and path[0] in MachineFields.model_fields and path[0] not in RobotSpec.model_fields:
+        return MachineFields, path, data
+    return RobotSpec, _of_the_spec(path), data
+
+
+def _of_the_spec(path: Path_) -> Path_:
+    """A load case changes fields of the spec itself."""
+    return path[2:] if path[:1] == ("cases",) and len(path) > 2 else path
+
+
+def kind_of(spec: YamlSource, path: Path_, value: Any) -> str:
+    """The kind of quantity of a field.
+
+    Parameters
+    ----------
+    spec
+        The spec, or the machine.
+    path
+        Of the field.
+    value
+        A value for it, which decides where a field takes angles and lengths alike.
+
+    Returns
+    -------
+    str
+        Empty where it is none.
+    """
+    model, path, data = _root(spec, path)
+    owners = models_at(model, path[:-1], data) if path else []
+    fields = [m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields]
+    found = [mark for field in fields for mark in _quantities((*field.metadata, field.annotation))]
+    if has_names(model, path[:-1], data):  # of a group by names of the user's the values
+        found = _values_by_name(model, path[:-1], data)
+    if not found:
+        return ""
+    first = found[0]
+    if isinstance(first, Either):
+        return _of_either(value, first.rotary, first.linear)
+    if not first.rotary:
+        return first.kind
+    load = data.get("load") if isinstance(data, dict) else None
+    kind = load.get("kind") if isinstance(load, dict) else None
+    if kind is None and is_machine(spec):  # shared by axes of which each has its load
+        return _of_either(value, first.rotary, first.kind)
+    return first.rotary if AXES.get(str(kind), "linear") == "rotary" else first.kind
+
+
+def _values_by_name(model: type[BaseModel], path: Path_, data: Any) -> list[Quantity | Either]:
+    owners = models_at(model, path[:-1], data)
+    fields = [m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields]
+    return [mark for field in fields for value in get_args(field.annotation)[1:] for mark in _quantities((value,))]
+
+
+def _of_either(value: Any, rotary: str, linear: str) -> str:
+    """Of two kinds the one that a value is of; the first where it is of neither."""
+    for kind in (rotary, linear):
+        try:
+            to_si(value, kind)
+        except InputError:
+            continue
+        return kind
+    return rotary
+
+
+def _quantities(marks: Sequence[Any]) -> list[Quantity | Either]:
+    """Quantities in a field's metadata and type; lists of values are left out."""
+    found: list[Quantity | Either] = [mark for mark in marks if isinstance(mark, Quantity | Either)]
+    for mark in marks:
+        if get_origin(mark) not in (None, list, dict, tuple) or get_origin(mark) is Annotated:
+            found += _quantities(get_args(mark) if get_origin(mark) is not Annotated else mark.__metadata__)
+    return found
+
+
+def changed(data: Any, path: Path_, value: Any) -> Any:
+    """A spec's data with another value at a path; everything else is shared, not copied.
+
+    Parameters
+    ----------
+    data
+        Of the spec, or of a part of it.
+    path
+        Of the field.
+    value
+        Its new value.
+
+    Returns
+    -------
+    dict or list
+        New along the path.
+    """
+    if not path:
+        return value
+    step, rest = path[0], path[1:]
+    if isinstance(step, int):
+        return [*data[:step], changed(data[step], rest, value), *data[step + 1 :]]
+    inside = data if isinstance(data, dict) else {}
+    return {**inside, step: changed(inside.get(step), rest, value)}
