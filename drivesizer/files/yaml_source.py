@@ -19,11 +19,11 @@ import yaml
 from drivesizer.errors import InputError, printable, quoted
 from drivesizer.files.text import read_text
 
-__all__ = ["Path_", "YamlSource", "read", "written"]
+__all__ = ["LOADER", "Path_", "YamlSource", "read", "written"]
 
 Path_ = tuple[str | int, ...]  # keys and indices from the top of the document to a field
 
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _DEEPEST = 20
 _MOST_KEYS = 10_000  # of one group of fields
 _LARGEST = 2_000_000  # bytes: long data belongs in a CSV file beside it
@@ -143,7 +143,7 @@ def _scalar(event: Any) -> Any:
 
 def _events(text: str, name: str) -> Iterator[Any]:
     try:
-        yield from yaml.parse(text, Loader=_LOADER)
+        yield from yaml.parse(text, Loader=LOADER)
     except yaml.reader.ReaderError as error:
         line = text.encode()[: error.position].count(b"\n") + 1  # libyaml counts bytes
         raise InputError(f"{name}:{line}: the character {error.character!r} is not allowed in YAML") from None

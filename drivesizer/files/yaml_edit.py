@@ -1,0 +1,243 @@
+"""A field of a YAML text set, added or removed; everything else stays as it was written, comments included."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, NamedTuple
+
+import yaml
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.files.yaml_source import LOADER, Path_, YamlSource
+
+__all__ = ["Edit", "edited"]
+
+_STEP = 2  # blanks by which a new group of fields is indented
+
+
+class Edit(NamedTuple):
+    """A change of one field."""
+
+    path: Path_
+    value: (
+        Any  # what the file says afterwards: a text as one types it, a number, a list, a dict; None removes the field
+    )
+    text: bool = False  # whether the field is a text, so that "5" is to be read as one
+
+
+class _Place(NamedTuple):
+    """Where a node of the document stands in the text."""
+
+    node: yaml.Node
+    parent: yaml.Node | None
+    key: yaml.Node | None
+
+
+def edited(text: str, edits: list[Edit], name: str = "spec") -> str:
+    """A YAML text with some of its fields changed.
+
+    Parameters
+    ----------
+    text
+        The document.
+    edits
+        Made one after the other.
+    name
+        What messages call the document.
+
+    Returns
+    -------
+    str
+        The document; lines of other fields, their comments and their order are those of `text`.
+
+    Raises
+    ------
+    InputError
+        When the text is not YAML that is accepted here, or a path leads through what is no group of fields.
+    """
+    for edit in edits:
+        YamlSource(text, name)  # refused in its own words before it is changed
+        text = _changed(text, edit, name)
+    return text
+
+
+def _changed(text: str, edit: Edit, name: str) -> str:
+    root = yaml.compose(text, Loader=LOADER)
+    if root is None:
+        return text if edit.value is None else f"{text}{_end(text)}{_block(edit.path, edit, 0)}\n"
+    place, rest = _found(root, edit.path)
+    if not rest:
+        return _removed(text, root, edit.path) if edit.value is None else _replaced(text, place, edit)
+    if edit.value is None:
+        return text
+    if isinstance(place.node, yaml.ScalarNode) and not place.node.value and place.key is not None:  # `needs:` alone
+        return _replaced(text, place, Edit((), _nested(rest, edit.value), edit.text))
+    if not isinstance(place.node, yaml.CollectionNode):
+        raise InputError(f"{name}: {'.'.join(map(str, edit.path))}: {quoted(place.node.value)} is no group of fields")
+    return _added(text, place, rest, edit)
+
+
+def _nested(path: Path_, value: Any) -> Any:
+    for step in reversed(path):
+        value = [value] if isinstance(step, int) else {step: value}
+    return value
+
+
+def _found(root: yaml.Node, path: Path_) -> tuple[_Place, Path_]:
+    """The deepest node of a path that is there, and the rest of the path."""
+    place = _Place(root, None, None)
+    for n, step in enumerate(path):
+        below = _child(place.node, step)
+        if below is None:
+            return place, path[n:]
+        place = _Place(below[1], place.node, below[0])
+    return place, ()
+
+
+def _child(node: yaml.Node, step: str | int) -> tuple[yaml.Node | None, yaml.Node] | None:
+    if isinstance(node, yaml.SequenceNode) and isinstance(step, int) and step < len(node.value):
+        return None, node.value[step]
+    if isinstance(node, yaml.MappingNode):
+        return next(((key, value) for key, value in node.value if key.value == step), None)
+    return None
+
+
+# -- places in the text
+
+
+def _offset(text: str, mark: yaml.Mark) -> int:
+    """Place of a mark; marks of libyaml know line and column for certain."""
+    at = 0
+    for _ in range(mark.line):
+        at = text.index("\n", at) + 1
+    return at + int(mark.column)
+
+
+def _last(text: str, node: yaml.Node) -> int:
+    """Where the text of a node ends; that of a block would end where the next one begins."""
+    if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
+        below = node.value[-1]
+        return _last(text, below[1] if isinstance(below, tuple) else below)
+    end = _offset(text, node.end_mark)
+    if isinstance(node, yaml.ScalarNode) and node.style in ("|", ">"):
+        return _offset(text, node.start_mark) + len(text[_offset(text, node.start_mark) : end].rstrip())
+    return end
+
+
+def _end(text: str) -> str:
+    return "" if not text or text.endswith("\n") else "\n"
+
+
+def _line_end(text: str, at: int) -> int:
+    found = text.find("\n", at)
+    return len(text) if found < 0 else found
+
+
+# -- changes
+
+
+def _replaced(text: str, place: _Place, edit: Edit) -> str:
+    node = place.node
+    start, stop = _offset(text, node.start_mark), _last(text, node)
+    inside = bool(isinstance(place.parent, yaml.CollectionNode) and place.parent.flow_style)
+    if place.key is not None and not inside:  # a block begins on a line of its own: from behind the colon on
+        indent, start = int(place.key.start_mark.column) + _STEP, _offset(text, place.key.end_mark) + 1
+        over_lines = isinstance(edit.value, dict | list) and edit.value
+        new = f"\n{_lines(edit, indent)}" if over_lines else f" {_flow(edit)}"
+        return f"{text[:start]}{new}{text[max(stop, start) :]}"
+    return f"{text[:start]}{' ' if text[start - 1 : start] == '-' else ''}{_flow(edit)}{text[stop:]}"
+
+
+def _added(text: str, place: _Place, rest: Path_, edit: Edit) -> str:
+    node = place.node
+    assert isinstance(node, yaml.CollectionNode)
+    new = Edit((), _nested(rest[1:], edit.value), edit.text)
+    listed = isinstance(node, yaml.SequenceNode)
+    if node.flow_style or not node.value:
+        at = _last(text, node) - 1
+        head = "" if listed else f"{_scalar(str(rest[0]), True)}: "
+        empty = not node.value
+        return f"{text[:at].rstrip() if not empty else text[:at]}{'' if empty else ', '}{head}{_flow(new)}{text[at:]}"
+    at = _line_end(text, _last(text, node))
+    indent = int(node.start_mark.column)
+    line = f"{' ' * indent}- {_flow(new)}" if listed else _block((rest[0],), new, indent)
+    return f"{text[:at]}\n{line}{text[at:]}"
+
+
+def _removed(text: str, root: yaml.Node, path: Path_) -> str:
+    """The text without a field; a group that would be empty goes with it."""
+    above, _ = _found(root, path[:-1])
+    assert isinstance(above.node, yaml.CollectionNode)
+    if len(above.node.value) == 1 and len(path) > 1:
+        return _removed(text, root, path[:-1])
+    place, _ = _found(root, path)
+    entries = [entry[0] if isinstance(entry, tuple) else entry for entry in above.node.value]
+    first = place.key or place.node
+    number = entries.index(first)
+    start, stop = _offset(text, first.start_mark), _last(text, place.node)
+    if above.node.flow_style:
+        return _without_entry(text, entries, number, start, stop)
+    line = text.rfind("\n", 0, start) + 1
+    head = text[line:start].strip()
+    if head and not (head == "-" and place.key is None):  # first behind a dash: the next takes its place
+        return text[:start] + text[_offset(text, entries[number + 1].start_mark) :]
+    return text[:line] + text[_line_end(text, max(stop, start)) + 1 :]
+
+
+def _without_entry(text: str, entries: list[yaml.Node], number: int, start: int, stop: int) -> str:
+    if number + 1 < len(entries):
+        return text[:start] + text[_offset(text, entries[number + 1].start_mark) :]
+    comma = text.rfind(",", 0, start) if number else -1
+    return text[: comma if comma >= 0 else start] + text[stop:]
+
+
+# -- values as they are written
+
+
+def _scalar(value: Any, key: bool = False, text: bool = True) -> str:
+    """A value in one line: plain where YAML reads the same, else quoted."""
+    if value is None or isinstance(value, bool | int | float):
+        return json.dumps(value)
+    try:
+        read = YamlSource(f"{{{value}: 1}}" if key else f"[{value}]", "value").data
+    except InputError:
+        return json.dumps(value, ensure_ascii=False)
+    found = next(iter(read)) if key else read[0] if len(read) == 1 else None
+    plain = bool(value) and "#" not in value and value == value.strip()
+    same = found == value if text or key else isinstance(found, str | int | float | bool)
+    return str(value) if plain and same else json.dumps(value, ensure_ascii=False)
+
+
+def _flow(edit: Edit) -> str:
+    """A value in one line."""
+    value = edit.value
+    if isinstance(value, dict):
+        return (
+            f"{{{', '.join(f'{_scalar(str(key), True)}: {_flow(Edit((), below))}' for key, below in value.items())}}}"
+        )
+    if isinstance(value, list):
+        return f"[{', '.join(_flow(Edit((), below)) for below in value)}]"
+    return _scalar(value, text=edit.text)
+
+
+def _entries(value: dict[Any, Any]) -> list[tuple[str, str]]:
+    return [(_scalar(str(key), True), _flow(Edit((), below))) for key, below in value.items()]
+
+
+def _lines(edit: Edit, indent: int) -> str:
+    """A group or a list over lines; what is inside is in one line each."""
+    blanks = " " * indent
+    if isinstance(edit.value, dict):
+        return "\n".join(
+            f"{blanks}{_scalar(str(key), True)}: {_flow(Edit((), below))}" for key, below in edit.value.items()
+        )
+    return "\n".join(f"{blanks}- {_flow(Edit((), below))}" for below in edit.value)
+
+
+def _block(path: Path_, edit: Edit, indent: int) -> str:
+    """A field that is not there yet, in lines of its own."""
+    value = _nested(path[1:], edit.value)
+    head = f"{' ' * indent}{_scalar(str(path[0]), True)}:"
+    if isinstance(value, dict | list) and value:
+        return f"{head}\n{_lines(Edit((), value, edit.text), indent + _STEP)}"
+    return f"{head} {_flow(Edit((), value, edit.text))}"
