@@ -25,6 +25,7 @@ from drivesizer.commands.sizing import explain, report, size
 from drivesizer.commands.study import study
 from drivesizer.commands.validate import validate
 from drivesizer.errors import printable
+from drivesizer.live.command import serve
 from drivesizer.version import __version__
 
 __all__ = ["app", "main"]
@@ -53,6 +54,7 @@ _COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
      "predict 118752 --gearhead 406764 --voltage '24 V' --load '0.5 N*m'"),
     (export, "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
      "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
+    (serve, "A page in the browser where the drive follows the figures.", "serve robot.yaml"),
     (study, "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),
     (equations, "The paper's equations, as printed and as computed.", "equations 10"),
     (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),

@@ -34,6 +34,7 @@ ORDER = (
     ("multi_axis", "output"),
     ("study",),
     ("commands",),
+    ("live",),
     ("cli",),
     ("__main__",),
 )

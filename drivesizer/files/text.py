@@ -8,15 +8,17 @@ from __future__ import annotations
 import os
 import select
 import stat
+from collections.abc import Iterable
 from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
 
-__all__ = ["decoded", "missing", "read_bytes", "read_text", "was_read"]
+__all__ = ["decoded", "missing", "read_bytes", "read_no_others", "read_text", "was_read"]
 
 _PATIENCE = 2.0  # s to wait for a writer on a named pipe
 _PIECE = 1 << 20  # bytes read at once
 _read: dict[Path, None] = {}  # absolute paths of the files that were read
+_permitted: set[Path] = set()  # where not empty: files and folders of which alone may be read
 
 
 def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
@@ -39,6 +41,8 @@ def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
     InputError
         When the file cannot be read, is larger than `largest` [bytes], or is a pipe that nobody writes into.
     """
+    if _permitted and _permitted.isdisjoint((path.resolve(), *path.resolve().parents)):
+        raise InputError(f"{path}: is not read here; expected a shipped catalogue, or what the spec named at first")
     try:
         raw = _bytes(path, largest)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
@@ -77,6 +81,19 @@ def _from_pipe(path: Path, largest: int) -> bytes:
         return bytes(found[: largest + 1])
     finally:
         os.close(pipe)
+
+
+def read_no_others(folders: Iterable[Path]) -> None:
+    """Refuse, for as long as the process lives, every file but those that were read and those in some folders.
+
+    For a process that takes specs of someone who may not see all files of this machine.
+
+    Parameters
+    ----------
+    folders
+        What lies below them may be read too.
+    """
+    _permitted.update(path.resolve() for path in (*_read, *folders))
 
 
 def was_read(path: Path) -> Path | None:

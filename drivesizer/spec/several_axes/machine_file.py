@@ -41,6 +41,7 @@ __all__ = [
     "load_any",
     "load_machine",
     "on_common_bus",
+    "read_any",
     "read_machine",
 ]
 
@@ -138,7 +139,11 @@ def load_any(path: str | Path) -> RobotSpec | MachineSpec:
     InputError
         As of ``load_spec``.
     """
-    source = read(Path(path))
+    return read_any(read(Path(path)))
+
+
+def read_any(source: YamlSource) -> RobotSpec | MachineSpec:
+    """The spec of one axis or of a machine from YAML source; see :func:`load_any`."""
     return read_machine(source) if is_machine(source) else read_spec(source)
 
 

@@ -7,7 +7,6 @@ may run. Texts of a spec or a catalogue are escaped everywhere. The same input g
 from __future__ import annotations
 
 import base64
-import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ from drivesizer.output.report.html.load_plots import cycle_plot, motion_plot
 from drivesizer.output.report.html.loop_plots import bode_plot, closed_loop_plot, step_plots
 from drivesizer.output.report.html.mathematics import mathml
 from drivesizer.output.report.html.stills import image
-from drivesizer.output.report.html.templates import environment, mathematics, own_file, unbroken
+from drivesizer.output.report.html.templates import digest, environment, mathematics, own_file, unbroken
 from drivesizer.output.report.sections.candidates import candidate_numbers
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
@@ -123,15 +122,10 @@ def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: M
             script=Markup(script),  # noqa: S704 - our own file
             # Packed, 2 MB in place of 4.8: a page is sent by mail, and text and tables are there before the figures.
             library=base64.b64encode(packed(library)).decode(),
-            digests=[_digest(script), _digest(library)],
+            digests=[digest(script), digest(library)],
         )
     )
     return page.encode()
-
-
-def _digest(script: str) -> str:
-    """Digest by which a content security policy names a script."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 
 def movable(content: Content) -> dict[str, Plot]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -13,7 +15,7 @@ from drivesizer.output.report.html.mathematics import mathml
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = ["environment", "mathematics", "own_file", "section_html", "unbroken"]
+__all__ = ["digest", "environment", "mathematics", "own_file", "section_html", "unbroken"]
 
 _FILES = resources.files("drivesizer.output.report.html")
 _BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places itself
@@ -23,6 +25,11 @@ _BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places its
 def own_file(name: str) -> str:
     """Text of a template, style or script of this folder."""
     return _FILES.joinpath(name).read_text(encoding="utf-8")
+
+
+def digest(script: str) -> str:
+    """Digest by which a content security policy names a script."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 
 def environment(math: Mapping[str, str]) -> Environment:

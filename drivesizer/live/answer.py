@@ -1,0 +1,165 @@
+"""The answer to a spec: the ranking first, then the sections of its report, then the figures."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.live.engine import Held, Piece
+from drivesizer.live.reading import faults, text_of, whole
+
+__all__ = ["Shown", "answer", "of_result"]
+
+_LATER = "data:,"  # address of a still figure until it is drawn
+_NOT_LIVE = ("repeat", "file")  # sections of a report that say how it came about
+
+
+class Shown(NamedTuple):
+    """Everything of a report that the page shows."""
+
+    sections: list[dict[str, Any]]
+    figures: dict[str, Any]
+    drawings: dict[str, Any]  # still ones, each drawn when it is called
+
+
+def answer(held: Held, request: Piece) -> Iterator[Piece]:
+    """Pieces ``spec``, ``wrong`` or ``ranking``, ``sections``, ``figures`` and one ``still`` after another.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` and ``edits``.
+
+    Yields
+    ------
+    Piece
+    """
+    text = str(request["text"])
+    try:
+        text = text_of(held, request)
+        source = YamlSource(text, held.name)
+        yield {"kind": "spec", "text": text, "data": source.data}
+        result = whole(held, text, front=True)
+    except InputError as error:
+        yield {"kind": "wrong", "text": text, "lines": list(error.lines), "faults": faults(error, held.name)}
+        return
+    held.go_on()
+    yield {"kind": "ranking", **_ranking(result)}
+    held.go_on()
+    yield from of_result(held, result)
+
+
+def of_result(held: Held, result: Any, proofs: Any = None) -> Iterator[Piece]:
+    """Pieces of a sizing: sections, figures, still figures.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    result
+        Of a spec or of a machine.
+    proofs
+        Its closed loop, where it was simulated.
+
+    Yields
+    ------
+    Piece
+    """
+    from drivesizer.output.report.html.stills import image
+    from drivesizer.output.report.html.templates import section_html
+
+    shown = _shown(result, proofs)
+    made = section_html(shown.sections, shown.figures, dict.fromkeys(shown.drawings, _LATER))
+    kept = ("name", "title", "level")
+    sections = [
+        {name: one[name] for name in kept} | {"html": html} for one, html in zip(shown.sections, made, strict=True)
+    ]
+    yield {"kind": "sections", "sections": sections}
+    held.go_on()
+    yield {"kind": "figures", "figures": _finite(shown.figures)}
+    for name, draw in shown.drawings.items():
+        held.go_on()
+        yield {"kind": "still", "name": name, "address": image(draw("svg"))}
+
+
+def _shown(result: Any, proofs: Any) -> Shown:
+    from drivesizer.output.report.html.page import STILL, movable
+
+    if hasattr(result, "axes"):
+        return _of_machine(result, proofs)
+    from drivesizer.output.report.sections.content import Content
+    from drivesizer.output.report.sections.document import document
+
+    content = Content(result, proofs)
+    sections = [one for one in document(content)["sections"] if one["name"] not in _NOT_LIVE]
+    drawings = {name: content.drawings[name] for name in STILL if name in content.drawings}
+    return Shown(sections, movable(content), drawings)
+
+
+def _of_machine(result: Any, proofs: Any) -> Shown:
+    from drivesizer.output.report.html.page import STILL, movable
+    from drivesizer.output.report.machine.content import MachineContent
+    from drivesizer.output.report.machine.document import document, shown
+
+    content = MachineContent(result)
+    sections = document(content)["sections"]
+    wanted = set(shown(sections))
+    still = [*content.loads, *content.supply, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
+    figures = {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
+    drawings = {name: content.drawings[name] for name in still if name in wanted and name in content.drawings}
+    return Shown(
+        sections, {name: plot for name, plot in figures.items() if re.sub(r"-\d+$", "", name) in wanted}, drawings
+    )
+
+
+def _ranking(result: Any) -> Piece:
+    """The drives in a few figures, for what the page shows before the report: the best, and what decides."""
+    from drivesizer.results.check import worst
+
+    if hasattr(result, "axes"):
+        axes = [{"axis": one.name, **_set(one.best)} if one.best else {"axis": one.name} for one in result.axes]
+        return {"machine": True, "status": result.status, "axes": axes, "sets": []}
+    listed = result.sets or result.misses
+    best = result.shown
+    return {
+        "machine": False, "status": best.status if best else "fail", "found": bool(result.sets), "axes": [],
+        "considered": result.counts.considered, "feasible": result.counts.feasible, "objective": result.objective,
+        "tight": _tight(worst(best.deciding)) if best else None, "sets": [_set(one) for one in listed],
+    }  # fmt: skip
+
+
+def _set(one: Any) -> Piece:
+    from drivesizer.output.json.loops import number
+    from drivesizer.results.check import worst
+    from drivesizer.results.objectives import objective_figure
+
+    return {
+        "rank": one.rank, "label": one.label, "motor": one.motor.part, "gearhead": one.gearhead.part,
+        "status": one.status, "mass": number(one.mass), "price": number(one.price),
+        "energy": number(objective_figure(one, "energy").value), "tight": _tight(worst(one.deciding)),
+    }  # fmt: skip
+
+
+def _tight(check: Any) -> Piece | None:
+    from drivesizer.output.json.loops import number
+    from drivesizer.output.text import margin
+
+    if check is None:
+        return None
+    return {"title": check.title, "margin": number(check.margin), "said": margin(check.margin), "status": check.status}
+
+
+def _finite(value: Any) -> Any:
+    """Plain data for JSON: what is no number is null."""
+    from drivesizer.output.json.loops import number
+
+    if isinstance(value, float):
+        return number(value)
+    if isinstance(value, dict):
+        return {key: _finite(below) for key, below in value.items()}
+    return [_finite(below) for below in value] if isinstance(value, list | tuple) else value

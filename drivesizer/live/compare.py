@@ -1,0 +1,85 @@
+"""Two drives side by side: their parts, figures and checks, whether the search lists them or not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.live.engine import Held, Piece
+from drivesizer.live.reading import text_of
+
+__all__ = ["compare"]
+
+_MOST = 4  # drives side by side
+
+
+def compare(held: Held, request: Piece) -> Iterator[Piece]:
+    """A piece ``compared``: rows of texts, a column for each drive.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` and ``edits``, and ``sets``: pairs of motor and gearhead by their parts.
+
+    Yields
+    ------
+    Piece
+    """
+    from drivesizer.sizing import explained, load_parts
+    from drivesizer.spec.robot import read_spec
+
+    spec = read_spec(YamlSource(text_of(held, request), held.name))
+    catalog, found = load_parts(spec), []
+    for motor, gearhead in list(request["sets"])[:_MOST]:
+        held.go_on()
+        sets = explained(spec, str(motor), str(gearhead), catalog=catalog).sets
+        if not sets:
+            raise InputError(f"{motor} with {gearhead}: no belt of the spec goes with it")
+        found.append(min(sets, key=lambda one: one.rank))
+    yield {"kind": "compared", "heads": [one.label for one in found], "status": [one.status for one in found],
+           "rows": [*_parts(found), *_figures(found), *_checks(found)]}  # fmt: skip
+
+
+def _parts(sets: list[Any]) -> Iterator[Piece]:
+    for role in dict.fromkeys(role for one in sets for role in one.parts):
+        parts = [one.parts.get(role) for one in sets]
+        yield {"title": role, "group": "parts", "cells": [_named(part) for part in parts]}
+
+
+def _named(part: Any) -> str:
+    return f"{part.manufacturer} {part.family} {part.part}".strip() if part else "none"
+
+
+def _figures(sets: list[Any]) -> Iterator[Piece]:
+    from drivesizer.units import show
+
+    def price(one: Any) -> str:
+        least = "" if len(one.price_of) == len(one.parts) else "at least "
+        return f"{least}{one.price:.2f} EUR" if one.price_of else "unknown"
+
+    yield {"title": "mass of a drive", "group": "figures", "cells": [show(one.mass, "g", "mass") for one in sets]}
+    yield {"title": "price of a drive", "group": "figures", "cells": [price(one) for one in sets]}
+    named = dict.fromkeys(figure.name for one in sets for figure in one.figures)
+    for name in named:
+        each = [{figure.name: figure for figure in one.figures}.get(name) for one in sets]
+        title = next(figure.title for figure in each if figure)
+        yield {"title": title, "group": "figures", "cells": [figure.text if figure else "" for figure in each]}
+
+
+def _checks(sets: list[Any]) -> Iterator[Piece]:
+    from drivesizer.output.text import margin
+
+    for name in dict.fromkeys(check.name for one in sets for check in one.checks):
+        each = [{check.name: check for check in one.checks}.get(name) for one in sets]
+        title = next(check.title for check in each if check)
+        cells = [margin(check.margin) if check else "" for check in each]
+        yield {
+            "title": title,
+            "group": "checks",
+            "cells": cells,
+            "status": [check.status if check else "" for check in each],
+        }

@@ -1,0 +1,161 @@
+"""What takes longer than an answer: the closed loop, reports and exports, each as the command line makes them."""
+
+from __future__ import annotations
+
+import base64
+import io
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.live.answer import of_result
+from drivesizer.live.engine import Held, Piece
+from drivesizer.live.reading import text_of, whole
+
+__all__ = ["document", "export", "loop", "report"]
+
+_SUFFIXES = {"mjcf": ".xml", "urdf": ".urdf", "sdf": ".sdf", "ros2_control": ".urdf", "fmu": ".fmu", "json": ".json"}
+
+
+def document(held: Held, request: Piece) -> Iterator[Piece]:
+    """The JSON document of ``drivesizer size --json --top 10 --pareto mass,price,energy``, byte for byte.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` and ``edits``.
+
+    Yields
+    ------
+    Piece
+        A ``file``.
+    """
+    from drivesizer.output.json import documents
+
+    result = whole(held, text_of(held, request), front=True)
+    if hasattr(result, "axes"):
+        from drivesizer.output.json.machine import machine_document
+
+        text = documents.as_text(machine_document(result))
+    else:
+        text = documents.as_text(documents.sizing(result))
+    yield _file("drive.json", f"{text}\n".encode())
+
+
+def loop(held: Held, request: Piece) -> Iterator[Piece]:
+    """The answer once more with its closed loop: sections, figures, still figures.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` and ``edits``.
+
+    Yields
+    ------
+    Piece
+    """
+    result, proofs = _proven(held, request)
+    yield from of_result(held, result, proofs)
+
+
+def report(held: Held, request: Piece) -> Iterator[Piece]:
+    """A report as ``drivesizer report`` writes it.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` and ``edits``, and ``form``: pdf, html, xlsx, csv or json.
+
+    Yields
+    ------
+    Piece
+        A ``file``.
+    """
+    from drivesizer.output.report import KNOWN, write, write_machine
+
+    suffix = f".{request['form']}"
+    if suffix not in KNOWN:
+        raise InputError(f"{quoted(suffix)} does not say which kind of report; expected {', '.join(KNOWN)}")
+    result, proofs = _proven(held, request)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"report{suffix}"
+        if hasattr(result, "axes"):
+            write_machine(result, [path])
+        else:
+            write(result, proofs, [path])
+        yield _file(path.name, path.read_bytes())
+
+
+def export(held: Held, request: Piece) -> Iterator[Piece]:
+    """The best drive as ``drivesizer export`` writes it; several files come as one archive.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` and ``edits``, and ``form``: one of the formats.
+
+    Yields
+    ------
+    Piece
+        A ``file``.
+    """
+    from drivesizer.output.export import export_of, write
+    from drivesizer.output.export.machine import machine_export, write_machine
+
+    form = str(request["form"])
+    if form not in _SUFFIXES:
+        raise InputError(f"{quoted(form)} is not known; expected {', '.join(_SUFFIXES)}")
+    result = whole(held, text_of(held, request), top=1)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"drive{_SUFFIXES[form]}"
+        if hasattr(result, "axes"):
+            if any(one.best is None for one in result.axes):
+                raise InputError("an axis has no drive that meets all limits; nothing to export")
+            write_machine(machine_export(result, one_rate=form == "ros2_control"), form, path)
+        elif not result.sets:
+            raise InputError("no drive meets all limits; nothing to export")
+        else:
+            write(export_of(result.spec, result.sets[0]), form, path)
+        yield _together(Path(folder), path)
+
+
+def _proven(held: Held, request: Piece) -> tuple[Any, Any]:
+    """The sizing, and the closed loop of its best drive in the hardest load case; None where there is none."""
+    from drivesizer.errors import NoLoopError
+    from drivesizer.simulate import hardest_case, validate
+
+    result = whole(held, text_of(held, request), front=True)
+    if hasattr(result, "axes") or not result.sets:
+        return result, None
+    best = result.sets[0]
+    try:
+        return result, validate(result.spec, best, load_case=hardest_case(result.spec, best))
+    except NoLoopError:
+        return result, None
+
+
+def _together(folder: Path, path: Path) -> Piece:
+    files = sorted(one for one in folder.rglob("*") if one.is_file())
+    if len(files) == 1:
+        return _file(path.name, path.read_bytes())
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for one in files:
+            stamp = zipfile.ZipInfo(str(one.relative_to(folder)))  # of 1980: the same input gives the same bytes
+            archive.writestr(stamp, one.read_bytes(), zipfile.ZIP_DEFLATED)
+    return _file(f"{path.stem}.zip", packed.getvalue())
+
+
+def _file(name: str, content: bytes) -> Piece:
+    return {"kind": "file", "name": name, "content": base64.b64encode(content).decode()}

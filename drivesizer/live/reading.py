@@ -1,0 +1,118 @@
+"""The text of the page as a spec, and its sizing."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_edit import Edit, edited
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.live.engine import Held, Piece
+
+__all__ = ["FRONT", "TOP", "faults", "text_of", "whole"]
+
+TOP = 10  # drives of an answer, as in a report
+FRONT = ("mass", "price", "energy")
+_MOST_EDITS = 100
+
+
+def text_of(held: Held, request: Piece) -> str:
+    """The text of a request with its edits made.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text``, and ``edits``: lists of path, value, and whether it is a text.
+
+    Returns
+    -------
+    str
+        YAML.
+
+    Raises
+    ------
+    InputError
+        When the text is no YAML, or a field is no place for an edit.
+    """
+    edits = [Edit(tuple(path), value, bool(text)) for path, value, text in (request.get("edits") or [])[:_MOST_EDITS]]
+    return edited(str(request["text"]), edits, held.name) if edits else str(request["text"])
+
+
+def whole(held: Held, text: str, *, first: bool = True, top: int = TOP, front: bool = False) -> Any:
+    """The sizing of a text, made once.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    text
+        YAML of a spec or of a machine.
+    first
+        False: it is read, and not sized.
+    top
+        Drives.
+    front
+        Also those that no other beats in mass, price and energy, of a spec of one axis.
+
+    Returns
+    -------
+    SizingResult or MachineSizing
+        As the command line finds it; None where it is only read.
+
+    Raises
+    ------
+    InputError
+        As of the command line.
+    """
+    from drivesizer.spec.several_axes.machine_file import read_any
+
+    spec = read_any(YamlSource(text, held.name))
+    if not first:
+        return None
+
+    def sized() -> Any:
+        if hasattr(spec, "axes"):
+            from drivesizer.multi_axis.sizing import size_machine
+
+            return size_machine(spec, top=top, progress=held.go_on)
+        from drivesizer.sizing import size
+
+        return size(spec, top=top, pareto=FRONT if front else (), progress=held.go_on)
+
+    return held.keep(json.dumps([top, front, text]), sized)
+
+
+def faults(error: InputError, name: str) -> list[Piece]:
+    """Each line of an error with the place that it names.
+
+    Parameters
+    ----------
+    error
+        What is wrong.
+    name
+        The file as messages call it.
+
+    Returns
+    -------
+    list of Piece
+        ``text`` without the file's name, ``line`` and ``path``; None and nothing where none is named.
+    """
+    return [_fault(line, name) for line in error.lines]
+
+
+def _fault(text: str, name: str) -> Piece:
+    found = re.match(rf"{re.escape(name)}:(\d+): (?:([^\s:]+): )?(.*)", text, re.DOTALL)
+    if not found:
+        return {"text": text.removeprefix(f"{name}: "), "line": None, "path": []}
+    line, field, said = found.groups()
+    return {"text": said, "line": int(line), "path": _path(field or "")}
+
+
+def _path(field: str) -> list[str | int]:
+    """Path of a field as messages print it: ``transmission[2].ratio``."""
+    steps = re.findall(r"\[(\d+)\]|([^.\[\]]+)", field)
+    return [int(number) - 1 if number else key for number, key in steps]

@@ -1,0 +1,96 @@
+"""A figure of the spec over a range: where the best set changes, and what made the one before it fall."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from drivesizer.errors import DrivesizerError
+from drivesizer.files.yaml_edit import Edit, edited
+from drivesizer.live.engine import Held, Piece, StoppedError
+from drivesizer.live.reading import text_of, whole
+
+__all__ = ["fell", "sweep"]
+
+_MOST = 64  # values of one request
+
+
+def sweep(held: Held, request: Piece) -> Iterator[Piece]:
+    """A piece ``point`` for each value, in the order of the request; ``fell`` where the best set is another.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` and ``edits``, ``path`` of the figure, and its ``values`` as one types them.
+
+    Yields
+    ------
+    Piece
+    """
+    text, path = text_of(held, request), tuple(request["path"])
+    for number, value in enumerate(list(request["values"])[:_MOST]):
+        held.go_on()
+        yield {
+            "kind": "point",
+            "number": number,
+            "value": value,
+            **_best(held, edited(text, [Edit(path, value)], held.name)),
+        }
+
+
+def _best(held: Held, text: str) -> Piece:
+    """The best set of a spec, or why there is none."""
+    from drivesizer.results.check import worst
+
+    try:
+        result = whole(held, text, top=1)
+    except StoppedError:
+        raise
+    except DrivesizerError as error:
+        return {"status": "wrong", "said": str(error)}
+    if hasattr(result, "axes"):
+        best = [one.best for one in result.axes]
+        labels = [f"{one.name}: {one.best.label if one.best else 'none'}" for one in result.axes]
+        parts = [[one.motor.part, one.gearhead.part] if one else [] for one in best]
+        return {"status": result.status, "label": "; ".join(labels), "parts": parts}
+    one = result.shown
+    tight = worst(one.deciding) if one else None
+    said = {"tight": tight.title, "margin": _number(tight.margin)} if tight else {}
+    found = bool(result.sets)
+    label, parts = (one.label, [one.motor.part, one.gearhead.part]) if one else ("", [])
+    return {"status": one.status if found and one else "fail", "label": label, "parts": parts, **said,
+            "mass": _number(one.mass) if one else None, "price": _number(one.price) if one else None}  # fmt: skip
+
+
+def _number(value: float) -> float | None:
+    from drivesizer.output.json.loops import number
+
+    return number(value)
+
+
+def fell(held: Held, request: Piece) -> Iterator[Piece]:
+    """A piece ``fell``: whether a set still passes, and its check of the smallest margin.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` and ``edits``, ``motor`` and ``gearhead`` by their parts.
+
+    Yields
+    ------
+    Piece
+    """
+    from drivesizer.files.yaml_source import YamlSource
+    from drivesizer.output.text import margin
+    from drivesizer.results.check import worst
+    from drivesizer.sizing import explained
+    from drivesizer.spec.robot import read_spec
+
+    spec = read_spec(YamlSource(text_of(held, request), held.name))
+    found = explained(spec, str(request["motor"]), str(request["gearhead"])).sets
+    tight = worst(found[0].deciding) if found else None
+    yield {"kind": "fell", "status": found[0].status if found else "fail", "tight": tight.title if tight else "",
+           "said": margin(tight.margin) if tight else ""}  # fmt: skip
