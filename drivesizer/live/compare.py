@@ -76,10 +76,5 @@ def _checks(sets: list[Any]) -> Iterator[Piece]:
     for name in dict.fromkeys(check.name for one in sets for check in one.checks):
         each = [{check.name: check for check in one.checks}.get(name) for one in sets]
         title = next(check.title for check in each if check)
-        cells = [margin(check.margin) if check else "" for check in each]
-        yield {
-            "title": title,
-            "group": "checks",
-            "cells": cells,
-            "status": [check.status if check else "" for check in each],
-        }
+        cells, status = zip(*((margin(c.margin), c.status) if c else ("", "") for c in each), strict=True)
+        yield {"title": title, "group": "checks", "cells": cells, "status": status}

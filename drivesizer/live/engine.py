@@ -10,6 +10,7 @@ import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from importlib import import_module
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -25,8 +26,8 @@ _FAULT = "a fault of drivesizer itself"
 
 # name of a job: module with a function of that name, which yields pieces
 JOBS = {
-    "answer": "answer", "sweep": "sweep", "fell": "sweep", "compare": "compare", "loop": "files", "report": "files", "export": "files",
-    "document": "files",
+    "answer": "answer", "sweep": "sweep", "fell": "sweep", "compare": "compare",
+    "loop": "files", "report": "files", "export": "files", "document": "files",
 }  # fmt: skip
 
 
@@ -113,8 +114,12 @@ def run(pipe: Connection, wanted: Any, name: str, again: bool) -> None:
             number, job, request = pipe.recv()
         except (EOFError, OSError):
             return
-        held.stopped = lambda number=number: wanted.value != number
+        held.stopped = partial(_unwanted, wanted, number)
         _sent(pipe, number, done(held, job, request))
+
+
+def _unwanted(wanted: Any, number: int) -> bool:
+    return bool(wanted.value != number)
 
 
 def _sent(pipe: Connection, number: int, pieces: Iterator[Piece]) -> None:

@@ -18,8 +18,8 @@ App = Callable[[Message, Receive, Send], Awaitable[None]]
 
 LARGEST = 4_000_000  # bytes of a request: a spec is at most 2 MB, a catalogue somewhat more
 _POLICY = (
-    "default-src 'none'; script-src 'self'; style-src-elem 'self'{}; style-src-attr 'unsafe-inline'; img-src 'self' data: "
-    "blob:; connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "default-src 'none'; script-src 'self'; style-src-elem 'self'{}; style-src-attr 'unsafe-inline'; "
+    "img-src 'self' data: blob:; connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 _HEADERS = {
     "x-content-type-options": "nosniff", "referrer-policy": "no-referrer",
@@ -38,6 +38,7 @@ class Guard:
         self.hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return

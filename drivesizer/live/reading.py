@@ -68,6 +68,7 @@ def whole(held: Held, text: str, *, first: bool = True, top: int = TOP, front: b
     InputError
         As of the command line.
     """
+    from drivesizer.spec.several_axes.machine import MachineSpec
     from drivesizer.spec.several_axes.machine_file import read_any
 
     spec = read_any(YamlSource(text, held.name))
@@ -75,7 +76,7 @@ def whole(held: Held, text: str, *, first: bool = True, top: int = TOP, front: b
         return None
 
     def sized() -> Any:
-        if hasattr(spec, "axes"):
+        if isinstance(spec, MachineSpec):
             from drivesizer.multi_axis.sizing import size_machine
 
             return size_machine(spec, top=top, progress=held.go_on)
