@@ -19,7 +19,8 @@ App = Callable[[Message, Receive, Send], Awaitable[None]]
 LARGEST = 4_000_000  # bytes of a request: a spec is at most 2 MB, a catalogue somewhat more
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src-elem 'self'{}; style-src-attr 'unsafe-inline'; "
-    "img-src 'self' data: blob:; connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "img-src 'self' data: blob:; connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'"
 )
 _HEADERS = {
     "x-content-type-options": "nosniff", "referrer-policy": "no-referrer",
