@@ -26,7 +26,7 @@ class Edit(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """Where a node of the document stands in the text."""
+    """Place of a node of the document in the text."""
 
     node: yaml.Node
     parent: yaml.Node | None
@@ -114,7 +114,7 @@ def _offset(text: str, mark: yaml.Mark) -> int:
 
 
 def _last(text: str, node: yaml.Node) -> int:
-    """Where the text of a node ends; that of a block would end where the next one begins."""
+    """End of the text of a node; that of a block would end where the next one begins."""
     if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
         below = node.value[-1]
         return _last(text, below[1] if isinstance(below, tuple) else below)

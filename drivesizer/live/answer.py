@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.engine import Held, Piece
+from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import faults, text_of, whole
 
-__all__ = ["Shown", "answer", "of_result"]
+__all__ = ["answer", "of_result"]
 
 _LATER = "data:,"  # address of a still figure until it is drawn
 _NOT_LIVE = ("repeat", "file")  # sections of a report that say how it came about
-
-
-class Shown(NamedTuple):
-    """Everything of a report that the page shows."""
-
-    sections: list[dict[str, Any]]
-    figures: dict[str, Any]
-    drawings: dict[str, Any]  # still ones, each drawn when it is called
 
 
 def answer(held: Held, request: Piece) -> Iterator[Piece]:
@@ -73,48 +64,29 @@ def of_result(held: Held, result: Any, proofs: Any = None) -> Iterator[Piece]:
     from drivesizer.output.report.html.stills import image
     from drivesizer.output.report.html.templates import section_html
 
-    shown = _shown(result, proofs)
-    made = section_html(shown.sections, shown.figures, dict.fromkeys(shown.drawings, _LATER))
-    kept = ("name", "title", "level")
-    sections = [
-        {name: one[name] for name in kept} | {"html": html} for one, html in zip(shown.sections, made, strict=True)
-    ]
-    yield {"kind": "sections", "sections": sections}
+    document, figures, still = _parts(result, proofs)
+    printed = [one for one in document["sections"] if one["name"] not in _NOT_LIVE]
+    made = section_html(printed, figures, dict.fromkeys(still, _LATER))
+    heads = ({name: one[name] for name in ("name", "title", "level")} for one in printed)
+    yield {"kind": "sections", "sections": [head | {"html": html} for head, html in zip(heads, made, strict=True)]}
     held.go_on()
-    yield {"kind": "figures", "figures": _finite(shown.figures)}
-    for name, draw in shown.drawings.items():
+    yield {"kind": "figures", "figures": _finite(figures)}
+    for name, draw in still.items():
         held.go_on()
         yield {"kind": "still", "name": name, "address": image(draw("svg"))}
 
 
-def _shown(result: Any, proofs: Any) -> Shown:
-    from drivesizer.output.report.html.page import STILL, movable
-
+def _parts(result: Any, proofs: Any) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Document, figures that can be moved and still ones, as of the HTML report."""
     if hasattr(result, "axes"):
-        return _of_machine(result, proofs)
+        from drivesizer.output.report.machine.content import MachineContent
+        from drivesizer.output.report.machine.html import machine_parts
+
+        return machine_parts(MachineContent(result, proofs or {}))
+    from drivesizer.output.report.html.page import page_parts
     from drivesizer.output.report.sections.content import Content
-    from drivesizer.output.report.sections.document import document
 
-    content = Content(result, proofs)
-    sections = [one for one in document(content)["sections"] if one["name"] not in _NOT_LIVE]
-    drawings = {name: content.drawings[name] for name in STILL if name in content.drawings}
-    return Shown(sections, movable(content), drawings)
-
-
-def _of_machine(result: Any, proofs: Any) -> Shown:
-    from drivesizer.output.report.html.page import STILL, movable
-    from drivesizer.output.report.machine.content import MachineContent
-    from drivesizer.output.report.machine.document import document, shown
-
-    content = MachineContent(result)
-    sections = document(content)["sections"]
-    wanted = set(shown(sections))
-    still = [*content.loads, *content.supply, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
-    figures = {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
-    drawings = {name: content.drawings[name] for name in still if name in wanted and name in content.drawings}
-    return Shown(
-        sections, {name: plot for name, plot in figures.items() if re.sub(r"-\d+$", "", name) in wanted}, drawings
-    )
+    return page_parts(Content(result, proofs))
 
 
 def _ranking(result: Any) -> Piece:

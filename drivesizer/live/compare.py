@@ -7,7 +7,7 @@ from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.engine import Held, Piece
+from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import text_of
 
 __all__ = ["compare"]
@@ -23,7 +23,7 @@ def compare(held: Held, request: Piece) -> Iterator[Piece]:
     held
         What the process keeps.
     request
-        ``text`` and ``edits``, and ``sets``: pairs of motor and gearhead by their parts.
+        ``text`` and ``edits``, and ``sets``: motor and gearhead of each by their parts.
 
     Yields
     ------

@@ -7,9 +7,7 @@ import os
 import signal
 import sys
 import warnings
-from collections import OrderedDict
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 from functools import partial
 from importlib import import_module
 from multiprocessing.connection import Connection
@@ -17,45 +15,17 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, printable
+from drivesizer.live.held import Held, Piece, StoppedError
 
-__all__ = ["JOBS", "Held", "Piece", "StoppedError", "done", "run"]
+__all__ = ["JOBS", "done", "run"]
 
-Piece = dict[str, Any]
-_KEPT = 4  # sizings that are kept: that of the page, and those of which someone wants a file or a comparison
 _FAULT = "a fault of drivesizer itself"
 
 # name of a job: module with a function of that name, which yields pieces
 JOBS = {
-    "answer": "answer", "sweep": "sweep", "fell": "sweep", "compare": "compare",
+    "answer": "answer", "sweep": "sweep", "rejected": "sweep", "compare": "compare",
     "loop": "files", "report": "files", "export": "files", "document": "files",
 }  # fmt: skip
-
-
-class StoppedError(Exception):
-    """A newer request has come: nobody waits for this answer."""
-
-
-@dataclass(slots=True)
-class Held:
-    """What a process of the engine keeps between jobs."""
-
-    name: str  # of the file that the page edits, as messages call it
-    stopped: Callable[[], bool] = lambda: False
-    sized: OrderedDict[str, Any] = field(default_factory=OrderedDict)  # sizings by their spec's text
-
-    def go_on(self, *_: int) -> None:
-        """Stop a job of which nobody wants the answer; takes the numbers of a progress."""
-        if self.stopped():
-            raise StoppedError
-
-    def keep(self, key: str, make: Callable[[], Any]) -> Any:
-        """A sizing that was made before, or is made now."""
-        if key not in self.sized:
-            self.sized[key] = make()
-            while len(self.sized) > _KEPT:
-                self.sized.popitem(last=False)
-        self.sized.move_to_end(key)
-        return self.sized[key]
 
 
 def done(held: Held, job: str, request: Piece) -> Iterator[Piece]:

@@ -1,4 +1,4 @@
-"""What takes longer than an answer: the closed loop, reports and exports, each as the command line makes them."""
+"""Jobs that take longer than an answer: the closed loop, reports and exports, as the command line makes them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.live.answer import of_result
-from drivesizer.live.engine import Held, Piece
+from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import text_of, whole
 
 __all__ = ["document", "export", "loop", "report"]
@@ -89,7 +89,7 @@ def report(held: Held, request: Piece) -> Iterator[Piece]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"report{suffix}"
         if hasattr(result, "axes"):
-            write_machine(result, [path])
+            write_machine(result, proofs, [path])
         else:
             write(result, proofs, [path])
         yield _file(path.name, path.read_bytes())
@@ -131,18 +131,11 @@ def export(held: Held, request: Piece) -> Iterator[Piece]:
 
 
 def _proven(held: Held, request: Piece) -> tuple[Any, Any]:
-    """The sizing, and the closed loop of its best drive in the hardest load case; None where there is none."""
-    from drivesizer.errors import NoLoopError
-    from drivesizer.simulate import hardest_case, validate
+    """The sizing, and the closed loop of the best drive, or of each axis."""
+    from drivesizer.commands.proving import proven, proven_axes
 
     result = whole(held, text_of(held, request), front=True)
-    if hasattr(result, "axes") or not result.sets:
-        return result, None
-    best = result.sets[0]
-    try:
-        return result, validate(result.spec, best, load_case=hardest_case(result.spec, best))
-    except NoLoopError:
-        return result, None
+    return proven_axes(result) if hasattr(result, "axes") else proven(result)
 
 
 def _together(folder: Path, path: Path) -> Piece:

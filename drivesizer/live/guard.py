@@ -1,4 +1,4 @@
-"""Who may ask for what: this machine's own browser, by the address that the command printed, and nobody else."""
+"""Who may request what: this machine's own browser, by the address that the command printed, and nobody else."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ class Guard:
             return 421, "this page is served to its own machine alone"
         origin = headers.get("origin")
         if origin is not None and origin not in {f"http://{host}" for host in self.hosts}:
-            return 403, "another page may not ask here"
+            return 403, "expected a request of this page itself"
         if headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
-            return 403, "another page may not ask here"
+            return 403, "expected a request of this page itself"
         start = f"/{self.token}/"
         if not compare_digest(scope["path"][: len(start)].encode(), start.encode()):
             return 404, "nothing is here; open the address that drivesizer serve printed"

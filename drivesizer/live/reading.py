@@ -9,7 +9,7 @@ from typing import Any
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.engine import Held, Piece
+from drivesizer.live.held import Held, Piece
 
 __all__ = ["FRONT", "TOP", "faults", "text_of", "whole"]
 

@@ -62,8 +62,8 @@ def application(path: Path, token: str, port: int, starting: str) -> App:
         for worker in state.values():
             worker.close()
 
-    async def asked(request: Request) -> Response:
-        return await _asked(request, state)
+    async def job(request: Request) -> Response:
+        return await _job(request, state)
 
     async def spec(_: Request) -> Response:
         return JSONResponse(_content(path, starting))
@@ -79,23 +79,23 @@ def application(path: Path, token: str, port: int, starting: str) -> App:
         Route("/starters.json", _starters),
         Route("/spec", spec),
         Route("/save", save, methods=["POST"]),
-        Route("/do/{job}", asked, methods=["POST"]),
+        Route("/do/{job}", job, methods=["POST"]),
     ]
     return Guard(Starlette(routes=routes, lifespan=running), token, port, _styles_inside(_plotly_script()))
 
 
-async def _asked(request: Request, workers: dict[str, Worker]) -> Response:
+async def _job(request: Request, workers: dict[str, Worker]) -> Response:
     """A job of the engine: its pieces, a line of JSON each, as they come."""
-    job = request.path_params["job"]
+    name = request.path_params["job"]
     try:
         body = await request.json()
     except (ValueError, RecursionError):
         body = None
-    if job not in JOBS or not isinstance(body, dict) or not isinstance(body.get("text"), str):
+    if name not in JOBS or not isinstance(body, dict) or not isinstance(body.get("text"), str):
         return JSONResponse({"kind": "refused", "lines": ["expected a spec as text"]}, 400)
-    worker = workers["quick" if job in _AT_ONCE else "slow"]
-    tab = f"{str(body.get('tab'))[:40]} {job}"
-    return StreamingResponse(worker.answer(tab, job, body), media_type="application/x-ndjson",
+    worker = workers["quick" if name in _AT_ONCE else "slow"]
+    tab = f"{str(body.get('tab'))[:40]} {name}"
+    return StreamingResponse(worker.answer(tab, name, body), media_type="application/x-ndjson",
                              headers={"cache-control": "no-store"})  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""A figure of the spec over a range: where the best set changes, and what made the one before it fall."""
+"""A figure of the spec over a range: where the best drive changes, and what rejects the one before it."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Iterator
 
 from drivesizer.errors import DrivesizerError
 from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.live.engine import Held, Piece, StoppedError
+from drivesizer.live.held import Held, Piece, StoppedError
 from drivesizer.live.reading import text_of, whole
 
-__all__ = ["fell", "sweep"]
+__all__ = ["rejected", "sweep"]
 
 _MOST = 64  # values of one request
 
 
 def sweep(held: Held, request: Piece) -> Iterator[Piece]:
-    """A piece ``point`` for each value, in the order of the request; ``fell`` where the best set is another.
+    """A piece ``point`` for each value, in the order of the request;
 
     Parameters
     ----------
@@ -69,8 +69,8 @@ def _number(value: float) -> float | None:
     return number(value)
 
 
-def fell(held: Held, request: Piece) -> Iterator[Piece]:
-    """A piece ``fell``: whether a set still passes, and its check of the smallest margin.
+def rejected(held: Held, request: Piece) -> Iterator[Piece]:
+    """A piece ``rejected``: whether a set still passes, and its check of the smallest margin.
 
     Parameters
     ----------
@@ -92,5 +92,5 @@ def fell(held: Held, request: Piece) -> Iterator[Piece]:
     spec = read_spec(YamlSource(text_of(held, request), held.name))
     found = explained(spec, str(request["motor"]), str(request["gearhead"])).sets
     tight = worst(found[0].deciding) if found else None
-    yield {"kind": "fell", "status": found[0].status if found else "fail", "tight": tight.title if tight else "",
+    yield {"kind": "rejected", "status": found[0].status if found else "fail", "tight": tight.title if tight else "",
            "said": margin(tight.margin) if tight else ""}  # fmt: skip

@@ -11,7 +11,8 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
 
-from drivesizer.live.engine import Piece, run
+from drivesizer.live.engine import run
+from drivesizer.live.held import Piece
 
 __all__ = ["Worker"]
 
@@ -46,8 +47,8 @@ class Worker:
         theirs.close()
         self.starts += 1
         self.pieces: asyncio.Queue[bytes | None] = asyncio.Queue()
-        told = self.pipe, self.pieces, asyncio.get_running_loop()
-        threading.Thread(target=_listen, args=told, daemon=True).start()
+        listening = self.pipe, self.pieces, asyncio.get_running_loop()
+        threading.Thread(target=_listen, args=listening, daemon=True).start()
 
     async def answer(self, tab: str, job: str, request: Piece) -> AsyncIterator[bytes]:
         """Pieces of a job as JSON, a line each; one that says so where a newer request of the tab came first.

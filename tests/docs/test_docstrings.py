@@ -13,7 +13,10 @@ import drivesizer
 PACKAGE = Path(drivesizer.__file__).parent
 ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
 WORDY = re.compile(r"(What|How|Which|Where|When|Why|That|As)\b")
-EXEMPT = {"commands"}  # docstrings there are --help, and each parameter is an option with a help text of its own
+EXEMPT = {
+    "commands",
+    "live/command.py",
+}  # docstrings there are --help, and each parameter is an option with a help text of its own
 
 
 def public(tree: ast.Module) -> set[str]:
@@ -47,7 +50,8 @@ def lacking(path: Path) -> list[str]:
 def test_public_functions_have_parameters_and_returns(room: str) -> None:
     place = PACKAGE / room
     modules = [place] if place.is_file() else sorted(place.rglob("*.py"))
-    assert not [line for path in modules for line in lacking(path)]
+    checked = (path for path in modules if path.relative_to(PACKAGE).as_posix() not in EXEMPT)
+    assert not [line for path in checked for line in lacking(path)]
 
 
 def wordy(path: Path) -> list[str]:

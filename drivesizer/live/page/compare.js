@@ -1,6 +1,6 @@
 // Two or more drives side by side.
 
-import { whole } from "./ask.js";
+import { whole } from "./requests.js";
 import { state } from "./state.js";
 
 const panel = document.getElementById("compared");

@@ -1,6 +1,6 @@
 // Files: the spec's own, those that the page makes, and whether the server is still there.
 
-import { get, post, whole } from "./ask.js";
+import { get, post, whole } from "./requests.js";
 import { changed, packed, state } from "./state.js";
 
 const notices = document.getElementById("notices");

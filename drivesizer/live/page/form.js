@@ -3,7 +3,7 @@
 import { branch, chosen, example, isText, resolved, turnedInto } from "./fields.js";
 
 const form = document.getElementById("form");
-const added = new Set(); // paths of fields that were asked for and have no value yet
+const added = new Set(); // paths of fields that were added and have no value yet
 const closed = new Map(); // groups that the user opened or closed
 let act = () => {}; // what is done with edits
 let slide = () => {};

@@ -1,7 +1,7 @@
 // The page: what the user changes goes to the engine, and what it finds is shown.
 
 import * as answer from "./answer.js";
-import { get, pieces } from "./ask.js";
+import { get, pieces } from "./requests.js";
 import * as compare from "./compare.js";
 import * as files from "./files.js";
 import * as form from "./form.js";

@@ -1,6 +1,6 @@
-// Sliders: a figure of the spec over a range, with the best set at each place of it.
+// Sliders: a figure of the spec over a range, with the best drive at each place of it.
 
-import { pieces, whole } from "./ask.js";
+import { pieces, whole } from "./requests.js";
 import { changed, state } from "./state.js";
 
 const panel = document.getElementById("sliders");
@@ -168,13 +168,13 @@ async function reasons(one, signal) {
     const before = list[n], parts = before.parts;
     if (before.status === "wrong" || !parts?.length || Array.isArray(parts[0])) continue;
     const edits = [[one.path, text(one, list[n + 1].from), false]];
-    const [found] = await whole("fell", { text: state.text, edits, motor: parts[0], gearhead: parts[1] }).catch(() => []);
+    const [found] = await whole("rejected", { text: state.text, edits, motor: parts[0], gearhead: parts[1] }).catch(() => []);
     if (found) one.fell.set(before.to, found);
     draw(one);
   }
 }
 
-/** Neighbouring places with the same best set. */
+/** Neighbouring places with the same best drive. */
 function stretches(one) {
   const list = [];
   for (const point of ordered(one)) {

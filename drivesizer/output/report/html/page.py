@@ -30,7 +30,7 @@ from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
 from drivesizer.results.sizing import SizingResult
 
-__all__ = ["SCRIPTS", "STILL", "filled_page", "movable", "render", "report_html"]
+__all__ = ["SCRIPTS", "STILL", "filled_page", "movable", "page_parts", "render", "report_html"]
 
 SCRIPTS = ("tables.js", "plots.js", "page.js")  # one after the other, as one script
 STILL = (
@@ -81,9 +81,26 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     bytes
         The file in that form.
     """
-    content = Content(result, validation)
-    pictures = {name: content.drawings[name] for name in STILL if name in content.drawings}
-    return filled_page(document(content, date), movable(content), pictures)
+    return filled_page(*page_parts(Content(result, validation), date))
+
+
+def page_parts(content: Content, date: str | None = None) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
+    """The document of a report, its figures that can be moved, and those that cannot, by name.
+
+    Parameters
+    ----------
+    content
+        What the report is about.
+    date
+        Printed as it is given; without it there is none.
+
+    Returns
+    -------
+    tuple
+        As :func:`filled_page` takes them.
+    """
+    still = {name: content.drawings[name] for name in STILL if name in content.drawings}
+    return document(content, date), movable(content), still
 
 
 def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: Mapping[str, Drawing]) -> bytes:

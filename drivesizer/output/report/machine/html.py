@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
+from drivesizer.output.report.figures.all_figures import Drawing
+from drivesizer.output.report.html.curves import Plot
 from drivesizer.output.report.html.page import STILL, filled_page, movable
 from drivesizer.output.report.html.power_plot import power_plot
 from drivesizer.output.report.machine.content import MachineContent
 from drivesizer.output.report.machine.document import document, shown
 
-__all__ = ["render_machine"]
+__all__ = ["machine_parts", "render_machine"]
 
 
 def render_machine(content: MachineContent, path: Path, *, date: str | None = None) -> dict[Path, bytes]:
@@ -29,6 +32,24 @@ def render_machine(content: MachineContent, path: Path, *, date: str | None = No
     -------
     dict[Path, bytes]
     """
+    return {path: filled_page(*machine_parts(content, date))}
+
+
+def machine_parts(
+    content: MachineContent, date: str | None = None
+) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
+    """The document of a machine's report, its figures that can be moved, and those that cannot, by name.
+
+    Parameters
+    ----------
+    content, date
+        As of :func:`render_machine`.
+
+    Returns
+    -------
+    tuple
+        As :func:`drivesizer.output.report.html.page.filled_page` takes them.
+    """
     filled = document(content, date)
     wanted, drawings = set(shown(filled["sections"])), content.drawings
     still = [*content.loads, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
@@ -38,4 +59,4 @@ def render_machine(content: MachineContent, path: Path, *, date: str | None = No
     figures = {"power": stacked} if stacked else {}
     figures |= {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
     several = {name: re.sub(r"-\d+$", "", name) for name in figures}  # those of one kind are numbered
-    return {path: filled_page(filled, {name: figures[name] for name in figures if several[name] in wanted}, pictures)}
+    return filled, {name: figures[name] for name in figures if several[name] in wanted}, pictures
