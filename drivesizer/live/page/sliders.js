@@ -114,7 +114,7 @@ function rest(one) {
   return JSON.stringify(copy);
 }
 
-// -- the best set at each place
+// -- the best drive at each place
 
 async function sweep(one) {
   one.control?.abort();
@@ -149,7 +149,7 @@ function ordered(one) {
   return [...one.points].sort(([a], [b]) => a - b).map(([value, point]) => ({ ...point, value }));
 }
 
-/** Places between two of which the best set differs. */
+/** Places between two of which the best drive differs. */
 function between(one) {
   const points = ordered(one), found = [];
   for (let n = 1; n < points.length; n += 1) {
@@ -160,7 +160,7 @@ function between(one) {
   return found;
 }
 
-/** Why the best set of a stretch is not that of the next. */
+/** Why the best drive of a stretch is not that of the next. */
 async function reasons(one, signal) {
   const list = stretches(one);
   for (let n = 0; n + 1 < list.length && n < 12; n += 1) {
