@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from drivesizer.commands.common import print_notes, simulating
-from drivesizer.errors import NoLoopError
+from drivesizer.errors import InputError, NoLoopError
 
 __all__ = ["proven", "proven_axes"]
 
@@ -55,11 +55,19 @@ def proven_axes(sizing: Any, profile: str | None = None) -> tuple[Any, dict[str,
     -------
     tuple
         The MachineSizing, and the Validation of each axis that has one, by the axis' name.
+
+    Raises
+    ------
+    InputError
+        As ``validate``, with the name of the axis.
     """
     axes, proofs = [], {}
     for one in sizing.axes:
         with simulating(f"simulating {one.name} in closed loop"):
-            result, proof = proven(one.result, profile, one.name)
+            try:
+                result, proof = proven(one.result, profile, one.name)
+            except InputError as error:
+                raise InputError(f"{one.name}: {error}") from None
         axes.append(replace(one, result=result))
         if proof is not None:
             proofs[one.name] = proof

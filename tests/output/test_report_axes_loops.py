@@ -20,7 +20,7 @@ from two_axes import STEPPER, two_axes
 import drivesizer.simulate
 from drivesizer.commands.machine import report_all, validate_axes
 from drivesizer.commands.proving import proven_axes
-from drivesizer.errors import NoLoopError
+from drivesizer.errors import InputError, NoLoopError
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.machine import machine_document
 from drivesizer.output.json.schema import machine_report_schema
@@ -180,6 +180,11 @@ def test_documents_with_and_without_loops_obey_the_schema(files, content):
     held_against_the_page("Power", [report["power"]])
     report["axes"]["x"]["validation"]["profile"] = 1
     assert not validator.is_valid(report)
+
+
+def test_a_profile_that_an_axis_cannot_follow_is_refused_with_its_name(content):
+    with pytest.raises(InputError, match=r"^x: profile .triangle.: the spec's motion is trapezoid; expected [^\n]*$"):
+        proven_axes(content.sizing, "triangle")
 
 
 # -- power that can be moved

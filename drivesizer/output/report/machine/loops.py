@@ -11,7 +11,7 @@ from drivesizer.output.report.lines.rows import COLUMNS, Row, closed_loop_rows
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
 from drivesizer.output.report.sections.blocks import Block, Column, Table, Words
 from drivesizer.output.report.sections.blocks import Row as Cells
-from drivesizer.output.report.sections.loop import LOOP_COLUMNS, MOST_SAMPLES, time_series
+from drivesizer.output.report.sections.loop import LOOP_COLUMNS, time_series
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.summary import check_line
 from drivesizer.output.report.sections.texts import Status
@@ -96,7 +96,7 @@ def time_series_sheets(content: MachineContent, names: dict[str, str]) -> Iterat
     Iterator of sheets
     """
     for name, v in content.proofs.items():
-        yield time_series(v, names[name], MOST_SAMPLES // len(content.proofs))
+        yield time_series(v, names[name], len(content.proofs))
 
 
 # -- CSV

@@ -85,7 +85,7 @@ def _sheets(content: Content) -> Iterator[Sheet]:
     yield time_series(v)
 
 
-def time_series(v: Validation, name: str = "Time series", most: int = MOST_SAMPLES) -> Sheet:
+def time_series(v: Validation, name: str = "Time series", sheets: int = 1) -> Sheet:
     """The closed loop over time; of a longer record samples evenly, with the peaks of every column.
 
     Parameters
@@ -94,8 +94,8 @@ def time_series(v: Validation, name: str = "Time series", most: int = MOST_SAMPL
         The closed loop.
     name
         Of the sheet.
-    most
-        Samples at most.
+    sheets
+        Of time series in the workbook, which have as many samples in all as a single one has.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def time_series(v: Validation, name: str = "Time series", most: int = MOST_SAMPL
     units = v.series_units
     columns = {name: from_si(x, units[name][1], units[name][0]) for name, x in v.series.items()}
     count = len(columns["time"])
-    kept = on_curves(tuple(columns.values()), most)
+    kept = on_curves(tuple(columns.values()), MOST_SAMPLES // sheets)
     note = f"{len(kept)} of {count} samples, evenly and with the peaks of every column" if len(kept) < count else ""
     heads = tuple(SheetColumn(headed(name.replace("_", " "), units[name][1]), name, "sample") for name in columns)
     rows = zip(*(values[kept].tolist() for values in columns.values()), strict=True)
