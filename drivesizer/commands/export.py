@@ -30,32 +30,52 @@ def export(
     spec: Spec = DEFAULT,
     chosen: Chosen = None,
     axis: OfAxis = None,
+    wheel: Annotated[
+        int | None,
+        typer.Option("--wheel", metavar="N", help="Of a platform: the drive of one wheel; else the base with all."),
+    ] = None,
     catalogs: More = None,
 ) -> None:
     """Write a drive for a simulator: MuJoCo, URDF, Gazebo, ros2_control, an FMU, or plain JSON.
 
-    Of a machine all axes in one file, as mjcf, urdf or ros2_control: a robot's description with its drives, every
-    other axis as a joint of its own whose names begin with the axis.
+    As mjcf, urdf or ros2_control a whole machine in one file: of a platform the base with all its wheels; of several
+    axes a robot's description with its drives, every other axis as a joint of its own whose names begin with the axis.
     """
-    from drivesizer.output.export import accept, export_of, write
+    from drivesizer.output.export import WHOLE, accept, check_wheel, export_of, write
 
     robot = load_whole(spec, catalogs, axis)
     if hasattr(robot, "axes"):
-        _whole(robot, output, form, chosen)
+        _machine(robot, output, form, {"--set": chosen, "--wheel": wheel})
         return
     accept(form, output)
+    if wheel is None and robot.platform is not None and form in WHOLE:
+        _platform(robot, output, form, chosen)
+        return
+    if wheel is not None:
+        check_wheel(robot, wheel)  # before time is spent
     found = pick(robot, chosen)
     with working("designing the controller"):
-        record = export_of(robot, found)
+        record = export_of(robot, found, wheel)
         written = write(record, form, output)
     _printed(record.said, written)
 
 
-def _whole(machine: Any, output: Path, form: str, chosen: str | None) -> None:
+def _platform(robot: Any, output: Path, form: str, chosen: str | None) -> None:
+    """Write a platform with all its wheels."""
+    from drivesizer.output.export.platform import platform_export, write_platform
+
+    found = pick(robot, chosen)
+    with working("designing the controller"):
+        record = platform_export(robot, found)
+        written = write_platform(record, form, output)
+    _printed(record.said, written)
+
+
+def _machine(machine: Any, output: Path, form: str, given: dict[str, object]) -> None:
     """Write all axes of a machine."""
     from drivesizer.output.export.machine import accept_machine, machine_export, write_machine
 
-    of_one_axis({"--set": chosen})
+    of_one_axis(given)
     accept_machine(form, output)
     result = sized_machine(machine, 1, None)
     without = next((one.name for one in result.axes if one.best is None), None)

@@ -21,7 +21,7 @@ from drivesizer.joints.record import Array
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.export.gains import torque_law
 from drivesizer.output.export.machine import MachineExport, machine_export, machine_files, write_machine
-from drivesizer.output.export.machine.mjcf import lossless
+from drivesizer.output.export.machine.joint_motor import lossless
 from drivesizer.results.machine import MachineSizing
 from drivesizer.simulate import validate
 from drivesizer.spec.description import read_description

@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.writing import put, ready
-from drivesizer.output.export.common import Export, export_of
+from drivesizer.output.export.common import Export, check_wheel, export_of
 
-__all__ = ["FORMATS", "Export", "Format", "accept", "export_of", "files", "write"]
+__all__ = ["FORMATS", "WHOLE", "Export", "Format", "accept", "check_wheel", "export_of", "files", "write"]
 
 
 class Format(NamedTuple):
@@ -33,6 +33,7 @@ FORMATS = {
     "fmu": Format("FMI 2.0 co-simulation", "fmu", (".fmu",)),
     "json": Format("JSON", "json_document", (".json",)),
 }
+WHOLE = ("mjcf", "urdf", "ros2_control")  # formats with several joints
 
 
 def accept(form: str, path: Path) -> None:
@@ -60,17 +61,19 @@ def accept(form: str, path: Path) -> None:
     ready(path)
 
 
-def files(of: Export, form: str, path: Path) -> dict[Path, bytes]:
+def files(of: Any, form: str, path: Path, room: str = "") -> dict[Path, bytes]:
     """The files of a format: one, and for ros2_control also the controllers' parameters beside it.
 
     Parameters
     ----------
     of
-        The drive.
+        The drive; or the record of which ``room`` has the formats.
     form
         Name of a format.
     path
         The file.
+    room
+        Folder of formats of several joints: ``machine`` or ``platform``.
 
     Returns
     -------
@@ -80,10 +83,11 @@ def files(of: Export, form: str, path: Path) -> dict[Path, bytes]:
     Raises
     ------
     InputError
-        When the format needs a figure that is unknown, or a library that is not installed.
+        When the format needs a figure that is unknown or has no place for what there is, or a library is not
+        installed.
     """
-    module = import_module(f"drivesizer.output.export.{FORMATS[form].module}")
-    render: Callable[[Export], bytes] = module.render
+    module = import_module(".".join(filter(None, ("drivesizer.output.export", room, FORMATS[form].module))))
+    render: Callable[[Any], bytes] = module.render
     found = {path: render(of)}
     if form == "ros2_control":
         beside = path.with_name(f"{path.stem}_controllers.yaml")
@@ -91,17 +95,13 @@ def files(of: Export, form: str, path: Path) -> dict[Path, bytes]:
     return found
 
 
-def write(of: Export, form: str, path: Path) -> list[Path]:
+def write(of: Any, form: str, path: Path, room: str = "") -> list[Path]:
     """Write a drive to a file of a format, whole or not at all.
 
     Parameters
     ----------
-    of
-        The drive.
-    form
-        Name of a format.
-    path
-        The file.
+    of, form, path, room
+        As of :func:`files`.
 
     Returns
     -------
@@ -109,4 +109,4 @@ def write(of: Export, form: str, path: Path) -> list[Path]:
         The files written.
     """
     accept(form, path)
-    return put(files(of, form, path))
+    return put(files(of, form, path, room))

@@ -39,7 +39,7 @@ from drivesizer.results.screws import for_drive
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
-__all__ = ["Cycle", "Export", "export_of"]
+__all__ = ["Cycle", "Export", "check_wheel", "export_of", "whose"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,15 +157,18 @@ class Export:
         return self.controller
 
 
-def export_of(spec: RobotSpec, found: DriveSet) -> Export:
+def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Export:
     """The record of a drive that a sizing found.
 
     Parameters
     ----------
     spec
-        The machine; of a platform the first of its load cases, a wheel.
+        The machine.
     found
         The drive.
+    wheel
+        Of a platform: number of the driven wheel, from 1, whose motion and load it has; that of the first load case,
+        the one of the largest RMS torque, when not given.
 
     Returns
     -------
@@ -175,9 +178,10 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
     Raises
     ------
     InputError
-        When a figure is unknown that every format needs, or ``control`` requires what no controller can do.
+        When a figure is unknown that every format needs, ``control`` requires what no controller can do, or there is
+        no such wheel.
     """
-    (_, case, spec), *_ = load_cases(for_drive(spec, found.chosen_screw))
+    case, spec = _load_case(for_drive(spec, found.chosen_screw), wheel)
     stepper, train, controller, said = _controlled(spec, found)
     usable, motor = float(spec.feed_of(found.controller).usable), asdict(found.motor)
     voltage = spec.supply.lowest if isnan(usable) else usable
@@ -205,9 +209,48 @@ def export_of(spec: RobotSpec, found: DriveSet) -> Export:
         lever=lever,
         gravity=spec.environment.gravity,
         cycle=_cycle(spec, train, lever),
-        said=(*said, *_whose(case, spec), *_behind_gear(spec)),
+        said=(*said, *whose(case, spec), *_behind_gear(spec)),
         stepper=stepper,
     )
+
+
+def check_wheel(spec: RobotSpec, wheel: int) -> int:
+    """Place of a platform's wheel among its driven ones, from 0.
+
+    Parameters
+    ----------
+    spec
+        The machine.
+    wheel
+        Number of the wheel, from 1.
+
+    Returns
+    -------
+    int
+        Its place.
+
+    Raises
+    ------
+    InputError
+        When there is no such wheel with a working drive.
+    """
+    section = spec.platform
+    if section is None:
+        raise InputError("--wheel: the spec has no section platform; leave it out")
+    driven = [n for n, place in enumerate(section.places, 1) if place.driven and n not in section.failed]
+    if wheel not in driven:
+        raise InputError(f"--wheel: {wheel} is no driven wheel; expected one of {', '.join(map(str, driven))}")
+    return driven.index(wheel)
+
+
+def _load_case(spec: RobotSpec, wheel: int | None) -> tuple[str, RobotSpec]:
+    """Name and spec of the load case that a drive is exported with: the first, or that of a wheel."""
+    cases = load_cases(spec)
+    if wheel is None:
+        return cases[0][1:]
+    place = check_wheel(spec, wheel)
+    own = (case[1:] for case in cases if not case[0])
+    return next(one for one in own if not isinstance(one[1].load, WheelLoad) or place in one[1].load.numbers)
 
 
 def _controlled(
@@ -229,8 +272,19 @@ def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, 
     return replace(train, motor_inertia=nan), None, [*said, lacking]
 
 
-def _whose(case: str, spec: RobotSpec) -> list[str]:
-    """The wheel whose motion and load these are, where wheels have their own."""
+def whose(case: str, spec: RobotSpec) -> list[str]:
+    """The wheel whose motion and load these are, where wheels have their own.
+
+    Parameters
+    ----------
+    case, spec
+        Name and spec of a load case.
+
+    Returns
+    -------
+    list of str
+        A sentence, or none.
+    """
     if not isinstance(spec.load, WheelLoad):
         return []
     return [f"motion and load are those of {case}; the other wheels have their own"]

@@ -21,7 +21,7 @@ The controller manager's update_rate is a whole number of hertz, 100 where none 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from drivesizer.errors import InputError
@@ -32,11 +32,12 @@ from drivesizer.output.export.markup import document, identifier, number, remark
 from drivesizer.output.export.urdf import robot
 
 __all__ = [
-    "CONTROLLER", "REMARKS", "TRAJECTORY", "commented", "controllers", "hardware", "interfaces", "rate_of",
-    "rate_remarks", "render", "transmission", "velocity_gains", "velocity_loops",
+    "CONTROLLER", "LOOP", "REMARKS", "STEPS", "TRAJECTORY", "commented", "controllers", "float_text", "hardware",
+    "interfaces", "rate_of", "rate_remarks", "render", "transmission", "velocity_gains", "velocity_loops",
 ]  # fmt: skip
 
 CONTROLLER = "velocity_controller"
+LOOP, STEPS = ("velocity", "effort"), ("position",)  # what commands a drive with a loop, and a stepper
 _MOCK = "mock_components/GenericSystem"
 
 
@@ -44,7 +45,7 @@ def render(of: Export) -> bytes:
     """The URDF of a set with its ``ros2_control`` block."""
     root = robot(of)
     block = hardware(root, identifier(of.name))
-    interfaces(block, JOINT, limited(of), steps=of.stepper is not None)
+    interfaces(block, JOINT, limited(of), STEPS if of.stepper else LOOP)
     transmission(block, JOINT, of.train.ratio, "motor")
     return document(root)
 
@@ -71,7 +72,7 @@ def hardware(root: Element, name: str) -> Element:
     return block
 
 
-def interfaces(block: Element, joint: str, known: dict[str, str], *, steps: bool) -> None:
+def interfaces(block: Element, joint: str, known: dict[str, str], takes: Sequence[str]) -> None:
     """Add the interfaces of a joint.
 
     Parameters
@@ -82,15 +83,15 @@ def interfaces(block: Element, joint: str, known: dict[str, str], *, steps: bool
         Its name.
     known
         Its limits of effort and velocity.
-    steps
-        Whether the motor is a stepper, which takes positions.
+    takes
+        What commands it: of ``LOOP`` or ``STEPS``.
     """
     of_joint = SubElement(block, "joint", name=joint)
-    for name in ("position",) if steps else ("velocity", "effort"):
+    for name in takes:
         command = SubElement(of_joint, "command_interface", name=name)
         for side, sign in (("min", "-"), ("max", "")) if name in known else ():
             SubElement(command, "param", name=side).text = sign + known[name]
-    for name in ("position", "velocity") if steps else ("position", "velocity", "effort"):
+    for name in ("position", "velocity", "effort") if "effort" in takes else ("position", "velocity"):
         SubElement(of_joint, "state_interface", name=name)
 
 
@@ -176,12 +177,15 @@ def velocity_gains(of: Export, travel: float = 1.0) -> str:
     held = most + abs(feedforward) * of.limits.peak_speed.value * travel
     force, angle, place = ("N*m", "/rad", " at the driven shaft") if travel == 1.0 else ("N", "/m", " at the joint")
     return _GAINS.format(
-        p=_yaml(law.kd * at_joint), i=_yaml(law.kp * at_joint), ff=_yaml(feedforward), most=_yaml(held),
-        least=_yaml(-held), force=force, per=f"{force}*s{angle}{place}", angle=angle, speed=f"{force}*s{angle}",
+        p=float_text(law.kd * at_joint), i=float_text(law.kp * at_joint), ff=float_text(feedforward),
+        most=float_text(held), least=float_text(-held),
+        force=force, per=f"{force}*s{angle}{place}", angle=angle, speed=f"{force}*s{angle}",
     )  # fmt: skip
 
 
-def velocity_loops(gains: dict[str, str], rate: int, steppers: Sequence[str] = ()) -> str:
+def velocity_loops(
+    gains: dict[str, str], rate: int, steppers: Sequence[str] = (), more: Mapping[str, str] | None = None
+) -> str:
     """Parameters of one velocity controller of several joints, as YAML.
 
     Parameters
@@ -192,6 +196,8 @@ def velocity_loops(gains: dict[str, str], rate: int, steppers: Sequence[str] = (
         Of controller and controller manager [Hz].
     steppers
         Joints that take positions, from a controller of trajectories.
+    more
+        Further controllers: their types by name.
 
     Returns
     -------
@@ -200,6 +206,7 @@ def velocity_loops(gains: dict[str, str], rate: int, steppers: Sequence[str] = (
     """
     named = {CONTROLLER: "pid_controller/PidController"} if gains else {}
     named |= {_ALONG: "joint_trajectory_controller/JointTrajectoryController"} if steppers else {}
+    named |= more or {}
     found = _MANAGER.format(rate=rate) + "".join(f"    {name}:\n      type: {kind}\n" for name, kind in named.items())
     if gains:
         joints = "".join(f"      {joint}:\n{lines}" for joint, lines in gains.items())
@@ -238,8 +245,12 @@ def _line(said: str) -> str:
     return " ".join(text(said).split())
 
 
-def _yaml(value: float) -> str:
-    """A float that YAML and ROS read as one: an integer is another type to them."""
+def float_text(value: float) -> str:
+    """A figure that YAML and ROS read as a float: an integer is another type to them.
+
+    >>> float_text(2.0), float_text(1e-9)
+    ('2.0', '1e-09')
+    """
     shown = number(value)
     return shown if set(shown) & {".", "e", "n"} else f"{shown}.0"
 

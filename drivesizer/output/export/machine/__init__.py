@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 
 from drivesizer.errors import InputError
-from drivesizer.files.writing import put
-from drivesizer.output.export import FORMATS, accept
+from drivesizer.output.export import FORMATS, WHOLE, accept, files, write
 from drivesizer.output.export.machine.record import MachineExport, machine_export
 
-__all__ = ["WHOLE", "MachineExport", "accept_machine", "machine_export", "machine_files", "write_machine"]
-
-WHOLE = ("mjcf", "urdf", "ros2_control")  # formats with several joints
+__all__ = ["MachineExport", "accept_machine", "machine_export", "machine_files", "write_machine"]
 
 
 def accept_machine(form: str, path: Path) -> None:
@@ -58,12 +53,7 @@ def machine_files(of: MachineExport, form: str, path: Path) -> dict[Path, bytes]
     InputError
         When the format needs a figure that is unknown, or has no place for what the machine has.
     """
-    module = import_module(f"drivesizer.output.export.machine.{form}")
-    render: Callable[[MachineExport], bytes] = module.render
-    found = {path: render(of)}
-    if form == "ros2_control":
-        found[path.with_name(f"{path.stem}_controllers.yaml")] = module.controllers(of)
-    return found
+    return files(of, form, path, "machine")
 
 
 def write_machine(of: MachineExport, form: str, path: Path) -> list[Path]:
@@ -84,4 +74,4 @@ def write_machine(of: MachineExport, form: str, path: Path) -> list[Path]:
         The files written.
     """
     accept_machine(form, path)
-    return put(machine_files(of, form, path))
+    return write(of, form, path, "machine")

@@ -1,20 +1,12 @@
 r"""MJCF of a machine: the description with its drives as MuJoCo's DC motors, controllers, the trajectory.
 
-A drive is a body of its own at its place, a point mass. MuJoCo has no gear efficiency e, and a joint of a robot no load
-of its own that could be scaled; so the motor is, with gears that drive: its torque constant, inertia and friction by e,
-
-.. math:: k_t' = e\, k_t, \quad J' = e\, J_m, \quad b' = e\, b_m, \quad M_f' = e\, M_f
-
-Then the joint gets K e M, its current, voltage and heat are the motor's own. Where the load drives the motor, its
-torque T counts in the motor as e T and not as T/e: ``qfrc_applied`` is the place to correct it, by (1 - e^2) T.
+A drive is a body of its own at its place, a point mass; its gears' efficiency is that of ``joint_motor``.
 
 The drive whose belt passes other joints acts on a fixed tendon, the sum of their angles.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import isnan
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -22,13 +14,13 @@ import numpy as np
 from drivesizer.errors import InputError
 from drivesizer.joints.record import Array
 from drivesizer.output.export.common import Export
-from drivesizer.output.export.gains import lacking, torque_law
 from drivesizer.output.export.link import LEAST_INERTIA
 from drivesizer.output.export.machine.beside import Adding, free_name
+from drivesizer.output.export.machine.joint_motor import add_motor, armature, effort, motor_remark
 from drivesizer.output.export.machine.record import JointDrive, MachineExport, RobotExport
 from drivesizer.output.export.machine.remarks import head, of_drive
 from drivesizer.output.export.markup import brief, document, number, remark, text, vector
-from drivesizer.output.export.mjcf import MOST_POINTS, PER_PERIOD, feedforward, hard, motor_figures
+from drivesizer.output.export.mjcf import MOST_POINTS, PER_PERIOD, hard
 from drivesizer.output.export.mjcf import tree as of_one
 from drivesizer.spec.description.record import Joint, Link
 
@@ -234,7 +226,7 @@ def _joint(body: Element, joint: Joint, robot: RobotExport, step: float) -> None
     damping, friction = (joint.damping, joint.friction) if drive is None or robot.keeps_friction else (0.0, 0.0)
     figures = {"damping": damping, "frictionloss": friction, "armature": 0.0}
     if drive and not drive.coupled:
-        attributes |= _effort(drive)
+        attributes |= effort(drive)
         figures = {name: value + _added(drive)[name] for name, value in figures.items()}
     if drive:
         remark(body, *of_drive(drive))
@@ -242,23 +234,9 @@ def _joint(body: Element, joint: Joint, robot: RobotExport, step: float) -> None
     SubElement(body, "joint", attributes | (hard(step) if figures["frictionloss"] else {}))
 
 
-def _effort(drive: JointDrive) -> dict[str, str]:
-    known = drive.limits.get("effort")
-    return {"actuatorfrcrange": f"-{known} {known}"} if known else {}
-
-
 def _added(drive: JointDrive) -> dict[str, float]:
     """Damping, dry friction and armature of a drive, at its joint or its belt."""
-    return {"damping": drive.damping, "frictionloss": drive.friction, "armature": _armature(drive)}
-
-
-def _armature(drive: JointDrive) -> float:
-    if isnan(drive.armature):
-        raise InputError(
-            f"{drive.joint}: the rotor's inertia of {drive.of.label} is not in the catalogue; expected --format urdf, "
-            "which does without"
-        )
-    return drive.armature
+    return {"damping": drive.damping, "frictionloss": drive.friction, "armature": armature(drive)}
 
 
 def _drive(sections: dict[str, Element], drive: JointDrive, step: float) -> None:
@@ -269,52 +247,23 @@ def _drive(sections: dict[str, Element], drive: JointDrive, step: float) -> None
         moved = {"tendon": f"{drive.joint}_belt"}
         figures = {name: number(value) for name, value in _added(drive).items()}
         tendon = SubElement(
-            sections["tendon"], "fixed", {"name": moved["tendon"]} | figures | _effort(drive) | hard(step)
+            sections["tendon"], "fixed", {"name": moved["tendon"]} | figures | effort(drive) | hard(step)
         )
         for name, share in drive.turns_by.items():
             SubElement(tendon, "joint", joint=name, coef=number(share))
-    if drive.of.stepper:
-        _stepper(actuator, drive, motor, moved)
-    else:
-        _motor(actuator, drive, motor, moved)
+    remark(actuator, _inputs(drive))
+    add_motor(actuator, drive, {"name": motor} | moved)
     sensor = sections["sensor"]
     for kind, name in (("jointpos", "position"), ("jointvel", "speed")):
         SubElement(sensor, kind, name=f"{drive.joint}_{name}", joint=drive.joint)
     SubElement(sensor, "actuatorfrc", name=f"{drive.joint}_torque", actuator=motor)
 
 
-def lossless(drive: JointDrive) -> Export:
-    """The drive seen as one without gear losses, the motor's torque, inertia and friction by the efficiency."""
-    train = drive.of.train
-    e = train.efficiency
-    equal = replace(
-        train, torque_constant=e * train.torque_constant, motor_inertia=e * train.motor_inertia,
-        friction=e * train.friction, viscous=e * train.viscous, gear_ratio=drive.ratio, belt_ratio=1.0,
-        gear_efficiency=1.0, belt_efficiency=1.0,
-    )  # fmt: skip
-    return replace(drive.of, train=equal)
-
-
-def _motor(actuator: Element, drive: JointDrive, name: str, moved: dict[str, str]) -> None:
-    """MuJoCo's DC motor; rotor and friction are those of the joint."""
-    of = lossless(drive)
-    law = torque_law(of)
-    left = "".join(f" Controller: {line}." for line in lacking(of))
-    remark(actuator, f"{drive.joint}: total ratio {number(drive.ratio)}, e = {brief(drive.of.train.efficiency)}; "
-                     f"feedforward torque {feedforward(law)}.{left}")  # fmt: skip
-    figures = {key: value for key, value in motor_figures(of, law).items() if key not in ("armature", "damping")}
-    SubElement(actuator, "dcmotor", {"name": name} | moved | figures)
-
-
-def _stepper(actuator: Element, drive: JointDrive, name: str, moved: dict[str, str]) -> None:
-    """A position servo as stiff as the stepper's torque about a held position, as of one axis."""
-    one, most = drive.of.stepper, drive.of.limits.peak_torque.value / drive.travel
-    assert one is not None
-    square = drive.travel**2
-    remark(actuator, f"{drive.joint}: a stepper, open-loop; ctrl is the joint's position, and its speed.")
-    limits = {"kp": number(one.stiffness / square), "forcerange": f"-{number(most)} {number(most)}"}
-    SubElement(actuator, "position", {"name": name} | moved | limits)
-    SubElement(actuator, "velocity", {"name": f"{name}_damping"} | moved | {"kv": number(one.damping / square)})
+def _inputs(drive: JointDrive) -> str:
+    """Remark on the inputs of a drive."""
+    if drive.of.stepper:
+        return f"{drive.joint}: a stepper, open-loop; ctrl is the joint's position, and its speed."
+    return motor_remark(drive)
 
 
 # --- held joints, trajectory

@@ -17,7 +17,9 @@ from drivesizer.output.export.machine.record import MachineExport
 from drivesizer.output.export.machine.urdf import robot
 from drivesizer.output.export.markup import document, identifier
 from drivesizer.output.export.ros2_control import (
+    LOOP,
     REMARKS,
+    STEPS,
     TRAJECTORY,
     commented,
     hardware,
@@ -75,7 +77,7 @@ def render(of: MachineExport) -> bytes:
     root = robot(of)
     block = hardware(root, identifier(of.name))
     for joint in joints:
-        interfaces(block, joint.name, joint.limits, steps=joint.of.stepper is not None)
+        interfaces(block, joint.name, joint.limits, STEPS if joint.of.stepper else LOOP)
     for joint in joints:
         transmission(block, joint.name, joint.ratio, joint.motor)
     return document(root)

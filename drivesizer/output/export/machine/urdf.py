@@ -28,7 +28,7 @@ from drivesizer.output.export.urdf import robot as of_one
 from drivesizer.spec.description.record import Joint, Link
 from drivesizer.spec.description.solids import Body, together
 
-__all__ = ["render", "robot"]
+__all__ = ["add_inertial", "render", "robot"]
 
 _TINY = 1e-14  # of a rotation: no angle
 
@@ -100,7 +100,7 @@ def _links(root: Element, robot: RobotExport) -> None:
             remark(element, f"Drive of {drive.joint}, {brief(drive.mass)} kg at {where}, is in it as a point mass.")
         if link.lacking:
             remark(element, f"In the description it {link.lacking}.")
-        _inertial(element, laden(link, on_it))
+        add_inertial(element, laden(link, on_it))
 
 
 def laden(link: Link, drives: list[JointDrive]) -> Body:
@@ -124,8 +124,16 @@ def laden(link: Link, drives: list[JointDrive]) -> Body:
     return together([own, *(Body(drive.mass, drive.place.at, np.zeros((3, 3))) for drive in drives)])
 
 
-def _inertial(element: Element, body: Body) -> None:
-    """Mass, centre and inertia; none of a link without any."""
+def add_inertial(element: Element, body: Body) -> None:
+    """Add mass, centre and inertia; none of a link without any.
+
+    Parameters
+    ----------
+    element
+        ``link``.
+    body
+        In the frame of the link.
+    """
     if not body.mass and not body.inertia.any():
         return
     inertial = SubElement(element, "inertial")
@@ -143,7 +151,7 @@ def _payload(root: Element, robot: RobotExport) -> None:
     link = free_name("payload", robot.robot.links)
     remark(root, "The payload: leave out this joint and its link for the robot without it.")
     element = SubElement(root, "link", name=link)
-    _inertial(element, Body(robot.payload_mass, np.zeros(3), np.zeros((3, 3))))
+    add_inertial(element, Body(robot.payload_mass, np.zeros(3), np.zeros((3, 3))))
     joint = SubElement(root, "joint", name=free_name("payload_mount", robot.robot.joints), type="fixed")
     SubElement(joint, "parent", link=robot.payload.link)
     SubElement(joint, "child", link=link)
