@@ -18,15 +18,18 @@ from small_arms import catalogue
 from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import torques_of
 from drivesizer.joints.record import Array
+from drivesizer.load_cases import at_driven_shaft
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.export.gains import torque_law
 from drivesizer.output.export.machine import MachineExport, machine_export, machine_files, write_machine
 from drivesizer.output.export.machine.joint_motor import lossless
+from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.machine import MachineSizing
 from drivesizer.simulate import validate
 from drivesizer.spec.description import read_description
 from drivesizer.spec.several_axes.machine_file import load_machine
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 PARTS = {  # the drives that the example gets, so that nothing is searched
     "waist": ("DC-MAX22S01GBKL598", "GPX26AAKLSL0231CPLW"), "shoulder": ("625855", "223094"),
@@ -245,7 +248,7 @@ def test_a_name_that_is_there_already_is_refused(export):
         assert ElementTree.fromstring(rendered(hostile, form, suffix)).tag in ("robot", "mujoco")
 
 
-# --- any description: axes beside their links, joints that slide, belts that pass joints
+# --- further stages and steppers at joints
 
 ROBOT = """<mujoco model="picker"><compiler angle="radian"/><worldbody><body name="column" pos="0 0 0.3">
   <joint name="first" axis="0 0 1" pos="0.02 0.01 0" range="-2 2" ref="0.3" damping="0.02"/>
@@ -259,6 +262,103 @@ ROBOT = """<mujoco model="picker"><compiler angle="radian"/><worldbody><body nam
       <body name="tip" pos="0 0.02 0.1"><joint name="fourth" axis="1 0 0" range="-1 1"/>
         <inertial pos="0.02 0 0" mass="0.1" diaginertia="0.0001 0.0001 0.0001"/></body>
     </body></body></body></worldbody></mujoco>"""
+
+GEAR = {"kind": "gear", "ratio": 2.5, "efficiency": 0.9, "pinion_inertia": "3 kg*cm^2", "wheel_inertia": "20 kg*cm^2",
+        "pinion_friction": "5 mN*m", "wheel_friction": "30 mN*m"}  # fmt: skip
+BELT = {"kind": "belt", "ratio": 1.2, "efficiency": 0.92, "inertia": "2 kg*cm^2", "friction_torque": "4 mN*m"}
+STAGES = {
+    "first": [GEAR], "second": [GEAR, BELT], "third": [BELT, GEAR | {"kind": "worm", "ratio": 1.3, "efficiency": 0.7}],
+}  # fmt: skip
+
+
+def picked(folder: Path, axes: dict[str, Any], select: dict[str, Any], **robot: Any) -> MachineSizing:
+    """A picker with three joints that move, its sections changed."""
+    (folder / "robot.xml").write_text(ROBOT, encoding="utf-8")
+    start, end = {"first": "0 deg", "second": "0 deg", "third": "0 mm"}, {"first": "20 deg", "second": "-15 deg"}
+    limits = {"speed": "1 rad/s", "acceleration": "2 rad/s^2"}
+    return size_machine(load_machine({
+        "name": "picker", "supply": {"nominal": "24 V", "accepts": "all"}, "axes": axes, "select": select,
+        "robot": {
+            "description": str(folder / "robot.xml"), "held": {"fourth": "0.2 rad"}, "law": "poly5",
+            "waypoints": [{"positions": one} for one in (start, start | end | {"third": "10 mm"}, start)],
+            "limits": {"first": limits, "second": limits, "third": {"speed": "20 mm/s", "acceleration": "0.1 m/s^2"}},
+            "drives": {"third": {"travel_per_turn": "20 mm"}}, **robot,
+        },
+    }), top=1)  # fmt: skip
+
+
+def test_a_further_gear_is_one_with_the_drive(tmp_path):
+    """The force at each joint by the motor's torque for the load cycle behind the gear, belt before or behind it."""
+    (tmp_path / "parts.yaml").write_text(catalogue(Random(3)), encoding="utf-8")
+    axes = {name: {"transmission": [{"kind": "gearhead"}, *stages]} for name, stages in STAGES.items()}
+    sizing = picked(tmp_path, axes, {"catalogs": [str(tmp_path / "parts.yaml")], "estimates": "off"})
+    of = machine_export(sizing)
+    for drive in of.robot.drives:
+        spec, train = sizing.axis(drive.joint).spec, drive.of.train
+        torque, rise, speed = (np.full((1, 2), value) for value in (3.0, 7.0, 11.0))  # of what the gear turns
+        before = at_driven_shaft(spec, LoadCycle("driving", np.ones(1), speed, rise, torque, 0.0))
+        i, e = before.speed[0, 0] / 11.0, train.efficiency
+        motor = before.torque[0, 0] / (train.ratio * e) + train.friction
+        motor += train.motor_inertia * train.ratio * i * 7.0 + train.viscous * train.ratio * i * 11.0
+        r = 0.02 / (2 * np.pi) if drive.joint == "third" else 1.0
+        force = 3.0 / r + drive.armature * 7.0 * r + drive.friction + drive.damping * 11.0 * r
+        ratio = train.ratio * i / r
+        efficiency = {"first": 0.8 * 0.9, "second": 0.8 * 0.92 * 0.9, "third": 0.8 * 0.92 * 0.7}[drive.joint]
+        assert (drive.ratio, drive.efficiency) == (pytest.approx(ratio), pytest.approx(efficiency))
+        assert force == pytest.approx(ratio * efficiency * motor, rel=1e-9)
+        assert float(drive.limits["effort"]) == pytest.approx(
+            ratio * efficiency * drive.of.limits.peak_torque.value / (train.ratio * e), rel=1e-9
+        )
+    text = rendered(of, "mjcf", ".xml").decode()
+    model = mujoco.MjModel.from_xml_string(text)
+    assert model.joint("second").armature[0] == pytest.approx(of.robot.drives[1].armature)
+    assert "Where the load drives the motor, the gears have an efficiency f of" in text and "input shaft" not in text
+    loops = yaml.safe_load(machine_files(of, "ros2_control", Path("a.urdf"))[Path("a_controllers.yaml")])
+    law, first = torque_law(of.robot.drives[0].of), loops["velocity_controller"]["ros__parameters"]["gains"]["first"]
+    assert first["p"] == pytest.approx(law.kd * (43 * 2.5) ** 2 * 0.8 * 0.9)
+
+
+def test_a_gear_that_locks_itself_is_refused(tmp_path):
+    (tmp_path / "parts.yaml").write_text(catalogue(Random(3)), encoding="utf-8")
+    worm = {"kind": "worm", "ratio": 2, "efficiency": 0.45}
+    axes = {"first": {"transmission": [{"kind": "gearhead"}, worm]}}
+    sizing = picked(tmp_path, axes, {"catalogs": [str(tmp_path / "parts.yaml")], "estimates": "off"})
+    with pytest.raises(InputError, match="first: its worm locks itself, and simulators have no gear that only one"):
+        machine_export(sizing)
+
+
+def test_steppers_at_joints_go_along_the_trajectory(tmp_path):
+    """As positions of joints, half of a step behind at most; to ROS as one controller of trajectories."""
+    belt = [{"kind": "direct"}, BELT | {"ratio": 4}]
+    axes = {"first": {"transmission": belt}, "second": {"transmission": belt}, "third": {"transmission": belt[:1]}}
+    select = {"catalogs": ["stepperonline"], "motor": {"kind": "stepper"}}
+    of = machine_export(picked(tmp_path, axes, select), one_rate=True)
+    model = mujoco.MjModel.from_xml_string(rendered(of, "mjcf", ".xml").decode())
+    data, drives = mujoco.MjData(model), of.robot.drives
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    columns = [model.numeric(f"{d.joint}_{what}").data for d in drives for what in ("position", "speed")]
+    time, dofs = model.numeric("cycle_time").data, [model.joint(d.joint).dofadr[0] for d in drives]
+    behind = np.zeros(3)
+    for n in range(round(0.4 / model.opt.timestep)):
+        data.ctrl[:] = [np.interp(n * model.opt.timestep, time, one) for one in columns]
+        behind = np.maximum(behind, abs(data.qpos[dofs] - data.ctrl[0::2]))
+        mujoco.mj_step(model, data)
+    assert data.qpos[dofs[0]] > 0.05  # rad, on its way
+    for drive, most in zip(drives, behind, strict=True):
+        assert most < np.pi / 2 / drive.of.stepper.model.teeth / drive.ratio  # a full step: a quarter of a swing
+        assert drive.of.limits.peak_torque.by == "stepper, pull-out torque at rest"
+        train = drive.of.train
+        expected = train.motor_inertia * train.ratio**2 * train.efficiency + drive.stage_inertia
+        assert model.joint(drive.joint).armature[0] == pytest.approx(expected / drive.travel**2)
+    files = machine_files(of, "ros2_control", Path("a.urdf"))
+    loops = yaml.safe_load(files[Path("a_controllers.yaml")])
+    assert [*loops] == ["controller_manager", "joint_trajectory_controller"]
+    assert loops["joint_trajectory_controller"]["ros__parameters"]["joints"] == ["first", "second", "third"]
+    taken = ElementTree.fromstring(files[Path("a.urdf")]).findall("ros2_control/joint/command_interface")
+    assert {one.get("name") for one in taken} == {"position"}
+
+
+# --- any description: axes beside their links, joints that slide, belts that pass joints
 
 
 @pytest.fixture(scope="module")

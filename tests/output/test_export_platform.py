@@ -23,6 +23,7 @@ from drivesizer.output.export import export_of
 from drivesizer.output.export.gains import torque_law
 from drivesizer.output.export.machine.joint_motor import lossless
 from drivesizer.output.export.platform import PlatformExport, platform_export, platform_files, write_platform
+from drivesizer.output.export.platform.bodies import split
 from drivesizer.platform.dynamics import acceleration, wheel_torques
 from drivesizer.platform.motion import motion
 from drivesizer.sizing import explain
@@ -230,7 +231,7 @@ def test_torques_at_the_wheels_accelerate_as_the_dynamics_say(kind, eta, torque,
 
 
 def test_a_slope_is_a_tilted_gravity(made):
-    spec, of = made({"load": {"slope": "4 deg"}, "platform": {"uphill": "180 deg"}})
+    _, of = made({"load": {"slope": "4 deg"}, "platform": {"uphill": "180 deg"}})
     one = Standing(of)
     one.set(of, (0.0, 0.0, 0.0), (0.0, 0.0))
     one.model.dof_frictionloss[:] = 0.0
@@ -338,7 +339,9 @@ def commanded(plugin: str, p: dict[str, Any], eta: Any) -> dict[str, float]:
         x, y = x + base["y"] * w, y - base["x"] * w
         turning = k["sum_of_robot_center_projection_on_X_Y_axis"] * w
         speeds = (x - y - turning, x + y + turning, x - y + turning, x + y - turning)
-        return {p[f"{c}_wheel_command_joint_name"]: v / k["wheels_radius"] for c, v in zip(CORNERS, speeds, strict=True)}
+        return {
+            p[f"{c}_wheel_command_joint_name"]: v / k["wheels_radius"] for c, v in zip(CORNERS, speeds, strict=True)
+        }
     between = 2 * math.pi / len(p["wheel_names"])
     angles = [between * n + p["wheel_offset"] for n in range(len(p["wheel_names"]))]
     return {
@@ -412,10 +415,8 @@ def test_the_mass_is_the_one_that_it_was_sized_for(made):
 
 
 def test_wheels_heavier_than_the_whole_are_refused(cart):
-    spec, of = cart
+    _, of = cart
     light = of.platform.inertia * 1e-3
-    from drivesizer.output.export.platform.bodies import split
-
     with pytest.raises(InputError, match="less than its wheels alone have"):
         split(replace(of.platform, inertia=light), None)
 

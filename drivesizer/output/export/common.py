@@ -39,7 +39,7 @@ from drivesizer.results.screws import for_drive
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
-__all__ = ["Cycle", "Export", "check_wheel", "export_of", "whose"]
+__all__ = ["Cycle", "Export", "behind_gear", "check_wheel", "export_of", "whose"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,7 +209,7 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
         lever=lever,
         gravity=spec.environment.gravity,
         cycle=_cycle(spec, train, lever),
-        said=(*said, *whose(case, spec), *_behind_gear(spec)),
+        said=(*said, *whose(case, spec), *behind_gear(spec)),
         stepper=stepper,
     )
 
@@ -290,7 +290,7 @@ def whose(case: str, spec: RobotSpec) -> list[str]:
     return [f"motion and load are those of {case}; the other wheels have their own"]
 
 
-def _behind_gear(spec: RobotSpec) -> list[str]:
+def behind_gear(spec: RobotSpec) -> list[str]:
     """The place of the driven shaft where a gear of fixed ratio belongs to the load."""
     if spec.gear is None:
         return []

@@ -149,7 +149,7 @@ def commented(said: Iterable[str], body: str) -> bytes:
     return ("".join(f"# {_line(line)}\n" for line in said) + body).encode()
 
 
-def velocity_gains(of: Export, travel: float = 1.0) -> str:
+def velocity_gains(of: Export, travel: float = 1.0, efficiency: float = 1.0, *, slides: bool = False) -> str:
     """Gains and clamps of one joint's velocity loop, as lines of YAML.
 
     Parameters
@@ -158,6 +158,10 @@ def velocity_gains(of: Export, travel: float = 1.0) -> str:
         The drive.
     travel
         Of the joint per angle of the driven shaft [1, or m/rad].
+    efficiency
+        Of a gear between both [1].
+    slides
+        Whether the joint slides.
 
     Returns
     -------
@@ -172,10 +176,11 @@ def velocity_gains(of: Export, travel: float = 1.0) -> str:
     law, train = torque_law(of), of.train
     if law.ki:
         raise InputError("--format: ros2_control gets a velocity loop; leave control.position out of the spec")
-    at_joint = train.ratio**2 * train.efficiency / travel**2
-    most, feedforward = of.limits.peak_torque.value / travel, law.per_speed * at_joint
+    at_joint = train.ratio**2 * train.efficiency * efficiency / travel**2
+    most, feedforward = of.limits.peak_torque.value * efficiency / travel, law.per_speed * at_joint
     held = most + abs(feedforward) * of.limits.peak_speed.value * travel
-    force, angle, place = ("N*m", "/rad", " at the driven shaft") if travel == 1.0 else ("N", "/m", " at the joint")
+    force, angle = ("N", "/m") if slides else ("N*m", "/rad")
+    place = " at the driven shaft" if travel == 1.0 else " at the joint"
     return _GAINS.format(
         p=float_text(law.kd * at_joint), i=float_text(law.kp * at_joint), ff=float_text(feedforward),
         most=float_text(held), least=float_text(-held),

@@ -6,7 +6,8 @@ gears that drive: its torque constant, inertia and friction by e,
 .. math:: k_t' = e\, k_t, \quad J' = e\, J_m, \quad b' = e\, b_m, \quad M_f' = e\, M_f
 
 Then the joint gets K e M, its current, voltage and heat are the motor's own. Where the load drives the motor, its
-torque T counts in the motor as e T and not as T/e: ``qfrc_applied`` is the place to correct it, by (1 - e^2) T.
+torque T counts in the motor as f T and not as T/e, f = e but for worms: ``qfrc_applied`` is the place to correct it, by
+(1 - e f) T.
 """
 
 from __future__ import annotations
@@ -27,8 +28,7 @@ __all__ = ["add_motor", "armature", "effort", "lossless", "motor_remark"]
 
 def lossless(drive: JointDrive) -> Export:
     """The drive seen as one without gear losses, the motor's torque, inertia and friction by the efficiency."""
-    train = drive.of.train
-    e = train.efficiency
+    train, e = drive.of.train, drive.efficiency
     equal = replace(
         train, torque_constant=e * train.torque_constant, motor_inertia=e * train.motor_inertia,
         friction=e * train.friction, viscous=e * train.viscous, gear_ratio=drive.ratio, belt_ratio=1.0,
@@ -83,15 +83,15 @@ def motor_remark(drive: JointDrive) -> str:
     """Remark on a motor with a loop: ratio, efficiency, and what its feedforward is."""
     of = lossless(drive)
     left = "".join(f" Controller: {line}." for line in lacking(of))
-    ratio, e, ahead = number(drive.ratio), brief(drive.of.train.efficiency), feedforward(torque_law(of))
+    ratio, e, ahead = number(drive.ratio), brief(drive.efficiency), feedforward(torque_law(of))
     return f"{drive.joint}: total ratio {ratio}, e = {e}; feedforward torque {ahead}.{left}"
 
 
 def _stepper(actuator: Element, drive: JointDrive, named: dict[str, str]) -> None:
     """A position servo as stiff as the stepper's torque about a held position, as of one axis."""
-    one, most = drive.of.stepper, drive.of.limits.peak_torque.value / drive.travel
+    one, most = drive.of.stepper, drive.of.limits.peak_torque.value * drive.gear_efficiency / drive.travel
     assert one is not None
-    square = drive.travel**2
+    square = drive.travel**2 / drive.gear_efficiency
     limits = {"kp": number(one.stiffness / square), "forcerange": f"-{number(most)} {number(most)}"}
     SubElement(actuator, "position", named | limits)
     damping = {"name": f"{named['name']}_damping", "kv": number(one.damping / square)}

@@ -73,21 +73,29 @@ def _beside(sections: dict[str, Element], name: str, one: Export, adding: Adding
 
 def _remarks(robot: RobotExport) -> list[str]:
     """Remarks on inputs, gears and controllers."""
-    motors = [drive for drive in robot.drives if not drive.of.stepper]
+    steppers = [drive for drive in robot.drives if drive.of.stepper]
     said = []
-    if motors:
+    if len(steppers) < len(robot.drives):
         said = [
             "ctrl of each motor, at every step: reference angle [rad] and speed w [rad/s] of the motor, its total "
-            "ratio times those of the joint; feedforward torque [N*m], as its remark says.",
+            "ratio times those of the joint, or of the sum that its belt turns by; feedforward torque [N*m], as its "
+            "remark says.",
             "MuJoCo has no efficiency of gears: torque constants, and all that the drives add to their joints, are "
-            "those with gears that drive. Where the load drives the motor, its current is too large, by up to 1/e^2. "
-            "To correct this, add to qfrc_applied of the joint at every step (1 - e^2) T where T and the reference "
-            "speed have opposite signs, T the torque of the gears: qfrc_actuator + qfrc_applied + qfrc_constraint - "
-            "armature qacc - damping qvel of the step before.",
+            "those with gears that drive. Where the load drives the motor, its current is too large, by up to "
+            "1/(e f), f the efficiency there, e where a joint's remark has no other. To correct this, add to "
+            "qfrc_applied of the joint at every step (1 - e f) T where T and the reference speed have opposite signs, "
+            "T the torque of the gears: qfrc_actuator + qfrc_applied + qfrc_constraint - armature qacc - damping qvel "
+            "of the step before.",
             "act: by motor the winding's rise over the ambient [K], where its heat is known, and the current [A].",
             "Controllers: the designed ones are sampled, act one period late, and stop their integral at a limit; "
             "these are continuous without anti-windup.",
         ]
+    if steppers:
+        said.append(
+            "Steppers run open-loop: here position servos with the slope of their sinusoidal torque, cut at the "
+            "pull-out torque at rest, and the damping of their swings. At speed they have less, and where more is "
+            "required they lose steps: neither is in this file."
+        )
     return said
 
 
@@ -262,7 +270,8 @@ def _drive(sections: dict[str, Element], drive: JointDrive, step: float) -> None
 def _inputs(drive: JointDrive) -> str:
     """Remark on the inputs of a drive."""
     if drive.of.stepper:
-        return f"{drive.joint}: a stepper, open-loop; ctrl is the joint's position, and its speed."
+        moved = "sum that its belt turns by" if drive.coupled else "joint's position"
+        return f"{drive.joint}: a stepper, open-loop; ctrl is the {moved}, and its speed."
     return motor_remark(drive)
 
 

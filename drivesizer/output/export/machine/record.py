@@ -7,7 +7,12 @@ of the driven shaft:
           \quad F_f = \frac{K e M_f + M_b}{r}
 
 J_m, M_f, b_m inertia, dry and viscous friction of the motor; J_b, M_b inertia and friction of a belt's pulleys. As in
-``common``, whose record a drive has.
+``common``, whose record a drive has. A gear of fixed ratio i between driven shaft and joint is one with the drive: r/i
+is the joint's travel per angle of the shaft, e that of both. Of what turns with its input (p) and output shaft (w)
+
+.. math:: J_b = e_g (J + J_p) + \frac{J_w}{i^2}, \qquad M_b = e_g (M + T_p) + \frac{T_w}{i}
+
+J and M of the belt before it; those of a belt behind it are parts of J_w and T_w.
 """
 
 from __future__ import annotations
@@ -15,7 +20,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import isnan
-from typing import Any
 
 import numpy as np
 
@@ -28,8 +32,9 @@ from drivesizer.joints.moving import held_joints
 from drivesizer.joints.places import drive_places, payload_place
 from drivesizer.joints.record import Array, JointMotion
 from drivesizer.joints.trajectory import motion_of
+from drivesizer.loads.fixed_gear import FixedGear
 from drivesizer.machine.budgets import riding_mass, riding_rows
-from drivesizer.output.export.common import Export, export_of
+from drivesizer.output.export.common import Export, behind_gear, export_of
 from drivesizer.output.export.markup import number
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.spec.description import read_description
@@ -53,8 +58,11 @@ class JointDrive:
     mass: float  # kg, of what is known of it, without its controller
     lacking: tuple[str, ...]  # parts of unknown mass
     place: Attached  # of the mass
-    belt_inertia: float  # kg*m^2, at the driven shaft
-    belt_friction: float  # N*m
+    stage_inertia: float  # kg*m^2 at the driven shaft, of a belt and a further gear that drives
+    stage_friction: float  # N*m
+    gear_efficiency: float = 1.0  # of a further gear, driving
+    back_efficiency: float = 1.0  # of it where the load drives
+    slides: bool = False  # the joint
 
     @property
     def coupled(self) -> bool:
@@ -67,26 +75,34 @@ class JointDrive:
         return self.of.train.ratio / self.travel
 
     @property
+    def efficiency(self) -> float:
+        """Efficiency of all gears between motor and joint, driving."""
+        return self.of.train.efficiency * self.gear_efficiency
+
+    @property
     def armature(self) -> float:
         """Inertia of the drive at the joint [kg*m^2, or kg]; NaN where that of the rotor is unknown."""
-        return (self.of.reflected_inertia + self.belt_inertia) / self.travel**2
+        return (self.of.reflected_inertia * self.gear_efficiency + self.stage_inertia) / self.travel**2
 
     @property
     def damping(self) -> float:
         """Viscous friction of the drive at the joint [N*m*s/rad, or N*s/m]."""
-        return self.of.damping / self.travel**2
+        return self.of.damping * self.gear_efficiency / self.travel**2
 
     @property
     def friction(self) -> float:
         """Dry friction of the drive at the joint [N*m, or N]."""
         train = self.of.train
-        return (train.friction * train.ratio * train.efficiency + self.belt_friction) / self.travel
+        return (train.friction * train.ratio * self.efficiency + self.stage_friction) / self.travel
 
     @property
     def limits(self) -> dict[str, str]:
         """Effort and velocity of the joint as text; what is unknown is left out."""
         peak, fastest = self.of.limits.peak_torque, self.of.limits.peak_speed
-        named = {"effort": (peak, peak.value / self.travel), "velocity": (fastest, fastest.value * self.travel)}
+        named = {
+            "effort": (peak, peak.value * self.gear_efficiency / self.travel),
+            "velocity": (fastest, fastest.value * self.travel),
+        }
         return {name: number(value) for name, (limit, value) in named.items() if limit.by}
 
 
@@ -225,25 +241,43 @@ def _drive(
 ) -> JointDrive:  # fmt: skip
     """The drive of one joint."""
     robot, section = described
-    if axis.spec.gear is not None:
-        raise InputError(
-            f"{axis.name}: a further stage ({axis.spec.gear.kind}) between drive and joint has no place in a robot's "
-            "file; expected --axis, which exports the shaft before it"
-        )
     assert axis.best is not None
-    place = section.drives.get(axis.name, DrivePlace())
-    belt: Any = axis.spec.belt
+    of = replace(of, said=tuple(line for line in of.said if line not in behind_gear(axis.spec)))
+    place, stages = section.drives.get(axis.name, DrivePlace()), _stages(axis)
     return JointDrive(
         joint=axis.name,
         of=of,
-        travel=radius_of(robot.joints[axis.name], place.travel_per_turn),
+        travel=radius_of(robot.joints[axis.name], place.travel_per_turn) / stages.ratio,
         turns_by={name: share for name, share in turned.items() if share},
         mass=riding_mass(axis.result.problem, axis.best),
         lacking=tuple(row.name for row in riding_rows(axis.result.problem, axis.best) if isnan(row.each)),
         place=places.get(axis.name) or Attached(_root(robot, axis.name), np.zeros(3)),
-        belt_inertia=belt.inertia if belt else 0.0,
-        belt_friction=belt.friction_torque if belt else 0.0,
+        stage_inertia=stages.efficiency * stages.pinion_inertia + stages.wheel_inertia / stages.ratio**2,
+        stage_friction=stages.efficiency * stages.pinion_friction + stages.wheel_friction / stages.ratio,
+        gear_efficiency=stages.efficiency,
+        back_efficiency=stages.back_efficiency,
+        slides=not robot.joints[axis.name].turns,
     )
+
+
+def _stages(axis: AxisSizing) -> FixedGear:
+    """What turns between driven shaft and joint, a belt among it, as one gear; of ratio 1 where there is none."""
+    gear, belt = axis.spec.gear, axis.spec.belt
+    inertia, friction = (belt.inertia, belt.friction_torque) if belt else (0.0, 0.0)
+    if gear is None:
+        return FixedGear(1.0, 1.0, 1.0, inertia, 0.0, friction)
+    before = belt is not None and axis.spec.gear_before_belt
+    found = gear.fixed_gear((belt.ratio or 1.0) if belt and before else 1.0)
+    if found.back_efficiency <= 0.0:
+        raise InputError(
+            f"{axis.name}: its {gear.kind} locks itself, and simulators have no gear that only one side turns; "
+            "expected --axis, which exports the shaft before it"
+        )
+    if before:
+        wheel = found.wheel_inertia + inertia, found.wheel_friction + friction
+        return found._replace(wheel_inertia=wheel[0], wheel_friction=wheel[1])
+    pinion = found.pinion_inertia + inertia, found.pinion_friction + friction
+    return found._replace(pinion_inertia=pinion[0], pinion_friction=pinion[1])
 
 
 def _root(robot: Robot, joint: str) -> str:

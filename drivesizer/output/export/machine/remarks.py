@@ -38,7 +38,7 @@ def _of_robot(robot: RobotExport) -> list[str]:
         "Links, joints and position limits are those of the description, without its shapes; effort, velocity and "
         "friction of a joint are those of its drive, whose mass is at its place."
     ]
-    if any(drive.travel != 1.0 for drive in robot.drives):
+    if any(drive.slides for drive in robot.drives):
         said.append("Joints that slide: N, N*s/m and kg in the place of N*m, N*m*s/rad and kg*m^2.")
     if robot.section.friction == "keep" and any(_bearings(robot, drive) for drive in robot.drives):
         said.append("The friction in the description is that of bearings, and is added to that of the drives.")
@@ -66,15 +66,19 @@ def of_drive(drive: JointDrive) -> list[str]:
     list of str
         Its parts, what limits it, its inertia and efficiency.
     """
-    limits, e = drive.of.limits, drive.of.train.efficiency
+    limits, e = drive.of.limits, drive.efficiency
     lacking = f", without {', '.join(drive.lacking)}, of unknown mass" if drive.lacking else ""
     rotor = brief(drive.armature) if drive.armature == drive.armature else "UNKNOWN"
+    lasting = limits.continuous_torque.value * drive.gear_efficiency / drive.travel
     effort, velocity = (one.by or "nothing known" for one in (limits.peak_torque, limits.peak_speed))
     said = [
         f"{drive.of.label}: {brief(drive.mass)} kg{lacking}; total ratio {brief(drive.ratio)}; effort by "
-        f"{effort}, continuous {brief(limits.continuous_torque.value / drive.travel)}; velocity by {velocity}; "
+        f"{effort}, continuous {brief(lasting)}; velocity by {velocity}; "
         f"armature {rotor}, rotor and gearhead input by ratio squared, gears driving at an efficiency of {brief(e)}."
     ]
+    if drive.back_efficiency != drive.gear_efficiency:
+        back = drive.of.train.efficiency * drive.back_efficiency
+        said.append(f"Where the load drives the motor, the gears have an efficiency f of {brief(back)}.")
     if drive.coupled:
         others = ", ".join(
             f"{'' if share > 0 else '-'}{name}" for name, share in drive.turns_by.items() if name != drive.joint

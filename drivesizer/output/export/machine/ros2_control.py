@@ -43,6 +43,8 @@ class _Joint(NamedTuple):
     name: str
     of: Export
     travel: float
+    gear_efficiency: float
+    slides: bool
     limits: dict[str, str]
     ratio: float
     motor: str
@@ -57,11 +59,11 @@ def _joints(of: MachineExport) -> list[_Joint]:
                 f"{drive.joint}: its belt passes other joints, which ros2_control's simple transmission has no place "
                 "for; expected --format mjcf or urdf"
             )
-        motor = f"{drive.joint}_motor"
-        found.append(_Joint(drive.joint, drive.of, drive.travel, drive.limits, drive.ratio, motor))
+        figures = (drive.travel, drive.gear_efficiency, drive.slides, drive.limits, drive.ratio)
+        found.append(_Joint(drive.joint, drive.of, *figures, f"{drive.joint}_motor"))
     for name, one in of.axes:
         before = identifier(name)
-        found.append(_Joint(f"{before}_shaft", one, 1.0, limited(one), one.train.ratio, f"{before}_motor"))
+        found.append(_Joint(f"{before}_shaft", one, 1.0, 1.0, False, limited(one), one.train.ratio, f"{before}_motor"))
     for joint in found:
         if not _NAME.fullmatch(joint.name) or joint.name.lower() in _WORDS:
             raise InputError(
@@ -110,6 +112,6 @@ def controllers(of: MachineExport) -> bytes:
         said += [*REMARKS, *rate_remarks(slowest)]
     if steppers:
         said.append("steppers run open-loop: they go to the commanded positions, or lose steps unseen")
-    gains = {one.name: velocity_gains(one.of, one.travel) for one in looped}
+    gains = {one.name: velocity_gains(one.of, one.travel, one.gear_efficiency, slides=one.slides) for one in looped}
     rate = rate_of(slowest) if slowest else TRAJECTORY
     return commented(said, velocity_loops(gains, rate, steppers))

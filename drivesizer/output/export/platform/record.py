@@ -149,8 +149,8 @@ def _drive(spec: RobotSpec, found: DriveSet, of: Export, platform: Platform, pla
         mass=fsum(row.each for row in own if not isnan(row.each)),
         lacking=tuple(row.name for row in own if isnan(row.each)),
         place=Attached(BASE, np.array([at.x, at.y, at.radius])),
-        belt_inertia=belt.inertia if belt else 0.0,
-        belt_friction=belt.friction_torque if belt else 0.0,
+        stage_inertia=belt.inertia if belt else 0.0,
+        stage_friction=belt.friction_torque if belt else 0.0,
     )
 
 
