@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from random import Random
 
 import jsonschema
 import pytest
+from small_arms import catalogue
 
 from drivesizer.output.export import FORMATS
 
@@ -70,9 +72,48 @@ def test_the_schema_is_printed(example, tmp_path, run):
     assert status == 0
 
 
+CART = """
+name: cart
+load: {kind: wheeled_vehicle, mass: 30 kg, driven_wheels: 2, wheel_diameter: 160 mm, rolling_resistance: 0.02,
+  inertia: 30 kg*cm^2}
+platform: {layout: {kind: differential, track: 400 mm}, inertia: 1.5 kg*m^2}
+motion: {speed: 0.8 m/s, acceleration_time: 1 s, cruise_time: 2 s}
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [parts.yaml], estimates: off}
+"""
+
+
+def test_a_platform_is_whole_in_formats_of_several_joints_and_one_wheel_in_others(tmp_path, run):
+    cart, parts = tmp_path / "cart.yaml", ("--set", "m1/g0")
+    cart.write_text(CART)
+    (tmp_path / "parts.yaml").write_text(catalogue(Random(3)))
+    joints = {"base.urdf": ("urdf", []), "one.urdf": ("urdf", ["--wheel", "2"]), "one.sdf": ("sdf", [])}
+    for name, (form, words) in joints.items():
+        assert run("export", cart, "--format", form, "-o", tmp_path / name, *parts, *words)[0] == 0
+        text = (tmp_path / name).read_text()
+        found = [part for part in ('"wheel_1"', '"wheel_2"', '"shaft"') if f"joint name={part} type" in text]
+        assert found == (['"wheel_1"', '"wheel_2"'] if name == "base.urdf" else ['"shaft"'])
+
+
+@pytest.mark.parametrize(
+    ("text", "wheel", "said"),
+    [
+        (CART, "3", "--wheel: 3 is no driven wheel; expected one of 1, 2"),
+        (CART.replace("platform: {layout: {kind: differential, track: 400 mm}, inertia: 1.5 kg*m^2}\n", ""), "1",
+         "--wheel: the spec has no section platform; leave it out"),
+    ],
+)  # fmt: skip
+def test_a_wheel_that_is_not_there_is_one_line(text, wheel, said, tmp_path, run):
+    (tmp_path / "cart.yaml").write_text(text)
+    target = tmp_path / "a.sdf"
+    status, out, err = run("export", tmp_path / "cart.yaml", "--format", "sdf", "-o", target, "--wheel", wheel)
+    assert (status, out, err) == (2, "", f"drivesizer: {said}\n") and not target.exists()
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
+        (["--format", "urdf", "--wheel", "1"], "--wheel: it is of a single axis; expected --axis beside it"),
         (["--format", "urdf", "--set", "1/2"], "--set: it is of a single axis; expected --axis beside it"),
         (
             ["--format", "fmu"],

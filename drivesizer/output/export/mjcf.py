@@ -29,8 +29,8 @@ from drivesizer.output.export.markup import brief, document, number, remark, tex
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 
 __all__ = [
-    "DAMPING", "LOAD", "MOST_POINTS", "MOTOR", "PER_PERIOD", "PLUMB", "SHAFT", "feedforward", "hard", "motor_figures",
-    "render", "tree",
+    "DAMPING", "LOAD", "MOST_POINTS", "MOTOR", "PER_PERIOD", "PLUMB", "SHAFT", "current_scale", "feedforward", "hard",
+    "motor_figures", "render", "tree",
 ]  # fmt: skip
 
 SHAFT, MOTOR, DAMPING, LOAD, PLUMB = "shaft", "motor", "motor_damping", "load_torque", "plumb_line"
@@ -118,7 +118,7 @@ def _stepper_remarks(of: Export) -> list[str]:
 
 def _constants_remarks(train: DriveTrain) -> list[str]:
     """Remark on different torque and back-EMF constants."""
-    s = _unlike(train)
+    s = current_scale(train)
     if s == 1.0:
         return []
     return [
@@ -250,7 +250,7 @@ def motor_figures(of: Export, law: TorqueLaw) -> dict[str, str]:
         Of ``dcmotor``, but for its name and what it moves.
     """
     train = of.train
-    s = _unlike(train)
+    s = current_scale(train)
     figures = {
         "gear": number(train.ratio), "resistance": number(train.resistance),
         "motorconst": f"{number(train.torque_constant)} {number(train.back_emf_constant)}",
@@ -292,14 +292,15 @@ def _thermal(of: Export) -> str:
     bodies = of.heat
     assert bodies is not None
     celsius = [_celsius(T) for T in (DATA_TEMPERATURE, of.ambient if isnan(of.housing) else of.housing)]
-    square = _unlike(of.train) ** 2
+    square = current_scale(of.train) ** 2
     return vector((float(bodies.R_th1) / square, float(bodies.capacity_w) * square, 0.0, COPPER, *celsius))
 
 
-def _unlike(train: DriveTrain) -> float:
-    """s = sqrt(k_t / k_e) [1]: MuJoCo has one constant, sqrt(k_t k_e), under which current and voltage are s times.
+def current_scale(train: DriveTrain) -> float:
+    """Current and voltage in MuJoCo over those of the motor, s = sqrt(k_t / k_e) [1].
 
-    Then torque and speed are those of both constants: sqrt(k_t k_e) s I = k_t I, s V = R s I + sqrt(k_t k_e) w.
+    MuJoCo has one constant, sqrt(k_t k_e). Torque and speed are those of both: sqrt(k_t k_e) s I = k_t I,
+    s V = R s I + sqrt(k_t k_e) w.
     """
     return sqrt(train.torque_constant / train.back_emf_constant)
 

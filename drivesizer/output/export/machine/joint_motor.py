@@ -21,7 +21,7 @@ from drivesizer.output.export.common import Export
 from drivesizer.output.export.gains import lacking, torque_law
 from drivesizer.output.export.machine.record import JointDrive
 from drivesizer.output.export.markup import brief, number
-from drivesizer.output.export.mjcf import feedforward, motor_figures
+from drivesizer.output.export.mjcf import current_scale, feedforward, motor_figures
 
 __all__ = ["add_motor", "armature", "effort", "lossless", "motor_remark"]
 
@@ -84,7 +84,8 @@ def motor_remark(drive: JointDrive) -> str:
     of = lossless(drive)
     left = "".join(f" Controller: {line}." for line in lacking(of))
     ratio, e, ahead = number(drive.ratio), brief(drive.efficiency), feedforward(torque_law(of))
-    return f"{drive.joint}: total ratio {ratio}, e = {e}; feedforward torque {ahead}.{left}"
+    scale = f"; act has {number(current_scale(of.train))} times its current"  # s of its constants, k_t by e among them
+    return f"{drive.joint}: total ratio {ratio}, e = {e}; feedforward torque {ahead}{scale}.{left}"
 
 
 def _stepper(actuator: Element, drive: JointDrive, named: dict[str, str]) -> None:

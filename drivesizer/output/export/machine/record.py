@@ -261,7 +261,7 @@ def _drive(
 
 
 def _stages(axis: AxisSizing) -> FixedGear:
-    """What turns between driven shaft and joint, a belt among it, as one gear; of ratio 1 where there is none."""
+    """The stages between driven shaft and joint, a belt among them, as one gear; of ratio 1 where there is none."""
     gear, belt = axis.spec.gear, axis.spec.belt
     inertia, friction = (belt.inertia, belt.friction_torque) if belt else (0.0, 0.0)
     if gear is None:

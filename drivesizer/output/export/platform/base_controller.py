@@ -17,7 +17,8 @@ round there.
 Names of parameters as declared in diff_drive_controller_parameter.yaml, mecanum_drive_controller.yaml and
 omni_wheel_drive_controller_parameters.yaml of ros2_controllers (tags 2.54.0, 4.42.1, 5.17.0, 6.9.0). A version passes
 over those that it does not declare: wheels_per_side, has_velocity_limits and has_acceleration_limits are of 2.x, and
-max_deceleration is not; omni wheels are of 4.30 and 5.5 on, limits of mecanum wheels of 4.41, 5.16 and 6.8 on.
+max_deceleration is not; mecanum wheels are of 2.43 and 4.17 on, their limits of
+4.41, 5.16 and 6.8 on, omni wheels of 4.30 and 5.5 on.
 """
 
 from __future__ import annotations

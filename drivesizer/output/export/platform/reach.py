@@ -1,4 +1,4 @@
-r"""What a platform reaches with its drives: speeds, by direction, and the accelerations that it is sized for.
+r"""Speeds that a platform reaches with its drives, by direction, and accelerations that it is sized for.
 
 A drive turns its wheel as fast as the lowest supply voltage V permits while the platform rolls at constant speed on a
 level floor, T being the torque of that:
