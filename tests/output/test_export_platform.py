@@ -414,6 +414,30 @@ def test_the_mass_is_the_one_that_it_was_sized_for(made):
     assert spec.load.mass == 30.0 and model_of(of).body_mass.sum() == pytest.approx(23.0 + drives)
 
 
+def test_what_is_unknown_or_not_driven_is_said(made):
+    places = [{"kind": "fixed", "x": "-50 mm", "y": f"{y} mm"} for y in (200, -200)]
+    passive = {"kind": "omni", "x": "300 mm", "y": "0 mm", "driven": False}
+    _, of = made({
+        "load": {"friction_coefficient": None},
+        "platform": {"layout": None, "casters": [], "wheels": [*places, passive], "centre_of_mass": {"x": "-50 mm"}},
+    })  # fmt: skip
+    text = rendered(of, "mjcf", "base.xml").decode()
+    for said in (
+        "The height of the centre of mass is unknown: it is on the floor",
+        "friction between wheel and floor is unknown; 1 is assumed",
+        "It has no drive. Friction has the 0 N*m",
+        "A wheel without a drive has the inertia of one with",
+    ):
+        assert said in text
+    assert model_of(of).nu == 6
+    controllers = platform_files(of, "ros2_control", Path("base.urdf"))[Path("base_controllers.yaml")].decode()
+    assert "odometry is that of the axle's middle, -0.05 m ahead of base_footprint" in controllers
+    assert "left_wheel_names: [velocity_controller/wheel_1]" in controllers
+    blunt = replace(of, drives={k: replace(d, of=replace(d.of, controller=None)) for k, d in of.drives.items()})
+    with pytest.raises(InputError, match="rotor's inertia is not in the catalogue.*expected --format urdf"):
+        model_of(blunt)
+
+
 def test_wheels_heavier_than_the_whole_are_refused(cart):
     _, of = cart
     light = of.platform.inertia * 1e-3

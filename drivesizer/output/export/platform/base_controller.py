@@ -16,9 +16,9 @@ round there.
 
 Names of parameters as declared in diff_drive_controller_parameter.yaml, mecanum_drive_controller.yaml and
 omni_wheel_drive_controller_parameters.yaml of ros2_controllers (tags 2.54.0, 4.42.1, 5.17.0, 6.9.0). A version passes
-over those that it does not declare: wheels_per_side, has_velocity_limits and has_acceleration_limits are of 2.x, and
-max_deceleration is not; mecanum wheels are of 2.43 and 4.17 on, their limits of
-4.41, 5.16 and 6.8 on, omni wheels of 4.30 and 5.5 on.
+over those that it does not declare: wheels_per_side and has_velocity_limits, has_acceleration_limits, has_jerk_limits
+are of 2.x, and max_deceleration is not; mecanum wheels are of 2.43 and 4.17 on, their limits of 4.41, 5.16 and 6.8 on,
+omni wheels of 4.30 and 5.5 on.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class BaseController(NamedTuple):
     kind: str  # plugin
     parameters: Mapping[str, Any]
     direction: float = 1.0  # -1 where its wheels turn the other way round
-    chained: bool = True  # whether it may command another controller
+    said: tuple[str, ...] = ()  # remarks
 
 
 def base_controller(of: PlatformExport, before: str) -> BaseController | None:
@@ -92,7 +92,9 @@ def _differential(of: PlatformExport, rows: Array, names: list[str], before: str
         "wheels_per_side": len(left), "wheel_separation": 2.0 * float(abs(turning[0])), "wheel_radius": of.radius,
         "position_feedback": not before, "cmd_vel_timeout": 0.5, **_frames(), **_limits(of.reach, ("x",), older=True),
     }  # fmt: skip
-    return BaseController("diff_drive_controller/DiffDriveController", parameters)
+    ahead_of = of.platform.wheels[next(iter(of.drives))].x
+    said = f"odometry is that of the axle's middle, {ahead_of:.4g} m ahead of {FOOTPRINT}"
+    return BaseController("diff_drive_controller/DiffDriveController", parameters, said=(said,) if ahead_of else ())
 
 
 def _mecanum(of: PlatformExport, rows: Array, names: list[str], before: str) -> BaseController | None:

@@ -62,7 +62,7 @@ def split(platform: Platform, size: Size | None) -> tuple[Body, Body]:
 
 
 def _rest(platform: Platform, wheel: Body, size: Size | None) -> Body:
-    """What is left of a platform beside its wheels."""
+    """The base: all of a platform beside its wheels."""
     places = np.array([(w.x, w.y, w.radius) for w in platform.wheels])
     middle = np.array([platform.x, platform.y, platform.height])
     mass = platform.mass - len(places) * wheel.mass

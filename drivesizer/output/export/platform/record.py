@@ -36,6 +36,7 @@ from drivesizer.spec.robot import RobotSpec
 __all__ = ["BASE", "PlatformExport", "platform_export", "wheel_name"]
 
 BASE = "base_link"
+_NOTHING = 1e-9  # of the largest: rounding
 
 
 def wheel_name(place: int) -> str:
@@ -101,6 +102,7 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
     size = section.size.record if section.size else None
     base, wheel = split(platform, size)
     rolling = own_rolling(d, contact_loads(platform, ground=Ground(gravity=spec.environment.gravity)))
+    rolling[rolling < _NOTHING * rolling.max()] = 0.0
     time, eta, eta_dot = _motion(unbroken, of)
     fastest = wheel_speed(of, float(rolling.max()))
     left = whose(case, wheel_spec)

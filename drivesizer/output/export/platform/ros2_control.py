@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from drivesizer.output.export.gains import lacking
 from drivesizer.output.export.machine.record import JointDrive
-from drivesizer.output.export.markup import brief, document, identifier
+from drivesizer.output.export.markup import document, identifier
 from drivesizer.output.export.platform.base_controller import NAME, BaseController, base_controller, parameters_text
 from drivesizer.output.export.platform.record import PlatformExport, wheel_name
 from drivesizer.output.export.platform.urdf import robot
@@ -75,7 +75,7 @@ def controllers(of: PlatformExport) -> bytes:
     body = velocity_loops(gains, rate, more={NAME: found.kind} if found else None)
     if found:
         body += f"\n{NAME}:\n  ros__parameters:\n{parameters_text(found.parameters)}"
-    return commented([*_drives(of), *(_of_base(of) if found else [_NO_BASE])], body)
+    return commented([*_drives(of), *([*_of_base(of), *found.said] if found else [_NO_BASE])], body)
 
 
 def _drives(of: PlatformExport) -> list[str]:
@@ -89,11 +89,10 @@ def _drives(of: PlatformExport) -> list[str]:
 
 def _of_base(of: PlatformExport) -> list[str]:
     """Remarks on the controller of the base."""
-    reach = of.reach
+    reached = "the highest speed of the motion" if of.of.stepper else "what the drives reach on the lowest voltage"
     said = [
-        "velocity limits are what the drives reach at constant speed on the lowest supply voltage, or the spec's where "
-        "that is less, one direction at a time: both together may need faster wheels; accelerations are the spec's "
-        f"limits, else the largest of its motion: {brief(reach.acceleration)} m/s^2",
+        f"velocity limits are {reached}, or the spec's where that is less, one direction at a time: both together may "
+        "need faster wheels; accelerations are the spec's limits, else the largest of its motion"
     ]
     if not of.of.stepper:
         said.append(
