@@ -434,7 +434,7 @@ def test_what_is_unknown_or_not_driven_is_said(made):
     assert "odometry is that of the axle's middle, -0.05 m ahead of base_footprint" in controllers
     assert "left_wheel_names: [velocity_controller/wheel_1]" in controllers
     blunt = replace(of, drives={k: replace(d, of=replace(d.of, controller=None)) for k, d in of.drives.items()})
-    with pytest.raises(InputError, match="rotor's inertia is not in the catalogue.*expected --format urdf"):
+    with pytest.raises(InputError, match=r"rotor's inertia is not in the catalogue.*expected --format urdf"):
         model_of(blunt)
 
 
