@@ -41,34 +41,20 @@ def export(
     As mjcf, urdf or ros2_control a whole machine in one file: of a platform the base with all its wheels; of several
     axes a robot's description with its drives, every other axis as a joint of its own whose names begin with the axis.
     """
-    from drivesizer.output.export import WHOLE, accept, check_wheel, export_of, write
+    from drivesizer.output.export import accept, check_wheel
+    from drivesizer.output.export.platform import write_drive
 
     robot = load_whole(spec, catalogs, axis)
     if hasattr(robot, "axes"):
         _machine(robot, output, form, {"--set": chosen, "--wheel": wheel})
         return
     accept(form, output)
-    if wheel is None and robot.platform is not None and form in WHOLE:
-        _platform(robot, output, form, chosen)
-        return
     if wheel is not None:
         check_wheel(robot, wheel)  # before time is spent
     found = pick(robot, chosen)
     with working("designing the controller"):
-        record = export_of(robot, found, wheel)
-        written = write(record, form, output)
-    _printed(record.said, written)
-
-
-def _platform(robot: Any, output: Path, form: str, chosen: str | None) -> None:
-    """Write a platform with all its wheels."""
-    from drivesizer.output.export.platform import platform_export, write_platform
-
-    found = pick(robot, chosen)
-    with working("designing the controller"):
-        record = platform_export(robot, found)
-        written = write_platform(record, form, output)
-    _printed(record.said, written)
+        said, written = write_drive(robot, found, form, output, wheel)
+    _printed(said, written)
 
 
 def _machine(machine: Any, output: Path, form: str, given: dict[str, object]) -> None:

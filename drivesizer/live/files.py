@@ -96,7 +96,7 @@ def report(held: Held, request: Piece) -> Iterator[Piece]:
 
 
 def export(held: Held, request: Piece) -> Iterator[Piece]:
-    """The best drive as ``drivesizer export`` writes it; several files come as one archive.
+    """The best drive as ``drivesizer export`` writes it, a platform whole; several files come as one archive.
 
     Parameters
     ----------
@@ -110,8 +110,8 @@ def export(held: Held, request: Piece) -> Iterator[Piece]:
     Piece
         A ``file``.
     """
-    from drivesizer.output.export import export_of, write
     from drivesizer.output.export.machine import machine_export, write_machine
+    from drivesizer.output.export.platform import write_drive
 
     form = str(request["form"])
     if form not in _SUFFIXES:
@@ -126,7 +126,7 @@ def export(held: Held, request: Piece) -> Iterator[Piece]:
         elif not result.sets:
             raise InputError("no drive meets all limits; nothing to export")
         else:
-            write(export_of(result.spec, result.sets[0]), form, path)
+            write_drive(result.spec, result.sets[0], form, path)
         yield _together(Path(folder), path)
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drivesizer.output.export import accept, files, write
+from drivesizer.output.export import WHOLE, accept, export_of, files, write
 from drivesizer.output.export.platform.record import PlatformExport, platform_export
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["PlatformExport", "platform_export", "platform_files", "write_platform"]
+__all__ = ["PlatformExport", "platform_export", "platform_files", "write_drive", "write_platform"]
 
 
 def platform_files(of: PlatformExport, form: str, path: Path) -> dict[Path, bytes]:
@@ -54,3 +56,31 @@ def write_platform(of: PlatformExport, form: str, path: Path) -> list[Path]:
     """
     accept(form, path)
     return write(of, form, path, "platform")
+
+
+def write_drive(
+    spec: RobotSpec, found: DriveSet, form: str, path: Path, wheel: int | None = None
+) -> tuple[tuple[str, ...], list[Path]]:
+    """Write the drive of a spec; of a platform with all its wheels, in formats of several joints.
+
+    Parameters
+    ----------
+    spec, found
+        The machine and its drive.
+    form
+        Name of a format.
+    path
+        The file.
+    wheel
+        Of a platform: number of the wheel whose drive is written, from 1; all of them when not given.
+
+    Returns
+    -------
+    tuple
+        Assumptions as sentences, and the files written.
+    """
+    if wheel is None and spec.platform is not None and form in WHOLE:
+        platform = platform_export(spec, found)
+        return platform.said, write_platform(platform, form, path)
+    drive = export_of(spec, found, wheel)
+    return drive.said, write(drive, form, path)
