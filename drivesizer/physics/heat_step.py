@@ -205,7 +205,8 @@ def _doubled(rounds: Array, f: Array, s: Array, found: tuple[Array, ...], order:
     table = (f * p_f, s * p_s, p_f + s * p, p_f, p_s, p, q_f, q)
     with np.errstate(over="ignore"):
         for n in range(1, int(rounds[0]) + 1):
-            _double(*(values[: np.count_nonzero(rounds >= n)] for values in table))
+            count = int(np.count_nonzero(rounds >= n))
+            _double(*([values[:count] for values in table] if count < len(rounds) else table))
     return p_f, p, q_f, q
 
 

@@ -13,7 +13,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.physics.heat_step import Array, Modes, drive, modes, turning_time, weights
 from drivesizer.physics.thermal import TwoBodies, steady_winding_temperature
@@ -22,7 +21,9 @@ __all__ = ["State", "cold", "overload_time", "steady_state"]
 
 _DOUBLINGS = 128  # of the fast time constant: 1e38 of them is taken as infinite
 _NEAR = 16  # of them: housings are seldom a thousand times slower
-_GRID, _ROUNDS = 65, 9  # a time is narrowed down by 64 each round: by 2^54 in all, the digits of a float
+_ROUNDS = 54  # halvings until no float is between, where nothing better is known of a course
+_ANYWHERE = np.array([0.0, 0.5, 1.0])  # shares of a span at which a course is computed
+_CLOSE = np.ldexp(1.0, -np.arange(2, 40))  # and at either side of a guess
 
 
 class State(NamedTuple):
@@ -123,10 +124,10 @@ def overload_time(
 def _crossing(span: Modes, slope: Array, pull: Array, climb: float) -> float:
     """First time at which the winding is warmer than at the start by a climb."""
 
-    def reached(t: Array) -> NDArray[np.bool_]:
-        with np.errstate(over="ignore"):
+    def above(t: Array) -> Array:
+        with np.errstate(over="ignore", invalid="ignore"):
             weight = weights(span.fast, span.slow, t)
-            return np.asarray(weight.slope * slope + (weight.pull * pull if pull.any() else 0.0) >= climb)
+            return np.asarray(weight.slope * slope + (weight.pull * pull if pull.any() else 0.0) - climb)
 
     turn = float(turning_time(span.slow - span.fast, slope, pull)[0])
     rises_first = slope[0] > 0.0 or (slope[0] == 0.0 and pull[0] > 0.0)
@@ -135,21 +136,38 @@ def _crossing(span: Modes, slope: Array, pull: Array, climb: float) -> float:
         return math.inf
     times = np.minimum(first + np.ldexp(-1.0 / span.fast[0], np.arange(_DOUBLINGS)), last)
     times = np.concatenate(([first], times))
-    hit = _first(reached, times)
+    hit = _first(above, times)
     if hit is None:
         return math.inf
-    low, high = float(times[max(hit - 1, 0)]), float(times[hit])
+    return _narrowed(above, float(times[max(hit - 1, 0)]), float(times[hit]))
+
+
+def _narrowed(above: Callable[[Array], Array], low: float, high: float) -> float:
+    """The first time between two at which a course is at 0 or above, to rounding.
+
+    Each round looks close around where the straight line between both ends crosses, and less close farther off, so that
+    a smooth course takes a few rounds and any other is still halved.
+    """
+    ends = above(np.array([low, high]))
     for _ in range(_ROUNDS):
-        grid = np.linspace(low, high, _GRID)
-        n = int(np.append(reached(grid[:-1]), True).argmax())
-        low, high = float(grid[max(n - 1, 0)]), float(grid[n])
+        if math.nextafter(low, high) >= high:
+            break
+        with np.errstate(invalid="ignore", divide="ignore"):
+            share = float(ends[0] / (ends[0] - ends[1]))
+        guess = share if 0.0 <= share <= 1.0 else 0.5
+        shares = np.concatenate((_ANYWHERE, [guess], guess - _CLOSE, guess + _CLOSE))
+        grid = low + (high - low) * np.unique(np.clip(shares, 0.0, 1.0))
+        grid[-1] = high
+        values = above(grid)
+        n = max(int((values >= 0.0).argmax()), 1)
+        low, high, ends = float(grid[n - 1]), float(grid[n]), values[n - 1 : n + 1]
     return high
 
 
-def _first(reached: Callable[[Array], NDArray[np.bool_]], times: Array) -> int | None:
-    """The place of the first time at which it is so: first among near times, for far ones cost many doublings each."""
+def _first(above: Callable[[Array], Array], times: Array) -> int | None:
+    """The place of the first time at which a course is at 0 or above: near ones first, far ones cost many doublings."""
     for start, end in pairwise((0, _NEAR, len(times))):
-        hits = np.flatnonzero(reached(times[start:end]))
+        hits = np.flatnonzero(above(times[start:end]) >= 0.0)
         if hits.size:
             return start + int(hits[0])
     return None

@@ -1,0 +1,195 @@
+"""The jobs behind the page: answers are those of the command line, byte for byte, and say where something is wrong."""
+
+from __future__ import annotations
+
+import base64
+import json
+import random
+import subprocess
+import sys
+import zipfile
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drivesizer.errors import InputError
+from drivesizer.files import text as text_files
+from drivesizer.live.engine import JOBS, done
+from drivesizer.live.held import Held, StoppedError
+from drivesizer.output.json import documents
+from drivesizer.output.text import margin
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import load_spec
+
+ROOT = Path(__file__).resolve().parents[2]
+SPEC = """\
+name: AGV   # of the test
+supply: {nominal: 24 V, current: 20 A}
+load: {kind: wheeled_vehicle, mass: 45 kg, driven_wheels: 4, wheel_diameter: 152 mm, rolling_resistance: 0.02,
+       inertia: 0.004 kg*m^2}
+motion: {speed: 1.5 m/s, acceleration_time: 2 s, cruise_time: 20 s, rest_time: 5 s}
+select: {motor: {family: [RE 25, RE 30]}, gearhead: {family: [GP 26 A, GP 32 C]}}
+"""
+FRONT = ("mass", "price", "energy")
+
+
+def pieces_of(job: str, text: str, **more: Any) -> list[dict[str, Any]]:
+    """All pieces of a job, as they cross the pipe."""
+    return [
+        json.loads(json.dumps(piece, allow_nan=False))
+        for piece in done(Held("robot.yaml"), job, {"text": text, **more})
+    ]
+
+
+def one(job: str, text: str, **more: Any) -> dict[str, Any]:
+    (piece,) = pieces_of(job, text, **more)
+    return piece
+
+
+def document(text: str, edits: list[Any]) -> str:
+    return base64.b64decode(one("document", text, edits=edits)["content"]).decode()
+
+
+def random_edits(draw: random.Random) -> dict[tuple[str, ...], str]:
+    return {
+        ("load", "mass"): f"{draw.uniform(20, 60):.2f} kg",
+        ("motion", "speed"): f"{draw.uniform(0.5, 2):.3f} m/s",
+        ("load", "slope"): draw.choice(["0 deg", "2 deg", "3 %"]),
+        ("environment", "ambient"): f"{draw.randint(0, 50)} degC",
+        ("select", "objective"): draw.choice(["mass", "price", "energy"]),
+    }
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_states_answer_what_the_command_line_does(seed: int, tmp_path: Path) -> None:
+    """The edited text is read as a file, and the answer to it is the document of that file."""
+    edits = random_edits(random.Random(seed))
+    sent = [[list(path), value, False] for path, value in edits.items()]
+    pieces = pieces_of("answer", SPEC, edits=sent)
+    (spec,) = (piece for piece in pieces if piece["kind"] == "spec")
+    assert spec["text"].startswith("name: AGV   # of the test\n")
+    (ranked,) = (piece for piece in pieces if piece["kind"] == "ranking")
+    path = tmp_path / "robot.yaml"
+    path.write_text(spec["text"], encoding="utf-8")
+    result = size(load_spec(path), top=10, pareto=FRONT)
+    found = documents.as_text(documents.sizing(result))
+    assert document(SPEC, sent) == f"{found}\n"
+    listed = json.loads(found)["sets" if result.sets else "closest_rejected"]
+    assert [one["motor"] for one in ranked["sets"]] == [(one["actuator"] or one["motor"])["part"] for one in listed]
+    assert [one["mass"] for one in ranked["sets"]] == [one["mass_kg"] for one in listed]
+    assert (ranked["considered"], ranked["feasible"]) == (result.counts.considered, result.counts.feasible)
+
+
+def test_it_is_what_the_command_prints(tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(SPEC, encoding="utf-8")
+    command = [sys.executable, "-m", "drivesizer", "size", "--json", "--top", "10", "--pareto", ",".join(FRONT)]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, check=True, encoding="utf-8")
+    assert document(SPEC, []) == run.stdout
+
+
+def test_pieces_come_in_their_order() -> None:
+    kinds = [piece["kind"] for piece in pieces_of("answer", SPEC)]
+    assert kinds[:4] == ["spec", "ranking", "sections", "figures"] and set(kinds[4:]) == {"still"}
+
+
+@pytest.mark.parametrize(
+    ("edit", "line", "path", "said"),
+    [
+        ([["load", "mass"], "45 V", False], 3, ["load", "mass"], "45 V"),
+        ([["load", "incline"], "3 deg", False], 4, ["load", "incline"], "unknown key"),
+        ([["select", "motor", "family"], "XX", False], None, [], "XX"),
+        ([["motion", "speed"], None, False], 5, ["motion", "speed"], "missing"),
+        ([["transmission", 1, "ratio"], "2 mm", False], None, [], ""),
+    ],
+)
+def test_what_is_wrong_names_line_and_field(edit: Any, line: Any, path: Any, said: str, tmp_path: Path) -> None:
+    """As the command line prints it, but for the name of the file."""
+    wrong = pieces_of("answer", SPEC, edits=[edit])[-1]
+    assert wrong["kind"] == "wrong" and said in wrong["faults"][0]["text"]
+    if line:
+        assert (wrong["faults"][0]["line"], wrong["faults"][0]["path"]) == (line, path)
+    place = tmp_path / "robot.yaml"
+    place.write_text(wrong["text"], encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        size(load_spec(place))
+    assert [text.replace(str(place), "robot.yaml") for text in error.value.lines] == wrong["lines"]
+
+
+def test_a_sweep_finds_where_the_best_drive_changes() -> None:
+    values = [f"{mass} kg" for mass in (20, 45, 90, 400)]
+    points = pieces_of("sweep", SPEC, path=["load", "mass"], values=[*values, "9 V"])
+    assert [point["value"] for point in points] == [*values, "9 V"]
+    for point, value in zip(points[:4], values, strict=True):
+        result = size(load_spec({**_data(), "load": {**_data()["load"], "mass": value}}), top=1)
+        assert result.shown and point["label"] == result.shown.label
+        assert (point["status"] == "fail") == (not result.sets)
+    assert points[0]["label"] != points[2]["label"] and points[3]["status"] == "fail"
+    assert points[4]["status"] == "wrong" and "9 V" in points[4]["said"]
+    edit = [["load", "mass"], "90 kg", False]
+    found = one("rejected", SPEC, edits=[edit], motor=points[0]["parts"][0], gearhead=points[0]["parts"][1])
+    assert found["status"] == "fail" and found["tight"] and found["said"].startswith("−")
+
+
+def _data() -> dict[str, Any]:
+    from drivesizer.files.yaml_source import YamlSource
+
+    return dict(YamlSource(SPEC, "robot.yaml").data)
+
+
+def test_drives_side_by_side_are_those_of_explain() -> None:
+    result = size(load_spec(_data()), top=2)
+    parts = [[one.motor.part, one.gearhead.part] for one in result.sets]
+    found = one("compare", SPEC, sets=parts)
+    assert found["heads"] == [one.label for one in result.sets]
+    rows = {row["title"]: row["cells"] for row in found["rows"]}
+    for n, (motor, gearhead) in enumerate(parts):
+        (explained,) = explain(load_spec(_data()), motor, gearhead)
+        for check in explained.checks:
+            assert rows[check.title][n] == margin(check.margin)
+        assert motor in rows["motor"][n] and gearhead in rows["gearhead"][n]
+
+
+def test_files_are_those_of_the_command_line(tmp_path: Path) -> None:
+    for form, head in (("csv", b""), ("json", b"{"), ("xlsx", b"PK")):
+        made = base64.b64decode(one("report", SPEC, form=form)["content"])
+        path = tmp_path / f"report.{form}"
+        (tmp_path / "robot.yaml").write_text(SPEC, encoding="utf-8")
+        assert made.startswith(head) and len(made) > 500, path
+    assert one("report", SPEC, form="exe")["kind"] == "wrong"
+    mjcf = one("export", SPEC, form="mjcf")
+    assert mjcf["name"] == "drive.xml" and b"<mujoco" in base64.b64decode(mjcf["content"])
+    several = one("export", SPEC, form="ros2_control")
+    if several["name"].endswith(".zip"):
+        assert zipfile.ZipFile(BytesIO(base64.b64decode(several["content"]))).namelist()
+
+
+def test_a_job_that_nobody_waits_for_stops() -> None:
+    held = Held("robot.yaml", stopped=lambda: True)
+    pieces = done(held, "answer", {"text": SPEC})
+    assert next(pieces)["kind"] == "spec"
+    with pytest.raises(StoppedError):
+        next(pieces)
+
+
+def test_every_job_is_there() -> None:
+    from importlib import import_module
+
+    assert all(callable(getattr(import_module(f"drivesizer.live.{module}"), job)) for job, module in JOBS.items())
+
+
+def test_other_files_of_the_machine_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(text_files, "_permitted", set())
+    monkeypatch.setattr(text_files, "_read", {})
+    named, other, inside = tmp_path / "named.yaml", tmp_path / "other.yaml", tmp_path / "folder" / "x.yaml"
+    inside.parent.mkdir()
+    for path in (named, other, inside):
+        path.write_text("a: 1", encoding="utf-8")
+    (tmp_path / "link.yaml").symlink_to(other)
+    text_files.read_text(named)
+    text_files.read_no_others([inside.parent])
+    assert text_files.read_text(named) == text_files.read_text(inside) == "a: 1"
+    for path in (other, tmp_path / "link.yaml", inside.parent / ".." / "other.yaml", Path("/etc/passwd")):
+        with pytest.raises(InputError, match="is not read here"):
+            text_files.read_text(path)
