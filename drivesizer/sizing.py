@@ -139,6 +139,10 @@ def size(
     )  # fmt: skip
     problem, found, short = picked.problem, picked.found, picked.short
 
+    def going_on() -> None:
+        if progress:
+            progress(found.counts.considered, found.counts.considered)
+
     def passing(rows: list[int], before: int = 0) -> tuple[DriveSet, ...]:
         return tuple(
             picked.record(
@@ -160,7 +164,7 @@ def size(
         requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *short)), 0)),
         sets=sets,
         misses=tuple(picked.record(row, rank) for rank, row in enumerate(rejected, len(sets) + len(unsure) + 1)),
-        relaxations=() if brief or found.passing or found.short else relaxations(problem, objective),
+        relaxations=() if brief or found.passing or found.short else relaxations(problem, objective, going_on),
         counts=found.counts,
         assumptions=(
             *_assumptions(problem.spec),

@@ -35,13 +35,14 @@ def answer(held: Held, request: Piece) -> Iterator[Piece]:
         text = text_of(held, request)
         source = YamlSource(text, held.name)
         yield {"kind": "spec", "text": text, "data": source.data}
+        yield {"kind": "ranking", **_ranking(whole(held, text, brief=True))}
+        held.go_on()
         result = whole(held, text, front=True)
     except InputError as error:
         yield {"kind": "wrong", "text": text, "lines": list(error.lines), "faults": faults(error, held.name)}
         return
-    held.go_on()
-    yield {"kind": "ranking", **_ranking(result)}
-    held.go_on()
+    if not hasattr(result, "axes") and not result.sets:
+        yield {"kind": "ranking", **_ranking(result)}  # the closest rejected are of the whole sizing
     yield from of_result(held, result)
 
 

@@ -42,7 +42,9 @@ def text_of(held: Held, request: Piece) -> str:
     return edited(str(request["text"]), edits, held.name) if edits else str(request["text"])
 
 
-def whole(held: Held, text: str, *, first: bool = True, top: int = TOP, front: bool = False) -> Any:
+def whole(
+    held: Held, text: str, *, first: bool = True, top: int = TOP, front: bool = False, brief: bool = False
+) -> Any:
     """The sizing of a text, made once.
 
     Parameters
@@ -57,6 +59,8 @@ def whole(held: Held, text: str, *, first: bool = True, top: int = TOP, front: b
         Drives.
     front
         Also those that no other beats in mass, price and energy, of a spec of one axis.
+    brief
+        The drives alone, of a spec of one axis.
 
     Returns
     -------
@@ -74,17 +78,15 @@ def whole(held: Held, text: str, *, first: bool = True, top: int = TOP, front: b
     spec = read_any(YamlSource(text, held.name))
     if not first:
         return None
+    if isinstance(spec, MachineSpec):
+        from drivesizer.multi_axis.sizing import size_machine
 
-    def sized() -> Any:
-        if isinstance(spec, MachineSpec):
-            from drivesizer.multi_axis.sizing import size_machine
+        return held.keep(json.dumps([top, text]), lambda: size_machine(spec, top=top, progress=held.go_on))
+    from drivesizer.sizing import size
 
-            return size_machine(spec, top=top, progress=held.go_on)
-        from drivesizer.sizing import size
-
-        return size(spec, top=top, pareto=FRONT if front else (), progress=held.go_on)
-
-    return held.keep(json.dumps([top, front, text]), sized)
+    pareto = FRONT if front else ()
+    key = json.dumps([top, pareto, brief, text])
+    return held.keep(key, lambda: size(spec, top=top, pareto=pareto, brief=brief, progress=held.go_on))
 
 
 def faults(error: InputError, name: str) -> list[Piece]:

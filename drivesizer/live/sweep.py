@@ -44,7 +44,7 @@ def _best(held: Held, text: str) -> Piece:
     from drivesizer.results.check import worst
 
     try:
-        result = whole(held, text, top=1)
+        result = whole(held, text, top=1, brief=True)
     except StoppedError:
         raise
     except DrivesizerError as error:

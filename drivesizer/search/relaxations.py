@@ -74,7 +74,9 @@ _FIGURES = (
 _AMBIENT = ("environment", "ambient")
 
 
-def relaxations(problem: Problem, objective: Ranking) -> tuple[Relaxation, ...]:
+def relaxations(
+    problem: Problem, objective: Ranking, going_on: Callable[[], None] = lambda: None
+) -> tuple[Relaxation, ...]:
     """The changes that would let some drive pass where none does.
 
     Parameters
@@ -83,6 +85,8 @@ def relaxations(problem: Problem, objective: Ranking) -> tuple[Relaxation, ...]:
         The machine with its load cycles, and the catalogues.
     objective
         What ranks drives: the best that then passes is named.
+    going_on
+        Called before each of many searches; what it raises ends them.
 
     Returns
     -------
@@ -98,7 +102,11 @@ def relaxations(problem: Problem, objective: Ranking) -> tuple[Relaxation, ...]:
             raise AssertionError("a drive that passes ranks nowhere")
         return found.label
 
-    return tuple(_found(problem, _Passing(any_in_machine, best)))
+    def passes(moved: Problem) -> bool:
+        going_on()
+        return any_in_machine(moved)
+
+    return tuple(_found(problem, _Passing(passes, best)))
 
 
 def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:

@@ -28,7 +28,7 @@ export function rank(piece) {
     return;
   }
   if (!best) {
-    headline.replaceChildren(element("p", { className: "best", textContent: "No drive is near the limits." }));
+    headline.replaceChildren(element("p", { className: "best", textContent: "No drive meets all limits." }), element("p", { className: "figures-of", textContent: `${piece.considered.toLocaleString("en")} drives considered; what would let one pass follows.` }));
     return;
   }
   const head = piece.found ? best.label : `No drive meets all limits. The closest: ${best.label}`;
