@@ -35,14 +35,14 @@ from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
 from drivesizer.files.shipped import shipped_folder
-from drivesizer.files.text import decoded, read_bytes
+from drivesizer.files.text import decoded, is_handed, read_bytes
 from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.version import __version__
 
 __all__ = [
     "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "BrakeResistor", "CacheWarning",
     "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "PowerSupply", "Pulley", "Source",
-    "Stepper", "Table", "columns_of", "lines", "load", "one_of", "shipped",
+    "Stepper", "Table", "columns_of", "lines", "load", "of_text", "one_of", "shipped",
 ]  # fmt: skip
 
 
@@ -91,7 +91,10 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
 
     if len(paths) == 1:
         return join()
-    return _compiled(f"{len(paths)} {digest_of(*map(str.encode, stems))}", digest_of(*map(str.encode, keys)), join)
+    name, key = f"{len(paths)} {digest_of(*map(str.encode, stems))}", digest_of(*map(str.encode, keys))
+    if any(map(is_handed, paths)):
+        return _remembered(f"{name} {key}", join)
+    return _compiled(name, key, join)
 
 
 def _path(name: str, beside: Path | None, known: Mapping[str, Path]) -> Path:
@@ -117,13 +120,51 @@ def _schema() -> bytes:
 
 
 def _one(path: Path, raw: bytes, key: str) -> Catalog:
-    def parsed() -> Catalog:
-        from drivesizer.catalog.catalog_file import parse
-        from drivesizer.files.yaml_source import YamlSource
+    if is_handed(path):
+        return of_text(path, raw)
+    return _compiled(path.stem, key, lambda: _parsed(path, raw))
 
-        return parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest_of(raw))
 
-    return _compiled(path.stem, key, parsed)
+def of_text(path: Path, raw: bytes) -> Catalog:
+    """A catalogue out of its text: nothing of it is kept on the disk, and the last few are remembered.
+
+    Parameters
+    ----------
+    path
+        As messages call it; the stem is the catalogue's name.
+    raw
+        Content of the file.
+
+    Returns
+    -------
+    Catalog
+        Its parts as columns.
+
+    Raises
+    ------
+    CatalogError
+        When it does not follow the schema.
+    """
+    return _remembered(f"{path.stem} {_key(raw)}", lambda: _parsed(path, raw))
+
+
+def _parsed(path: Path, raw: bytes) -> Catalog:
+    from drivesizer.catalog.catalog_file import parse
+    from drivesizer.files.yaml_source import YamlSource
+
+    return parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest_of(raw))
+
+
+_REMEMBERED = 8
+_memory: dict[str, Catalog] = {}  # catalogues that the disk is not to keep, the newest last
+
+
+def _remembered(key: str, make: Callable[[], Catalog]) -> Catalog:
+    found = _memory.pop(key, None) or make()
+    while len(_memory) >= _REMEMBERED:
+        del _memory[next(iter(_memory))]
+    _memory[key] = found
+    return found
 
 
 def _compiled(name: str, key: str, make: Callable[[], Catalog]) -> Catalog:

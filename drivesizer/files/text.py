@@ -8,17 +8,18 @@ from __future__ import annotations
 import os
 import select
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
 
-__all__ = ["decoded", "missing", "read_bytes", "read_no_others", "read_text", "was_read"]
+__all__ = ["decoded", "hand_over", "is_handed", "missing", "read_bytes", "read_no_others", "read_text", "was_read"]
 
 _PATIENCE = 2.0  # s to wait for a writer on a named pipe
 _PIECE = 1 << 20  # bytes read at once
 _read: dict[Path, None] = {}  # absolute paths of the files that were read
 _permitted: set[Path] = set()  # where not empty: files and folders of which alone may be read
+_handed: dict[Path, bytes] = {}  # by absolute path: contents that count in place of files
 
 
 def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
@@ -41,6 +42,8 @@ def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
     InputError
         When the file cannot be read, is larger than `largest` [bytes], or is a pipe that nobody writes into.
     """
+    if (content := _handed.get(path.absolute())) is not None:
+        return content
     if _permitted and _permitted.isdisjoint((path.resolve(), *path.resolve().parents)):
         raise InputError(f"{path}: is not read here; expected a shipped catalogue, or what the spec named at first")
     try:
@@ -94,6 +97,23 @@ def read_no_others(folders: Iterable[Path]) -> None:
         What lies below them may be read too.
     """
     _permitted.update(path.resolve() for path in (*_read, *folders))
+
+
+def hand_over(contents: Mapping[Path, bytes]) -> None:
+    """Let contents count as files until others are handed over: of someone who has no file on this machine.
+
+    Parameters
+    ----------
+    contents
+        By path; in place of all that were handed over before.
+    """
+    _handed.clear()
+    _handed.update({path.absolute(): content for path, content in contents.items()})
+
+
+def is_handed(path: Path) -> bool:
+    """Whether the content of a path was handed over, so that the disk is to keep nothing of it."""
+    return path.absolute() in _handed
 
 
 def was_read(path: Path) -> Path | None:

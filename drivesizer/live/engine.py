@@ -15,17 +15,20 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, printable
-from drivesizer.live.held import Held, Piece, StoppedError
+from drivesizer.live.held import Held, Piece, StoppedError, take_over
 
-__all__ = ["JOBS", "done", "run"]
+__all__ = ["INSIDE", "JOBS", "OWN", "done", "run"]
 
 _FAULT = "a fault of drivesizer itself"
+
+OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
 
 # name of a job: module with a function of that name, which yields pieces
 JOBS = {
     "answer": "answer", "sweep": "sweep", "rejected": "sweep", "compare": "compare",
     "loop": "files", "report": "files", "export": "files", "document": "files",
 }  # fmt: skip
+INSIDE = {"check": "own_catalogues"}  # jobs of the server alone
 
 
 def done(held: Held, job: str, request: Piece) -> Iterator[Piece]:
@@ -36,7 +39,7 @@ def done(held: Held, job: str, request: Piece) -> Iterator[Piece]:
     held
         What the process keeps.
     job
-        One of ``JOBS``.
+        One of ``JOBS`` or ``INSIDE``.
     request
         What the page sent.
 
@@ -46,7 +49,7 @@ def done(held: Held, job: str, request: Piece) -> Iterator[Piece]:
         ``kind`` says what it is; ``wrong`` has the lines that the command line would print.
     """
     try:
-        yield from getattr(import_module(f"drivesizer.live.{JOBS[job]}"), job)(held, request)
+        yield from getattr(import_module(f"drivesizer.live.{(JOBS | INSIDE)[job]}"), job)(held, request)
     except InputError as error:
         yield {"kind": "wrong", "lines": list(error.lines)}
     except DrivesizerError as error:
@@ -84,6 +87,9 @@ def run(pipe: Connection, wanted: Any, name: str, again: bool) -> None:
             number, job, request = pipe.recv()
         except (EOFError, OSError):
             return
+        if job == OWN:
+            take_over(held, request)
+            continue
         held.stopped = partial(_unwanted, wanted, number)
         _sent(pipe, number, done(held, job, request))
 

@@ -9,14 +9,16 @@ from typing import Any
 
 from drivesizer.output.report.html.templates import digest
 
-__all__ = ["LARGEST", "Guard"]
+__all__ = ["CATALOGUE", "LARGEST", "Guard"]
 
 Message = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 App = Callable[[Message, Receive, Send], Awaitable[None]]
 
-LARGEST = 4_000_000  # bytes of a request: a spec is at most 2 MB, a catalogue somewhat more
+LARGEST = 4_000_000  # bytes of a request: a spec is at most 2 MB
+CATALOGUE = "/catalogue"  # where a request brings a catalogue
+_LARGEST_OF = {CATALOGUE: 22_000_000}  # 16 MB in base64
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src-elem 'self'{}; style-src-attr 'unsafe-inline'; "
     "img-src 'self' data: blob:; connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -47,8 +49,13 @@ class Guard:
         if refused:
             await _refuse(_with_headers(send, self.headers), *refused)
             return
-        scope = {**scope, "path": scope["path"][len(self.token) + 1 :] or "/", "raw_path": None, "root_path": ""}
-        await self.app(scope, _bounded(receive), _with_headers(send, self.headers))
+        path = self._path(scope)
+        scope = {**scope, "path": path, "raw_path": None, "root_path": ""}
+        await self.app(scope, _bounded(receive, _largest(path)), _with_headers(send, self.headers))
+
+    def _path(self, scope: Message) -> str:
+        """Path of a request behind the token."""
+        return scope["path"][len(self.token) + 1 :] or "/"
 
     def _refused(self, scope: Message) -> tuple[int, str] | None:
         """Status and reason of a refusal; None where the request may pass."""
@@ -63,10 +70,12 @@ class Guard:
         start = f"/{self.token}/"
         if not compare_digest(scope["path"][: len(start)].encode(), start.encode()):
             return 404, "nothing is here; open the address that drivesizer serve printed"
-        return self._refused_content(scope["method"], headers, origin)
+        return self._refused_content(scope["method"], headers, origin, _largest(self._path(scope)))
 
     @staticmethod
-    def _refused_content(method: str, headers: dict[str, str], origin: str | None) -> tuple[int, str] | None:
+    def _refused_content(
+        method: str, headers: dict[str, str], origin: str | None, largest: int
+    ) -> tuple[int, str] | None:
         if method == "GET":
             return None
         if method != "POST":
@@ -76,9 +85,14 @@ class Guard:
         if headers.get("content-type", "").split(";")[0].strip() != "application/json":
             return 415, "expected application/json"
         length = headers.get("content-length", "0")
-        if not length.isascii() or not length.isdigit() or int(length) > LARGEST:
-            return 413, f"expected at most {LARGEST // 1_000_000} MB"
+        if not length.isascii() or not length.isdigit() or int(length) > largest:
+            return 413, f"expected at most {largest // 1_000_000} MB"
         return None
+
+
+def _largest(path: str) -> int:
+    """Bytes that the body of a request may have."""
+    return _LARGEST_OF.get(path, LARGEST)
 
 
 def _with_headers(send: Send, headers: Mapping[str, str]) -> Send:
@@ -92,7 +106,7 @@ def _with_headers(send: Send, headers: Mapping[str, str]) -> Send:
     return sent
 
 
-def _bounded(receive: Receive) -> Receive:
+def _bounded(receive: Receive, largest: int) -> Receive:
     """Ends a body that is longer than it may be, whatever length it claimed."""
     taken = 0
 
@@ -100,7 +114,7 @@ def _bounded(receive: Receive) -> Receive:
         nonlocal taken
         message = await receive()
         taken += len(message.get("body", b""))
-        return message if taken <= LARGEST else {"type": "http.disconnect"}
+        return message if taken <= largest else {"type": "http.disconnect"}
 
     return received
 

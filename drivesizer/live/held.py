@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
-__all__ = ["Held", "Piece", "StoppedError"]
+from drivesizer.files.text import hand_over
+
+__all__ = ["Held", "Piece", "StoppedError", "take_over"]
 
 Piece = dict[str, Any]
 _KEPT = 4  # sizings: that of the page, and those of which someone wants a file or a comparison
@@ -24,6 +27,8 @@ class Held:
     name: str  # of the file that the page edits, as messages call it
     stopped: Callable[[], bool] = lambda: False
     sized: OrderedDict[str, Any] = field(default_factory=OrderedDict)  # sizings by their spec's text
+    shelf: dict[str, Any] = field(default_factory=dict)  # catalogues by name, each by itself
+    own: tuple[str, ...] = ()  # names of the user's catalogues
 
     def go_on(self, *_: int) -> None:
         """Stop a job of which nobody wants the answer; takes the numbers of a progress."""
@@ -38,3 +43,20 @@ class Held:
                 self.sized.popitem(last=False)
         self.sized.move_to_end(key)
         return self.sized[key]
+
+
+def take_over(held: Held, own: Mapping[str, bytes]) -> None:
+    """Take the user's catalogues in place of those before; what was found with these is forgotten.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    own
+        Content of each by its name, as a spec names it: a path from the spec's folder.
+    """
+    hand_over({Path(held.name).parent / name: content for name, content in own.items()})
+    for name in {*held.own, *own}:
+        held.shelf.pop(name, None)
+    held.own = tuple(own)
+    held.sized.clear()

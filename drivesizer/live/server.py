@@ -20,7 +20,8 @@ from starlette.routing import Route
 from drivesizer.errors import InputError
 from drivesizer.files.writing import put
 from drivesizer.live.engine import JOBS
-from drivesizer.live.guard import App, Guard
+from drivesizer.live.guard import CATALOGUE, App, Guard
+from drivesizer.live.own_catalogues import taken
 from drivesizer.live.worker import Worker
 from drivesizer.output.report.html.templates import own_file
 from drivesizer.version import __version__
@@ -53,17 +54,25 @@ def application(path: Path, token: str, port: int, starting: str) -> App:
     ASGI application
     """
     state: dict[str, Worker] = {}
+    own: dict[str, bytes] = {}  # catalogues of the user, by name
 
     @asynccontextmanager
     async def running(_: Starlette) -> AsyncIterator[None]:
-        state["quick"] = Worker(str(path), _QUICK)
-        state["slow"] = Worker(str(path), _SLOW)
+        state["quick"] = Worker(str(path), _QUICK, own)
+        state["slow"] = Worker(str(path), _SLOW, own)
         yield
         for worker in state.values():
             worker.close()
 
     async def job(request: Request) -> Response:
         return await _job(request, state)
+
+    async def catalogue(request: Request) -> Response:
+        try:
+            body = await request.json()
+        except (ValueError, RecursionError):
+            body = None
+        return JSONResponse(await taken(body, own, state["slow"]))
 
     async def spec(_: Request) -> Response:
         return JSONResponse(_content(path, starting))
@@ -80,6 +89,7 @@ def application(path: Path, token: str, port: int, starting: str) -> App:
         Route("/spec", spec),
         Route("/save", save, methods=["POST"]),
         Route("/do/{job}", job, methods=["POST"]),
+        Route(CATALOGUE, catalogue, methods=["POST"]),
     ]
     return Guard(Starlette(routes=routes, lifespan=running), token, port, _styles_inside(_plotly_script()))
 

@@ -6,12 +6,12 @@ import asyncio
 import json
 import multiprocessing
 import threading
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
 
-from drivesizer.live.engine import run
+from drivesizer.live.engine import OWN, run
 from drivesizer.live.held import Piece
 
 __all__ = ["Worker"]
@@ -26,13 +26,15 @@ class Worker:
     A class, for it has a life: it is started, killed when a job takes too long, started afresh, and closed.
     """
 
-    def __init__(self, name: str, longest: float) -> None:
+    def __init__(self, name: str, longest: float, own: Mapping[str, bytes]) -> None:
         self.name = name  # of the file of the page
+        self.own = own  # catalogues of the user, which change while it lives
         self.longest = longest  # s that a job may take from one piece to the next
         self.jobs = 0
         self.newest: dict[str, int] = {}  # by tab, the job whose answer it waits for
         self.serving = ""  # tab of the job that is done now
         self.turn = asyncio.Lock()
+        self.sending = threading.Lock()
         context = multiprocessing.get_context("spawn")
         self.wanted: Any = context.Value("Q", 0, lock=False)  # job that is not to be stopped
         self.starts = 0
@@ -46,6 +48,7 @@ class Worker:
         self.process.start()
         theirs.close()
         self.starts += 1
+        self.has: dict[str, bytes] = {}  # of those catalogues
         self.pieces: asyncio.Queue[bytes | None] = asyncio.Queue()
         listening = self.pipe, self.pieces, asyncio.get_running_loop()
         threading.Thread(target=_listen, args=listening, daemon=True).start()
@@ -74,7 +77,8 @@ class Worker:
                 return
             self.serving, self.wanted.value = tab, mine
             try:
-                self.pipe.send((mine, job, request))
+                await self._hand_over()
+                await asyncio.to_thread(self._send, (mine, job, request))
                 async for body in self._pieces_of(mine):
                     yield body
             except (OSError, EOFError):
@@ -84,6 +88,17 @@ class Worker:
                 self.serving, self.wanted.value = "", 0  # what is left of it is of no use to anyone
                 if len(self.newest) > _TABS:
                     self.newest.clear()
+
+    async def _hand_over(self) -> None:
+        """The user's catalogues, where the process does not have them as they are now."""
+        if self.has != self.own:
+            self.has = dict(self.own)
+            await asyncio.to_thread(self._send, (0, OWN, self.has))
+
+    def _send(self, message: tuple[int, str, Any]) -> None:
+        """Send what may be more than a pipe holds: in a thread, and one after another, whoever still waits for it."""
+        with self.sending:
+            self.pipe.send(message)
 
     async def _pieces_of(self, job: int) -> AsyncIterator[bytes]:
         """Pieces of a job until it ends; one that takes too long is the end of its process."""
