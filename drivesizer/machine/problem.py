@@ -22,7 +22,7 @@ from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.spec.mounting import Mounting
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["changed", "problem", "quickest_winding"]
+__all__ = ["changed", "problem", "quickest_winding", "with_spec"]
 
 
 def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
@@ -96,13 +96,29 @@ def changed(problem: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Probl
         Wheels of a platform keep the load of the trajectory that was planned.
     """
     quickest = quickest_winding(problem.catalog)
+    cases = tuple(with_spec(case, change(case.spec), quickest) for case in problem.cases)
+    return replace(problem, machine=problem.machine.changed(change), cases=cases)
 
-    def moved(case: LoadCase) -> LoadCase:
-        spec = change(case.spec)
-        kept = all(a is b for a, b in zip(_shaping(spec), _shaping(case.spec), strict=True))
-        return replace(case, spec=spec, at_belt=case.at_belt if kept else _at_belt(spec, quickest))
 
-    return replace(problem, machine=problem.machine.changed(change), cases=tuple(map(moved, problem.cases)))
+def with_spec(case: LoadCase, spec: RobotSpec, quickest: float) -> LoadCase:
+    """A load case with another spec, its cycle made anew where that depends on it.
+
+    Parameters
+    ----------
+    case
+        As it was.
+    spec
+        A copy of its spec with other figures.
+    quickest
+        Time constant of the quickest winding [s].
+
+    Returns
+    -------
+    LoadCase
+        The wheel of a platform keeps the load of the trajectory that was planned.
+    """
+    kept = all(a is b for a, b in zip(_shaping(spec), _shaping(case.spec), strict=True))
+    return replace(case, spec=spec, at_belt=case.at_belt if kept else _at_belt(spec, quickest))
 
 
 def _shaping(spec: RobotSpec) -> tuple[Any, ...]:

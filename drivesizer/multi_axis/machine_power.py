@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import nan
+from typing import NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError
@@ -15,11 +16,20 @@ from drivesizer.results.check import Check, worst_of_cases
 from drivesizer.results.check_columns import at_most
 from drivesizer.results.machine import AxisSizing
 from drivesizer.results.machine_power import MachinePower
+from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.several_axes.machine import MachineSpec
 from drivesizer.spec.several_axes.machine_file import on_common_bus
 
-__all__ = ["machine_power", "with_choppers"]
+__all__ = ["machine_power", "over_tolerances", "with_choppers"]
+
+
+class _OnSupply(NamedTuple):
+    """Sections that the axes on a machine's supply share, where its parts are listed, and these axes with their drives."""
+
+    shared: RobotSpec
+    catalog: Catalog
+    axes: list[AxisPower]
 
 
 def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePower | None:
@@ -42,6 +52,47 @@ def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePo
     InputError
         As of ``common_supply``.
     """
+    found = _on_supply(machine, axes)
+    if found is None:
+        return None
+    try:
+        power = common_supply(*found, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
+    except FieldError as error:
+        raise InputError(f"{machine.where(error.field)}: {error}") from None
+    on_it = [one for one in axes if not machine.axis(one.name).own_supply]
+    return replace(power, checks=(*power.checks, *_motor_voltage(power, found.shared, on_it)))
+
+
+def over_tolerances(
+    machine: MachineSpec, axes: Sequence[AxisSizing], power: MachinePower, how: Sampling
+) -> MachinePower:
+    """The same with the probability that no limit of the supply is exceeded, over all uncertain figures.
+
+    Parameters
+    ----------
+    machine, axes
+        As of ``machine_power``.
+    power
+        At nominal figures.
+    how
+        Samples, seed, and the required confidence.
+
+    Returns
+    -------
+    MachinePower
+        With its reliability; where the power of an axis is unknown with the assumption that figures are nominal.
+    """
+    found = _on_supply(machine, axes)
+    if found is None or power.unknown:
+        said = "limits of the supply are judged at nominal figures: power over tolerances is unknown"
+        return replace(power, assumptions=(*power.assumptions, said))
+    from drivesizer.multi_axis.sampled_supply import with_samples  # where nothing is sampled it need not load
+
+    return with_samples(machine, *found, power, how)
+
+
+def _on_supply(machine: MachineSpec, axes: Sequence[AxisSizing]) -> _OnSupply | None:
+    """The axes on the machine's supply; None of a single axis, and where one of them has no drive."""
     on_it = [one for one in axes if not machine.axis(one.name).own_supply]
     if _alone(machine) or not on_it or any(one.best is None for one in on_it):
         return None
@@ -49,12 +100,7 @@ def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePo
         AxisPower(one.name, one.result.problem, one.best, machine.axis(one.name).start) for one in on_it if one.best
     ]
     shared = shared_sections(machine, [one.spec for one in on_it])
-    catalog = _listing(machine, [one.result.problem.catalog for one in on_it])
-    try:
-        power = common_supply(shared, catalog, found, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
-    except FieldError as error:
-        raise InputError(f"{machine.where(error.field)}: {error}") from None
-    return replace(power, checks=(*power.checks, *_motor_voltage(power, shared, on_it)))
+    return _OnSupply(shared, _listing(machine, [one.result.problem.catalog for one in on_it]), found)
 
 
 def _motor_voltage(power: MachinePower, shared: RobotSpec, on_it: Sequence[AxisSizing]) -> tuple[Check, ...]:

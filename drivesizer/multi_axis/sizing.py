@@ -2,118 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from math import isnan
-from typing import Any, NamedTuple
 
-from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.joints.mass_columns import joint_torques
-from drivesizer.machine.budgets import riding_mass, riding_rows
-from drivesizer.multi_axis.combinations import Choice, Combination, Cost, axis_by_axis, best_combination
+from drivesizer.multi_axis.axis_sizings import (
+    AxisSizings,
+    Options,
+    PartsOf,
+    SamplingOf,
+    choices_of,
+    mass_on_others,
+)
+from drivesizer.multi_axis.combinations import Choice, Combination, axis_by_axis, best_combination
 from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
-from drivesizer.multi_axis.joint_axes import TorquesOf, with_joints
-from drivesizer.multi_axis.machine_power import machine_power, with_choppers
-from drivesizer.multi_axis.offered_kinds import ORDER, Loaded, OfferedKinds, kind_of
+from drivesizer.multi_axis.file_tolerances import toleranced, without_effect
+from drivesizer.multi_axis.joint_axes import TorquesOf
+from drivesizer.multi_axis.machine_power import machine_power, over_tolerances, with_choppers
+from drivesizer.multi_axis.offered_kinds import ORDER, OfferedKinds, kind_of
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, of_all_drives
-from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import SizingResult
+from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
 from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.sifting import Progress
-from drivesizer.search.uncertainty.options import Sampling, sampling_of
-from drivesizer.sizing import load_parts, size
+from drivesizer.search.uncertainty.options import sampling_of
+from drivesizer.sizing import load_parts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES
-from drivesizer.spec.several_axes.carried import carrying
 from drivesizer.spec.several_axes.machine import MachineSpec
 from drivesizer.units import show
 
 __all__ = ["laden", "size_machine"]
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average
-SamplingOf = Callable[[RobotSpec], Sampling | None]
-PartsOf = Callable[[RobotSpec], Catalog]
-
-
-class _Options(NamedTuple):
-    """Options of the sizing of all axes."""
-
-    top: int
-    objective: Ranking | None
-    progress: Progress | None
-    sampling: SamplingOf
-    brief: bool
-    parts: PartsOf
-    torques: TorquesOf
-
-
-class _Sizings:
-    """Sizings of the axes with drives of some masses on them, each made once."""
-
-    def __init__(self, machine: MachineSpec, how: _Options) -> None:
-        self.machine, self.joints = with_joints(machine, how.torques)
-        self.how, self.ranking = how, how.objective
-        self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
-        self.kinds: OfferedKinds | None = None  # where common drives are preferred
-        self.catalogs: dict[tuple[Any, ...], Catalog] = {}
-        self.machine = with_choppers(self.machine, self._parts)
-
-    def objective(self, axis: str) -> Ranking:
-        """Objective of the ranking of an axis' drives."""
-        own: Ranking = self.machine.axis(axis).spec.select.objective
-        return self.ranking or own
-
-    def result(self, axis: str, masses: tuple[float, ...]) -> SizingResult:
-        """The sizing of an axis with carried drives of these masses [kg]."""
-        if (axis, masses) not in self.made:
-            spec = self.laden(axis, masses)
-            self.made[axis, masses] = size(
-                spec, catalog=self._parts(spec), top=self.how.top, objective=self.ranking, pareto=self._front(axis),
-                progress=self.how.progress, sampling=self.how.sampling(spec), brief=self.how.brief,
-            )  # fmt: skip
-        return self.made[axis, masses]
-
-    def loaded(self, axis: str, masses: tuple[float, ...]) -> Loaded:
-        """An axis with carried drives of these masses [kg], for a search of few kinds."""
-        spec = self.laden(axis, masses)
-        return Loaded(spec, self._parts(spec), str(self.objective(axis)), self.how.sampling(spec))
-
-    def chosen(self, axis: str, masses: tuple[float, ...], label: str) -> SizingResult:
-        """The sizing of an axis with the drive of a label as its first."""
-        result = self.result(axis, masses)
-        one = next((one for one in (*result.sets, *result.front) if one.label == label), None)
-        if one is None:
-            assert self.kinds is not None
-            problem, one = self.kinds.record(axis, masses, label)
-            result = replace(result, problem=replace(problem, catalog=result.problem.catalog))
-        return _first(result, one)
-
-    def _front(self, axis: str) -> tuple[str, ...]:
-        """Objectives whose front is wanted: cost and mass of drives that ride on others."""
-        objective = self.objective(axis)
-        rides = any(axis in self.machine.carried(other.name) for other in self.machine.axes)
-        if not rides or not isinstance(objective, str) or objective not in SUMMED:
-            return ()
-        return tuple(dict.fromkeys((objective, "mass")))
-
-    def _parts(self, spec: RobotSpec) -> Catalog:
-        """The catalogues of an axis, those of the same choice once."""
-        key = tuple(spec.select.catalogs), spec.select.motor.kind, spec.select.estimates
-        if key not in self.catalogs:
-            self.catalogs[key] = self.how.parts(spec)
-        return self.catalogs[key]
-
-    def laden(self, axis: str, masses: tuple[float, ...]) -> RobotSpec:
-        """The spec of an axis with carried drives of these masses [kg]."""
-        one, carried = self.machine.axis(axis), self.machine.carried(axis)
-        if self.joints.has(axis):
-            return self.joints.laden(one.spec, axis, dict(zip(carried, masses, strict=True)))
-        if not any(masses):
-            return one.spec
-        on_it = list(zip(masses, carried.values(), strict=True))
-        return one.spec.changed(lambda spec: spec.model_copy(update={"load": carrying(spec.load, on_it)}))
 
 
 def size_machine(
@@ -152,24 +73,24 @@ def size_machine(
     InputError
         As ``size`` does.
     """
-    sizings = _Sizings(machine, _Options(top, objective, progress, sampling, brief, parts, torques))
+    sizings = AxisSizings(machine, Options(top, objective, progress, sampling, brief, parts, torques))
     machine = sizings.machine
     carried = {axis.name: tuple(machine.carried(axis.name)) for axis in machine.axes}
 
     def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
-        return _choices(sizings.result(axis, masses), sizings.objective(axis))
+        return choices_of(sizings.result(axis, masses), sizings.objective(axis))
 
     if machine.whole:
         found = best_combination(machine.order, carried, sized, _PER_AXIS * len(machine.axes))
     else:
         found = axis_by_axis(machine.order, carried, sized)
     best = _of_machine(sizings, carried, found)
-    if machine.few_kinds is None or found.missing:
-        return best
-    return _with_few_kinds(sizings, carried, found, best, machine.few_kinds)
+    if machine.few_kinds is not None and not found.missing:
+        best = _with_few_kinds(sizings, carried, found, best, machine.few_kinds)
+    return _over_tolerances(best, sampling)
 
 
-def _of_machine(sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination) -> MachineSizing:
+def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination) -> MachineSizing:
     """The machine with the drives of a combination."""
     machine = sizings.machine
     axes = tuple(_axis(sizings, carried, found, axis.name) for axis in machine.axes)
@@ -187,8 +108,23 @@ def _of_machine(sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found
     )
 
 
+def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizing:
+    """The machine with its supply's limits over tolerances, where any figure has one."""
+    machine, power, first = sizing.machine, sizing.power, sizing.axes[0].spec
+    lost = without_effect(machine)
+    note = f"the tolerance of {', '.join(lost)} has no effect: axes and supply are those of the nominal figure"
+    notes = (*sizing.notes, *([note] if lost else ()))
+    how = next((found for found in (sampling(axis.spec) for axis in sizing.axes) if found), None)
+    if how is None and toleranced(machine):
+        how = sampling_of(first, samples=first.tolerances.samples)
+    if power is None or how is None:
+        return replace(sizing, notes=notes)
+    power = over_tolerances(machine, sizing.axes, power, how)
+    return replace(sizing, power=power, checks=power.checks, notes=notes)
+
+
 def _with_few_kinds(
-    sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination, best: MachineSizing, more: float
+    sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination, best: MachineSizing, more: float
 ) -> MachineSizing:
     """The machine with common drives, where they cost no more of the objective than permitted."""
     machine = sizings.machine
@@ -278,7 +214,7 @@ def _as_chosen(spec: RobotSpec, one: DriveSet) -> RobotSpec:
     return spec.changed(lambda case: case.model_copy(update={"select": select}))
 
 
-def _bounded(sizings: _Sizings, axis: str, found: Combination) -> bool:
+def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:
     """Whether the sum that is least is that of the objective, and more mass on the axis never lightens its load."""
     objective, load = sizings.objective(axis), sizings.machine.axis(axis).spec.load
     if not isinstance(objective, str) or objective not in SUMMED:
@@ -289,45 +225,7 @@ def _bounded(sizings: _Sizings, axis: str, found: Combination) -> bool:
     return not carried or not getattr(load, "counterweight", 0.0) > 0.0
 
 
-def _choices(result: SizingResult, objective: Ranking) -> list[Choice]:
-    """Drives that count for others: the best, and those on the front of cost and mass that are as certain as it."""
-    if not result.sets:
-        return []
-    best = result.sets[0]
-    found = [one for one in result.front if one.status == best.status]
-    drives = {one.label: one for one in [*found, best]}
-    choices = [
-        Choice(
-            name, _cost(one, objective, result.spec.load.motors, one.label == best.label), _mass(result.problem, one)[0]
-        )
-        for name, one in drives.items()
-    ]
-    kept = [one for one in choices if not any(_beats(other, one) for other in choices)]
-    return sorted(kept, key=lambda one: (one.cost, one.mass))
-
-
-def _beats(one: Choice, other: Choice) -> bool:
-    """Whether a drive is no worse in cost and mass, and better in one of them."""
-    same = one.cost <= other.cost and one.mass <= other.mass
-    return same and (one.cost < other.cost or one.mass < other.mass)
-
-
-def _cost(one: DriveSet, objective: Ranking, motors: int, best: bool) -> Cost:
-    """The objective of all drives of an axis; where it is no sum, the best one alone counts."""
-    if not isinstance(objective, str) or objective not in SUMMED:
-        return (0 if best else 1), 0.0
-    declared, value = OBJECTIVES[objective], one.objective
-    parts = [getattr(getattr(one, part), declared.figure) for part in declared.over]
-    missing = sum(map(isnan, parts)) if parts else int(isnan(value))
-    return missing, 0.0 if isnan(value) else of_all_drives(objective, one, motors)
-
-
-def _mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
-    """Mass of an axis' drives that ride on another, without their controllers [kg], and parts of unknown mass."""
-    return riding_mass(problem, one), tuple(row.name for row in riding_rows(problem, one) if isnan(row.each))
-
-
-def _axis(sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str) -> AxisSizing:
+def _axis(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str) -> AxisSizing:
     """An axis with the drive that was chosen for the whole as its best."""
     known = {other: choice.mass for other, choice in found.chosen.items()}
     masses = tuple(known.get(other, 0.0) for other in carried[name])
@@ -344,22 +242,14 @@ def _axis(sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Comb
 
 
 def _lacking(
-    sizings: _Sizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str
+    sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str
 ) -> tuple[str, ...]:
     """Parts of unknown mass of the drive that was chosen for an axis."""
     if name not in found.chosen:
         return ()
     masses = tuple(found.chosen[other].mass if other in found.chosen else 0.0 for other in carried[name])
     result = sizings.chosen(name, masses, found.chosen[name].name)
-    return _mass(result.problem, result.sets[0])[1]
-
-
-def _first(result: SizingResult, chosen: DriveSet) -> SizingResult:
-    """The sizing with a drive as its first."""
-    if result.sets[0].label == chosen.label:
-        return result
-    others = [one for one in result.sets if one.label != chosen.label][: len(result.sets) - 1]
-    return replace(result, sets=tuple(replace(one, rank=n) for n, one in enumerate((chosen, *others), 1)))
+    return mass_on_others(result.problem, result.sets[0])[1]
 
 
 def _notes(machine: MachineSpec, found: Combination, axes: tuple[AxisSizing, ...]) -> list[str]:

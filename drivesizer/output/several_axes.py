@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from drivesizer.output.probability import likely
+from drivesizer.results.check import in_a_sentence
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.machine_power import MachinePower
+from drivesizer.results.reliability import Reliability
 from drivesizer.spec.several_axes.machine import MachineSpec
 from drivesizer.units import show
 
-__all__ = ["Branch", "choice_text", "mass_tree", "supply_texts"]
+__all__ = ["Branch", "choice_text", "mass_tree", "sampled_text", "supply_texts"]
 
 
 class Branch(NamedTuple):
@@ -92,5 +95,25 @@ def supply_texts(power: MachinePower) -> Iterator[str]:
         burnt = f", brake resistor {resistor}" if resistor else ""
         drawn = f"{left} that no axis draws, {shared} from axis to axis" if power.synchronised else f"{left} at most"
         yield f"regenerated per cycle: {drawn}{burnt}"
+    if power.reliability:
+        yield sampled_text(power.reliability)
     if power.energy:
         yield f"battery: {show(power.energy.autonomy, 'h', 'time')} with all axes"
+
+
+def sampled_text(found: Reliability) -> str:
+    """The probability that no limit of the supply is exceeded, as a sentence without its point.
+
+    Parameters
+    ----------
+    found
+        Of the supply of all axes.
+
+    Returns
+    -------
+    str
+        With the error of sampling and the weakest check.
+    """
+    said = f"over tolerances no limit of the supply is exceeded with {likely(found.probability)}"
+    error = f"{said} ± {100.0 * found.error:.2g} %, weakest: {in_a_sentence(found.weakest)}"
+    return f"{error}; unknown: {', '.join(found.unknown)}" if found.unknown else error

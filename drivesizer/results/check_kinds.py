@@ -265,6 +265,8 @@ _BUDGET = {  # of the machine with a drive in it
     "supply_current": CheckKind("Supply current, all axes", *_AMPS, _FED),
     "supply_power": CheckKind("Supply power, all axes", *_WATT, _FED),
     "bus_voltage": CheckKind("Bus voltage, energy returned by all axes", *_VOLTS, (*_FED, "controller.supply_max")),
+    "supply_confidence": CheckKind("Probability that no limit of the supply is exceeded", "dimensionless", "%"),
+    "machine_cycle": CheckKind("Motions within the machine's cycle"),
     "supply_overvoltage": CheckKind("Bus voltage, trip of the power supply", *_VOLTS, _FED),
     "supply_continuous_current": CheckKind("Power supply continuous current", *_AMPS, _FED),
     "supply_peak_time": CheckKind("Power supply, time above continuous current", "time", "s", _FED),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, Status, verdict
 from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.reliability import Reliability
 
 __all__ = ["Course", "Exceeded", "MachinePower"]
 
@@ -62,6 +63,7 @@ class MachinePower:
     checks: tuple[Check, ...]
     figures: tuple[Figure, ...]
     assumptions: tuple[str, ...]
+    reliability: Reliability | None = None  # of its limits, where tolerances were sampled
 
     @property
     def status(self) -> Status:

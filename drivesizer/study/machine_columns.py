@@ -62,6 +62,12 @@ def _energy(sizing: MachineSizing) -> float:
     return power.mean * cycle if power else nan
 
 
+def _supply_none_fails(sizing: MachineSizing) -> float:
+    """Probability that no limit of the common supply is exceeded; NaN without tolerances."""
+    found = sizing.power.reliability if sizing.power else None
+    return found.probability if found else nan
+
+
 def _kinds(sizing: MachineSizing) -> int:
     return len({(one.best.motor.part, one.best.gearhead.part) for one in sizing.axes if one.best})
 
@@ -77,6 +83,7 @@ _MACHINE: tuple[_Of, ...] = (
     _Of(Column("energy_J", "number", "J"), _energy),
     _Of(Column("mean_W", "number", "W"), _power("mean")),
     _Of(Column("peak_W", "number", "W"), _power("peak")),
+    _Of(Column("supply_none_fails", "number", "1"), _supply_none_fails),
 )
 _MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
 _WHERE = Column("smallest_margin_axis", "text")

@@ -177,8 +177,10 @@ def test_cases_of_the_file_and_poses_of_the_robot_are_load_cases_and_sampled(tmp
     machine["supply"] = {"nominal": "48 V +- 2 V"}
     machine["select"] = {"motor": {"family": ["RE 40", "EC-max 30", "EC-4pole 30"]}}
     machine["cases"] = [{"name": "hot", "environment": {"ambient": "45 degC"}}]
-    machine["axes"] = {"shoulder": {"tolerances": {"samples": 64}}}
-    shoulder = size_machine(load_machine(machine), top=1).axis("shoulder")
+    machine["tolerances"] = {"samples": 64}
+    sizing = size_machine(load_machine(machine), top=1)
+    shoulder = sizing.axis("shoulder")
+    assert sizing.power.reliability.probability == 1.0  # that supply has no limits
     assert [name for name, _ in shoulder.spec.load_cases] == ["as specified", "hot", "stretched"]
     hot, stretched = (case for _, case in shoulder.spec.load_cases[1:])
     assert hot.environment.ambient == pytest.approx(318.15) and not hot.load.case

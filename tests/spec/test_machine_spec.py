@@ -109,3 +109,18 @@ def test_a_drive_on_a_balanced_table_unbalances_it() -> None:
     laden = carrying(load, [(2.0, 0.3)])
     assert laden.lever.moment(9.81) == pytest.approx(2.0 * 9.81 * 0.3)
     assert laden.inertia == pytest.approx(0.5 + 2.0 * 0.09) and not math.isclose(load.inertia, laden.inertia)
+
+
+def test_figures_of_an_axis_keep_their_tolerances():
+    """Of the axis that has them, and of all where they are at the top of the file."""
+    axes = {name: {"load": {"kind": "belt_axis", "mass": "5 kg", "pulley_diameter": "20 mm"}} for name in "xy"}
+    axes["x"]["load"]["mass"] = "5 kg ± 10 %"
+    axes["y"]["start"] = "1 s ± 10 ms"
+    motion = {"speed": "0.5 m/s ± 5 %", "acceleration_time": "1 s", "cruise_time": "1 s"}
+    machine = load_machine({"name": "cell", "supply": {"nominal": "48 V"}, "motion": motion, "axes": axes})
+    paths = [[one.path for one in axis.spec.toleranced] for axis in machine.axes]
+    assert [set(some) for some in paths] == [{("load", "mass"), ("motion", "speed")}, {("motion", "speed")}]
+    assert machine.axis("x").spec.load.mass == 5.0 and machine.axis("y").start == 1.0
+    axes["x"]["load"]["mass"] = "5 kg ± 6 kg"
+    with pytest.raises(InputError, match=r'machine: axes\.x\.load\.mass: "5 kg ± 6 kg" is -1 kg at its lowest'):
+        load_machine({"name": "cell", "supply": {"nominal": "48 V"}, "motion": motion, "axes": axes})

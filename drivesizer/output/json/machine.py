@@ -16,6 +16,7 @@ from drivesizer.output.json.documents import (
 )
 from drivesizer.output.json.file import simulated
 from drivesizer.output.json.loops import number
+from drivesizer.output.json.reliability import reliability
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.results.machine_power import MachinePower
 from drivesizer.version import __version__
@@ -91,6 +92,7 @@ def _power(power: MachinePower) -> schema.MachinePower:
         "unknown": list(power.unknown),
         "checks": [check_document(one) for one in power.checks],
         "figures": {one.name: figure_document(one) for one in power.figures},
+        "reliability": reliability(power.reliability),
         "braking": braking_document(power.braking) if power.braking else None,
         "energy": energy_document(power.energy) if power.energy else None,
         "course": {

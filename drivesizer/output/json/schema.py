@@ -214,6 +214,7 @@ MachinePower = TypedDict("MachinePower", {
     "energy_left_J": Number, "exchanged_J": Number,
     "phases_s": Annotated[dict[str, float], Field(description="at which all peaks fall together; of random ones")],
     "exceeded": list[Exceeded], "unknown": list[str], "checks": list[Check], "figures": dict[str, Figure],
+    "reliability": Annotated[Reliability | None, Field(description="of the supply's limits; null: no tolerances")],
     "braking": Braking | None, "energy": Energy | None, "course": Course, "assumptions": list[str],
 })  # fmt: skip
 Machine = TypedDict("Machine", {

@@ -23,7 +23,10 @@ from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlat
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Examined", "Subject", "at_ends", "counting", "drivers", "examined", "quantiles", "without_effect"]
+__all__ = [
+    "Examined", "Over", "Subject", "at_ends", "counting", "drivers", "examined", "over_samples", "quantiles", "reduced",
+    "without_effect",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 _QUANTILES = (0.05, 0.5, 0.95)
@@ -45,13 +48,24 @@ class Examined(NamedTuple):
     smallest: Array  # margin of each sample, over all checks that have one
 
 
-class _Over(NamedTuple):
+class Over(NamedTuple):
     """One check over all samples."""
 
     passed: NDArray[np.bool_]
     failed: NDArray[np.bool_]
     margin: Array  # NaN where there is none
     tightness: Array
+
+
+def over_samples(checks: Sequence[Check | None]) -> Over:
+    """A check of each sample; where a sample has none there is nothing to fail."""
+    known = [(one.status == "pass", one.status == "fail", one.margin, _tightness(one)) if one else _NOTHING
+             for one in checks]  # fmt: skip
+    passed, failed, margin, tight = (np.array(column) for column in zip(*known, strict=True))
+    return Over(passed, failed, margin, tight)
+
+
+_NOTHING = True, False, math.inf, math.inf
 
 
 def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Examined]:
@@ -80,7 +94,7 @@ def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], pro
     found: list[Examined] = []
     for first in range(0, len(subjects), _TOGETHER):
         some = subjects[first : first + _TOGETHER]
-        parts: list[list[dict[str, _Over]]] = [[] for _ in some]
+        parts: list[list[dict[str, Over]]] = [[] for _ in some]
         for block in kept or blocks(given, catalog, belts):
             for part, one in zip(parts, some, strict=True):
                 part.append({n: _over(c, block.size) for n, c in checks_of(catalog, one.rows, block).items()})
@@ -100,9 +114,9 @@ def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], proc
     return [one for part in found for one in part]
 
 
-def _over(check: CheckColumn, count: int) -> _Over:
+def _over(check: CheckColumn, count: int) -> Over:
     """Figures that are kept of a check; one figure where all samples have the same."""
-    return _Over(*(_as_many(x, count) for x in (check.passed, check.failed, check.margin, _beyond(check))))
+    return Over(*(_as_many(x, count) for x in (check.passed, check.failed, check.margin, _beyond(check))))
 
 
 _OF_A_FACTOR = ("pull_out_torque",)  # whose margin is required to be some 100 %: what exceeds that is the tight part
@@ -119,13 +133,13 @@ def _as_many(column: NDArray[Any], count: int) -> NDArray[Any]:
     return column if column.shape == (count,) else np.broadcast_to(column, count)
 
 
-def _constant(check: Check, count: int) -> _Over:
+def _constant(check: Check, count: int) -> Over:
     """A check that no sample changes."""
     figures = (check.status == "pass", check.status == "fail", check.margin, _tightness(check))
-    return _Over(*(np.broadcast_to(np.asarray(x), count) for x in figures))
+    return Over(*(np.broadcast_to(np.asarray(x), count) for x in figures))
 
 
-def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
+def _reduced(one: Subject, parts: Sequence[Mapping[str, Over]]) -> Examined:
     """Reliability of a drive from its samples."""
     joined = (
         parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
@@ -136,6 +150,25 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
     every |= {name: joined[name] for name in BATTERY_SAMPLED if name in joined}
     titles = {check.name: check.title for check in decide}
     titles |= {name: CHECKS["budget"][name].title for name in BATTERY_SAMPLED}
+    return reduced(every, titles)
+
+
+def reduced(every: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
+    """Reliability of several checks together.
+
+    Parameters
+    ----------
+    every
+        The checks over the same samples, at least one.
+    titles
+        Theirs.
+
+    Returns
+    -------
+    Examined
+        With the smallest margin of each sample.
+    """
+    count = len(next(iter(every.values())).passed)
     failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
     for number, over in enumerate(every.values()):
         failed |= over.failed
@@ -163,15 +196,15 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, _Over]]) -> Examined:
     )
 
 
-def _one_after_the_other(parts: Sequence[_Over]) -> _Over:
-    return _Over(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+def _one_after_the_other(parts: Sequence[Over]) -> Over:
+    return Over(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
 def _tightness(check: Check) -> float:
     return math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
 
 
-def _spread(name: str, title: str, over: _Over, weakest: float) -> Spread:
+def _spread(name: str, title: str, over: Over, weakest: float) -> Spread:
     low, middle, high = quantiles(over.margin)
     return Spread(
         name=name, title=title, passes=np.count_nonzero(over.passed) / len(over.passed),

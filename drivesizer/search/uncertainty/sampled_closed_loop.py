@@ -8,9 +8,8 @@ periodic steady state.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +22,10 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Profile
-from drivesizer.physics.back_emf import back_emf_constant
-from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.reliability import LoopShare
 from drivesizer.results.sizing import Check
-from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_dry_share, with_losses
+from drivesizer.search.uncertainty.deviating import deviating_drive
 from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
 from drivesizer.spec.robot import RobotSpec
@@ -105,27 +102,7 @@ def deviating(
             of_part, figure = factors[assumption.catalogue.part], assumption.catalogue.figure
             assert figure not in of_part, f"{assumption.name}: of another maker's part"
             of_part[figure] = float(values[k])
-    bought = replace(one.motor, back_emf_constant=float(back_emf_constant(asdict(one.motor))))
-    varied = _times(bought, motor_factors(factors["motor"])) | with_dry_share(asdict(bought), factors["motor"])
-    motor = replace(bought, **varied)
-    losses, gains = (factors["gearhead"].get(name, 1.0) for name in ("efficiency", "inertia"))
-    gearhead = replace(
-        one.gearhead, **_times(one.gearhead, {"inertia": gains, "no_load_torque": losses}),
-        efficiency=with_losses(one.gearhead.efficiency, losses),
-    )  # fmt: skip
-    controller, more = one.controller, factors["controller"].get("losses")
-    if controller and more:
-        stage = with_stage_losses(asdict(controller), more, assume=spec.select.estimates == "on")
-        controller = replace(
-            controller, voltage_drop=float(stage["voltage_drop"]), max_efficiency=float(stage["max_efficiency"])
-        )
-    return moved, replace(
-        one, motor=motor, gearhead=gearhead, controller=controller, belt_efficiency=moved.belt_efficiency
-    )
-
-
-def _times(part: Any, factors: Mapping[str, float]) -> dict[str, Any]:
-    return {name: getattr(part, name) * factor for name, factor in factors.items()}
+    return moved, deviating_drive(one, moved, factors)
 
 
 def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]]) -> list[tuple[Check, ...]]:

@@ -19,7 +19,7 @@ from drivesizer.files.yaml_source import Path_
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerance_text import Toleranced
 
-__all__ = ["Assumption", "applied", "assumptions", "case_paths"]
+__all__ = ["Assumption", "applied", "assumptions", "case_paths", "of_a_class", "of_the_file"]
 
 _VARIED = ("load", "motion", "supply", "environment")  # sections that a load case may replace
 
@@ -61,13 +61,20 @@ def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[A
     tuple of Assumption
         The spec's first.
     """
-    own = [Assumption(_named(one.path), f"{_named(one.path)} {one.text}", one.value, one.distribution, given=one)
-           for one in spec.toleranced]  # fmt: skip
-    return (*own, *(
-        Assumption(one.name, f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
-        for one in (_of_the_kind(spec) if held is None else held)
-        if one.factor is not None
-    ))  # fmt: skip
+    classes_held = _of_the_kind(spec) if held is None else held
+    return (*map(of_the_file, spec.toleranced), *(of_a_class(one) for one in classes_held if one.factor is not None))
+
+
+def of_the_file(one: Toleranced) -> Assumption:
+    """The assumption that a figure of a spec is."""
+    name = _named(one.path)
+    return Assumption(name, f"{name} {one.text}", one.value, one.distribution, given=one)
+
+
+def of_a_class(one: Class) -> Assumption:
+    """The assumption that the class of a catalogue's figure is; it has a distribution."""
+    assert one.factor is not None
+    return Assumption(one.name, f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
 
 
 def _of_the_kind(spec: RobotSpec) -> list[Class]:

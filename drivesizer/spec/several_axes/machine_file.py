@@ -48,6 +48,7 @@ __all__ = [
 _OWN = ("axes", "timing", "cycle_time", "total", "few_kinds", "robot")  # fields of a machine that no axis has
 WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
 _COMPUTED = {"kind": "recorded", "file": "of the description"}  # the load of a joint, until it is computed
+Both = tuple[dict[str, Any], dict[str, Any]]  # sections of an axis as written, and without tolerances
 _NAME = re.compile(r"[^\W_][\w .-]{0,59}")  # of an axis, which names files of exports too
 
 
@@ -193,7 +194,8 @@ def read_machine(source: YamlSource) -> MachineSpec:
         )
     alone = len(head.axes) == 1 and head.robot is None
     shared = _shared(source, alone=alone)
-    axes = tuple(_axis(source, shared, name, own, alone) for name, own in head.axes.items())
+    written_axes = source.data.get("axes") or {}  # with the tolerances of their figures
+    axes = tuple(_axis(source, shared, name, (written_axes[name], own), alone) for name, own in head.axes.items())
     if not alone:
         _check_whole(source, head)
         axes = tuple(on_common_bus(axis, head.brake_resistor) for axis in axes)
@@ -302,18 +304,19 @@ def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisS
         where = machine.where(("axes", name, "load"))
         raise InputError(f"{where}: the description has a joint of this name; expected no load, or another name")
     if axis is None:
-        axis = _axis(machine.source, _shared(machine.source, alone=False), name, {}, alone=False)
+        axis = _axis(machine.source, _shared(machine.source, alone=False), name, ({}, {}), alone=False)
         axis = on_common_bus(axis, machine.brake_resistor)
         axis = replace(axis, spec=reduce(lambda one, change: one.changed(change), machine.changes, axis.spec))
     return replace(axis, carries=tuple(Carried(other, None) for other in carried))
 
 
-def _axis(source: YamlSource, shared: dict[str, Any], name: str, own: dict[str, Any], alone: bool) -> AxisSpec:
+def _axis(source: YamlSource, shared: dict[str, Any], name: str, given_as: Both, alone: bool) -> AxisSpec:
     """An axis of the file."""
     at: Path_ = ("axes", name)
+    own, nominal = given_as
     if not _NAME.fullmatch(name):
         raise InputError(f"{source.where(at)}: {quoted(name)} names no axis; expected letters and digits, e.g. lift")
-    given = {field: own[field] for field in AxisFields.model_fields if field in own}
+    given = {field: nominal[field] for field in AxisFields.model_fields if field in nominal}
     try:
         head = AxisFields.model_validate(given)
     except ValidationError as error:

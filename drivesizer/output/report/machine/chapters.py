@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 from drivesizer.output.datasheet import datasheets
+from drivesizer.output.probability import moved
 from drivesizer.output.report.lines.drive import figure_row
+from drivesizer.output.report.lines.reliability import check_cells
 from drivesizer.output.report.machine.content import MachineContent
 from drivesizer.output.report.machine.loops import loop_blocks
 from drivesizer.output.report.machine.summary import summary_blocks
@@ -25,11 +27,12 @@ from drivesizer.output.report.sections.blocks import (
 from drivesizer.output.report.sections.machine import consumers
 from drivesizer.output.report.sections.parts import sheet_blocks
 from drivesizer.output.report.sections.texts import Code, Strong
-from drivesizer.output.several_axes import Branch, mass_tree
+from drivesizer.output.several_axes import Branch, mass_tree, sampled_text
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.machine import AxisSizing, CarriedMass
 from drivesizer.results.machine_power import MachinePower
+from drivesizer.results.reliability import Reliability
 from drivesizer.units import show
 
 __all__ = ["BACK", "FRONT", "Chapter", "assumptions", "warnings"]
@@ -86,7 +89,23 @@ def _power(content: MachineContent) -> Iterator[Block]:
         yield Facts(f"What is regenerated, stored and burnt{of}", [*map(figure_row, power.braking.figures)])
     if power.energy:
         yield Pair([consumers(power.energy)], [Facts("The battery", [*map(figure_row, power.energy.figures)])])
+    if power.reliability:
+        yield from _over_tolerances(power.reliability)
     yield Bullets("Assumptions:", list(_once((power, power.braking, power.energy))))
+
+
+def _over_tolerances(found: Reliability) -> Iterator[Block]:
+    """Limits of the supply over samples of all uncertain figures."""
+    said = sampled_text(found)
+    yield Words((f"{said[0].upper()}{said[1:]}.",))
+    heads = [Column(name, "number") for name in ("passes", "margin 5 %", "50 %", "95 %")]
+    rows = [Row(check_cells(one)) for one in moved(found)]
+    if rows:
+        caption = "Limits of the supply that samples change: share that passes, and quantiles of the margin"
+        yield Table(caption, [Column("check", "name", 1.0), *heads], rows, "supply-checks", "probability")
+    columns = [Column("figure", "name", 1.0), *(Column(f"{q} %", "number") for q in (5, 50, 95))]
+    figures = [Row([one.title, *one.texts]) for one in found.figures]
+    yield Table("All axes over the samples: percentiles", columns, figures, "supply-figures", "probability")
 
 
 def _exceeded(power: MachinePower) -> Table:

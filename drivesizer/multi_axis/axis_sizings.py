@@ -1,0 +1,183 @@
+"""Sizings of the axes of a machine with drives of some masses on them, and the drives that count for other axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import isnan
+from typing import Any, NamedTuple
+
+from drivesizer.catalog import Catalog
+from drivesizer.machine.budgets import riding_mass, riding_rows
+from drivesizer.multi_axis.combinations import Choice, Cost
+from drivesizer.multi_axis.joint_axes import TorquesOf, with_joints
+from drivesizer.multi_axis.machine_power import with_choppers
+from drivesizer.multi_axis.offered_kinds import Loaded, OfferedKinds
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.machine import SUMMED, of_all_drives
+from drivesizer.results.problem import Problem
+from drivesizer.results.sizing import SizingResult
+from drivesizer.search.ranking import Ranking
+from drivesizer.search.sifting import Progress
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import OBJECTIVES
+from drivesizer.spec.several_axes.carried import carrying
+from drivesizer.spec.several_axes.machine import MachineSpec
+
+__all__ = ["AxisSizings", "Options", "PartsOf", "SamplingOf", "choices_of", "mass_on_others"]
+
+SamplingOf = Callable[[RobotSpec], Sampling | None]
+PartsOf = Callable[[RobotSpec], Catalog]
+
+
+class Options(NamedTuple):
+    """Options of the sizing of all axes."""
+
+    top: int
+    objective: Ranking | None
+    progress: Progress | None
+    sampling: SamplingOf
+    brief: bool
+    parts: PartsOf
+    torques: TorquesOf
+
+
+class AxisSizings:
+    """Sizings of the axes with drives of some masses on them, each made once."""
+
+    def __init__(self, machine: MachineSpec, how: Options) -> None:
+        self.machine, self.joints = with_joints(machine, how.torques)
+        self.how, self.ranking = how, how.objective
+        self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
+        self.kinds: OfferedKinds | None = None  # where common drives are preferred
+        self.catalogs: dict[tuple[Any, ...], Catalog] = {}
+        self.machine = with_choppers(self.machine, self._parts)
+
+    def objective(self, axis: str) -> Ranking:
+        """Objective of the ranking of an axis' drives."""
+        own: Ranking = self.machine.axis(axis).spec.select.objective
+        return self.ranking or own
+
+    def result(self, axis: str, masses: tuple[float, ...]) -> SizingResult:
+        """The sizing of an axis with carried drives of these masses [kg]."""
+        if (axis, masses) not in self.made:
+            spec = self.laden(axis, masses)
+            self.made[axis, masses] = size(
+                spec, catalog=self._parts(spec), top=self.how.top, objective=self.ranking, pareto=self._front(axis),
+                progress=self.how.progress, sampling=self.how.sampling(spec), brief=self.how.brief,
+            )  # fmt: skip
+        return self.made[axis, masses]
+
+    def loaded(self, axis: str, masses: tuple[float, ...]) -> Loaded:
+        """An axis with carried drives of these masses [kg], for a search of few kinds."""
+        spec = self.laden(axis, masses)
+        return Loaded(spec, self._parts(spec), str(self.objective(axis)), self.how.sampling(spec))
+
+    def chosen(self, axis: str, masses: tuple[float, ...], label: str) -> SizingResult:
+        """The sizing of an axis with the drive of a label as its first."""
+        result = self.result(axis, masses)
+        one = next((one for one in (*result.sets, *result.front) if one.label == label), None)
+        if one is None:
+            assert self.kinds is not None
+            problem, one = self.kinds.record(axis, masses, label)
+            result = replace(result, problem=replace(problem, catalog=result.problem.catalog))
+        return _first(result, one)
+
+    def _front(self, axis: str) -> tuple[str, ...]:
+        """Objectives whose front is wanted: cost and mass of drives that ride on others."""
+        objective = self.objective(axis)
+        rides = any(axis in self.machine.carried(other.name) for other in self.machine.axes)
+        if not rides or not isinstance(objective, str) or objective not in SUMMED:
+            return ()
+        return tuple(dict.fromkeys((objective, "mass")))
+
+    def _parts(self, spec: RobotSpec) -> Catalog:
+        """The catalogues of an axis, those of the same choice once."""
+        key = tuple(spec.select.catalogs), spec.select.motor.kind, spec.select.estimates
+        if key not in self.catalogs:
+            self.catalogs[key] = self.how.parts(spec)
+        return self.catalogs[key]
+
+    def laden(self, axis: str, masses: tuple[float, ...]) -> RobotSpec:
+        """The spec of an axis with carried drives of these masses [kg]."""
+        one, carried = self.machine.axis(axis), self.machine.carried(axis)
+        if self.joints.has(axis):
+            return self.joints.laden(one.spec, axis, dict(zip(carried, masses, strict=True)))
+        if not any(masses):
+            return one.spec
+        on_it = list(zip(masses, carried.values(), strict=True))
+        return one.spec.changed(lambda spec: spec.model_copy(update={"load": carrying(spec.load, on_it)}))
+
+
+def _first(result: SizingResult, chosen: DriveSet) -> SizingResult:
+    """The sizing with a drive as its first."""
+    if result.sets[0].label == chosen.label:
+        return result
+    others = [one for one in result.sets if one.label != chosen.label][: len(result.sets) - 1]
+    return replace(result, sets=tuple(replace(one, rank=n) for n, one in enumerate((chosen, *others), 1)))
+
+
+def choices_of(result: SizingResult, objective: Ranking) -> list[Choice]:
+    """Drives that count for others: the best, and those on the front of cost and mass that are as certain as it.
+
+    Parameters
+    ----------
+    result
+        The sizing of an axis.
+    objective
+        That ranked it.
+
+    Returns
+    -------
+    list of Choice
+        By cost; none where no drive passes.
+    """
+    if not result.sets:
+        return []
+    best = result.sets[0]
+    found = [one for one in result.front if one.status == best.status]
+    drives = {one.label: one for one in [*found, best]}
+    choices = [
+        Choice(
+            name,
+            _cost(one, objective, result.spec.load.motors, one.label == best.label),
+            mass_on_others(result.problem, one)[0],
+        )
+        for name, one in drives.items()
+    ]
+    kept = [one for one in choices if not any(_beats(other, one) for other in choices)]
+    return sorted(kept, key=lambda one: (one.cost, one.mass))
+
+
+def _beats(one: Choice, other: Choice) -> bool:
+    """Whether a drive is no worse in cost and mass, and better in one of them."""
+    same = one.cost <= other.cost and one.mass <= other.mass
+    return same and (one.cost < other.cost or one.mass < other.mass)
+
+
+def _cost(one: DriveSet, objective: Ranking, motors: int, best: bool) -> Cost:
+    """The objective of all drives of an axis; where it is no sum, the best one alone counts."""
+    if not isinstance(objective, str) or objective not in SUMMED:
+        return (0 if best else 1), 0.0
+    declared, value = OBJECTIVES[objective], one.objective
+    parts = [getattr(getattr(one, part), declared.figure) for part in declared.over]
+    missing = sum(map(isnan, parts)) if parts else int(isnan(value))
+    return missing, 0.0 if isnan(value) else of_all_drives(objective, one, motors)
+
+
+def mass_on_others(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
+    """Mass of an axis' drives that ride on another, and parts of unknown mass.
+
+    Parameters
+    ----------
+    problem, one
+        The axis and its drive.
+
+    Returns
+    -------
+    tuple
+        Mass without controllers [kg], and names of the parts.
+    """
+    return riding_mass(problem, one), tuple(row.name for row in riding_rows(problem, one) if isnan(row.each))
