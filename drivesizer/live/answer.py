@@ -13,6 +13,7 @@ from drivesizer.live.reading import faults, text_of, whole
 __all__ = ["answer", "of_result"]
 
 _LATER = "data:,"  # address of a still figure until it is drawn
+_PAUSE = 0.12  # s without a newer request, after which the whole report is computed
 _NOT_LIVE = ("repeat", "file")  # sections of a report that say how it came about
 
 
@@ -36,7 +37,7 @@ def answer(held: Held, request: Piece) -> Iterator[Piece]:
         source = YamlSource(text, held.name)
         yield {"kind": "spec", "text": text, "data": source.data}
         yield {"kind": "ranking", **_ranking(whole(held, text, brief=True))}
-        held.go_on()
+        held.rest(_PAUSE)
         result = whole(held, text, front=True)
     except InputError as error:
         yield {"kind": "wrong", "text": text, "lines": list(error.lines), "faults": faults(error, held.name)}

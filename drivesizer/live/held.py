@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from drivesizer.files.text import hand_over
 __all__ = ["Held", "Piece", "StoppedError", "take_over"]
 
 Piece = dict[str, Any]
+_LOOK = 0.01  # s between looks at newer requests
 _KEPT = 4  # sizings: that of the page, and those of which someone wants a file or a comparison
 
 
@@ -34,6 +36,12 @@ class Held:
         """Stop a job of which nobody wants the answer; takes the numbers of a progress."""
         if self.stopped():
             raise StoppedError
+
+    def rest(self, seconds: float) -> None:
+        """Wait for a newer request: while a slider moves nobody looks at more than the ranking."""
+        for _ in range(round(seconds / _LOOK)):
+            self.go_on()
+            time.sleep(_LOOK)
 
     def keep(self, key: str, make: Callable[[], Any]) -> Any:
         """A sizing that was made before, or is made now."""
