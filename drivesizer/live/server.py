@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import re
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
@@ -22,6 +21,7 @@ from drivesizer.files.writing import put
 from drivesizer.live.engine import JOBS
 from drivesizer.live.guard import CATALOGUE, App, Guard
 from drivesizer.live.own_catalogues import taken
+from drivesizer.live.schema import form_schema
 from drivesizer.live.worker import Worker
 from drivesizer.output.report.html.templates import own_file
 from drivesizer.version import __version__
@@ -193,11 +193,7 @@ async def _plotly(_: Request) -> Response:
 
 
 async def _schema(_: Request) -> Response:
-    from drivesizer.spec.robot import RobotSpec
-    from drivesizer.spec.several_axes.machine_schema import machine_schema
-
-    found = await asyncio.to_thread(lambda: {"spec": RobotSpec.model_json_schema(), "machine": machine_schema()})
-    return _response("schema.json", json.dumps(found))
+    return _response("schema.json", await asyncio.to_thread(form_schema))
 
 
 async def _starters(_: Request) -> Response:

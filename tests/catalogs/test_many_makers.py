@@ -38,7 +38,7 @@ def sized(everything):
         spec = read_spec(YamlSource(text.replace("catalogs: [maxon]", "catalogs: [all]"), "all.yaml"))
         with pytest.MonkeyPatch.context() as patch:  # of hundreds of drives a figure that is irrelevant here
             patch.setattr("drivesizer.search.set_record.overload_time", lambda *_: math.nan)
-            return size(spec, catalog=everything, top=120)
+            return size(spec, catalog=everything, top=120, brief=True)
 
     return of
 

@@ -1,0 +1,37 @@
+"""The schema of the form, kept between starts: to make it takes longer than all else of the first page."""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+from pathlib import Path
+
+from drivesizer.files.cache import digest_of, folder, keep, kept
+from drivesizer.version import __version__
+
+__all__ = ["form_schema"]
+
+
+def form_schema() -> str:
+    """JSON with the schema of a spec and of a machine, by these names."""
+    path = folder() / f"schema-{_sources()}.json"
+    found = kept(path)
+    if found is None:
+        found = _made().encode()
+        with suppress(OSError):
+            keep(path, found)
+    return found.decode()
+
+
+def _sources() -> str:
+    """Digest of the program as it is: its version, and the dates of its files, for those who change them."""
+    package = Path(__file__).resolve().parents[1]
+    dates = sorted(f"{path.name} {path.stat().st_mtime_ns}" for path in package.rglob("*.py"))
+    return digest_of(__version__.encode(), *(date.encode() for date in dates))
+
+
+def _made() -> str:
+    from drivesizer.spec.robot import RobotSpec
+    from drivesizer.spec.several_axes.machine_schema import machine_schema
+
+    return json.dumps({"spec": RobotSpec.model_json_schema(), "machine": machine_schema()}, ensure_ascii=False)
