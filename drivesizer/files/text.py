@@ -13,13 +13,17 @@ from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
 
-__all__ = ["decoded", "hand_over", "is_handed", "missing", "read_bytes", "read_no_others", "read_text", "was_read"]
+__all__ = [
+    "decoded", "hand_over", "is_handed", "missing", "read_bytes", "read_no_others", "read_text", "state_of", "states",
+    "was_read",
+]  # fmt: skip
 
 _PATIENCE = 2.0  # s to wait for a writer on a named pipe
 _PIECE = 1 << 20  # bytes read at once
 _read: dict[Path, None] = {}  # absolute paths of the files that were read
-_permitted: set[Path] = set()  # where not empty: files and folders of which alone may be read
+_permitted: tuple[frozenset[str], tuple[str, ...]] | None = None  # files and folders of which alone may be read
 _handed: dict[Path, bytes] = {}  # by absolute path: contents that count in place of files
+_ELSEWHERE = "is not read here; expected a shipped catalogue, or what the spec named when it was opened"
 
 
 def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
@@ -44,8 +48,8 @@ def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
     """
     if (content := _handed.get(path.absolute())) is not None:
         return content
-    if _permitted and _permitted.isdisjoint((path.resolve(), *path.resolve().parents)):
-        raise InputError(f"{path}: is not read here; expected a shipped catalogue, or what the spec named at first")
+    if not _may_be_read(path):
+        raise InputError(f"{path}: {_ELSEWHERE}")
     try:
         raw = _bytes(path, largest)
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
@@ -86,17 +90,30 @@ def _from_pipe(path: Path, largest: int) -> bytes:
         os.close(pipe)
 
 
-def read_no_others(folders: Iterable[Path]) -> None:
-    """Refuse, for as long as the process lives, every file but those that were read and those in some folders.
+def read_no_others(files: Iterable[Path], folders: Iterable[Path]) -> None:
+    """Refuse, for as long as the process lives, every file but some, and those in some folders.
 
     For a process that takes specs of someone who may not see all files of this machine.
 
     Parameters
     ----------
+    files
+        By their names; a link is followed.
     folders
         What lies below them may be read too.
     """
-    _permitted.update(path.resolve() for path in (*_read, *folders))
+    global _permitted
+    _permitted = frozenset(map(os.path.abspath, files)), tuple(os.path.realpath(folder) for folder in folders)
+
+
+def _may_be_read(path: Path) -> bool:
+    """Whether a name is among those that may be read; the name decides, for to follow one may reach another machine."""
+    if _permitted is None:
+        return True
+    files, folders = _permitted
+    name = os.path.abspath(path)  # noqa: PTH100  to resolve a name would follow it
+    below = "\0" not in name and any(name.startswith(f"{folder}{os.sep}") for folder in folders)
+    return name in files or (below and os.path.realpath(name) == name)
 
 
 def hand_over(contents: Mapping[Path, bytes]) -> None:
@@ -127,8 +144,24 @@ def was_read(path: Path) -> Path | None:
     return None
 
 
+def states() -> dict[Path, tuple[int, int]]:
+    """Time of the last change [ns] and size [bytes] of all files that were read: whether one is still the same."""
+    return {name: state_of(name) for name in _read}
+
+
+def state_of(path: Path) -> tuple[int, int]:
+    """Time of a file's last change [ns] and its size [bytes]; zeros where there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_mtime_ns, found.st_size
+
+
 def missing(path: Path) -> str:
     """Reason why nothing can be read at a path, such as ``no such file or directory``; empty where something exists."""
+    if not _may_be_read(path):
+        return _ELSEWHERE.partition(";")[0]
     try:
         path.stat()
     except (OSError, ValueError) as error:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drivesizer.commands.common import DEFAULT, Spec
 from drivesizer.errors import InputError, reason_of
 
+if TYPE_CHECKING:
+    import socket
+
 __all__ = ["serve"]
 
-_REQUESTS = 64  # at the same time; more are refused at once
 _LOCAL = "127.0.0.1"
 
 
@@ -41,23 +43,21 @@ def serve(
         _run(spec, token, port, listening, address if browser else "")
 
 
-def _run(spec: Path, token: str, port: int, listening: object, address: str) -> None:
-    import asyncio
-    from contextlib import suppress
-
-    import uvicorn
-
+def _run(spec: Path, token: str, port: int, listening: socket.socket, address: str) -> None:
     from drivesizer.commands.starting import starter
-    from drivesizer.live.server import application
+    from drivesizer.live.connections import serve as served
+    from drivesizer.live.server import application, engines
 
-    app = application(spec.absolute(), token, port, starter("wheeled_vehicle"))
-    config = uvicorn.Config(app, log_level="error", access_log=False, server_header=False, date_header=False,
-                            limit_concurrency=_REQUESTS, timeout_graceful_shutdown=1, lifespan="on")  # fmt: skip
-    server = uvicorn.Server(config)
-    if address:
-        _opened(address)
-    with suppress(KeyboardInterrupt):  # the way in which it ends
-        asyncio.run(server.serve(sockets=[listening]))  # type: ignore[list-item]
+    own: dict[str, bytes] = {}  # catalogues of the user, in memory alone
+    workers = engines(spec.absolute(), own)
+    try:
+        app = application(spec.absolute(), token, port, starter("wheeled_vehicle"), workers, own)
+        if address:
+            _opened(address)
+        served(app, app.headers, listening, workers.values())
+    finally:
+        for worker in workers.values():
+            worker.close()
 
 
 def _opened(address: str) -> None:

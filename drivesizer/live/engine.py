@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
+import shutil
 import signal
 import sys
+import tempfile
+import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import partial
 from importlib import import_module
 from multiprocessing.connection import Connection
-from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, printable
@@ -20,6 +24,7 @@ from drivesizer.live.held import Held, Piece, StoppedError, take_over
 __all__ = ["INSIDE", "JOBS", "OWN", "done", "run"]
 
 _FAULT = "a fault of drivesizer itself"
+_MEMORY = 4 << 30  # bytes that the process may take: some ten times what a sizing with all its reports needs
 
 OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
 
@@ -51,79 +56,105 @@ def done(held: Held, job: str, request: Piece) -> Iterator[Piece]:
     try:
         yield from getattr(import_module(f"drivesizer.live.{(JOBS | INSIDE)[job]}"), job)(held, request)
     except InputError as error:
-        yield {"kind": "wrong", "lines": list(error.lines)}
+        yield _wrong(error.lines)
     except DrivesizerError as error:
-        yield {"kind": "wrong", "lines": [str(error)]}
+        yield _wrong([str(error)])
     except StoppedError:
         raise
     except MemoryError:
-        yield {"kind": "wrong", "lines": ["more memory is needed than there is"]}
+        held.sized.clear()
+        yield _wrong(["more memory is needed than there is"])
     except Exception as error:  # whatever it is, the page goes on, and the terminal has it
-        found = printable(f"{type(error).__name__}: {error}"[:300])
-        print(f"drivesizer: {_FAULT} ({found}); please report it", file=sys.stderr, flush=True)
-        yield {"kind": "wrong", "lines": [f"{_FAULT} ({found}); please report it"]}
+        yield _fault(error)
 
 
-def run(pipe: Connection, wanted: Any, name: str, again: bool) -> None:
+def _wrong(lines: Iterable[str]) -> Piece:
+    return {"kind": "wrong", "lines": list(lines)}
+
+
+def _fault(error: Exception) -> Piece:
+    found = printable(f"{type(error).__name__}: {error}"[:300])
+    print(f"drivesizer: {_FAULT} ({found}); please report it", file=sys.stderr, flush=True)
+    return _wrong([f"{_FAULT} ({found}); please report it"])
+
+
+def _line(piece: Piece) -> bytes:
+    try:
+        return json.dumps(piece, allow_nan=False, ensure_ascii=False).encode() + b"\n"
+    except (TypeError, ValueError) as error:  # it has what JSON does not
+        return _line(_fault(error))
+
+
+def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: bool, folder: str) -> None:
     """Do jobs until the pipe is closed: the whole life of the process.
 
     Parameters
     ----------
     pipe
-        Takes ``(number, job, request)``, gives ``number, piece`` as bytes; an empty piece ends a job.
-    wanted
-        Shared number of the job that is still wanted.
-    name
-        The file of the page.
-    again
-        Whether an earlier process ended: nothing is computed before the first request.
+        Takes ``(number, job, request)``, gives lines; an empty one ends a job, and the first one says that it is ready.
+    unwanted
+        Shared number of the job that is to stop.
+    file, spec
+        Name of the page's file, and its text when it was opened, where there is one.
+    first
+        Whether `spec` is sized before the first request; not where an earlier process ended.
+    folder
+        Where temporary files go; the server removes it.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which closes the pipe
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which ends this process
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown
-    held = Held(name)
-    _opened(held, again)
-    while True:
-        try:
-            number, job, request = pipe.recv()
-        except (EOFError, OSError):
-            return
-        if job == OWN:
-            take_over(held, request)
-            continue
-        held.stopped = partial(_unwanted, wanted, number)
-        _sent(pipe, number, done(held, job, request))
-
-
-def _unwanted(wanted: Any, number: int) -> bool:
-    return bool(wanted.value != number)
-
-
-def _sent(pipe: Connection, number: int, pieces: Iterator[Piece]) -> None:
+    tempfile.tempdir = folder
+    threading.Thread(target=_end_with_server, args=(folder,), daemon=True).start()
+    _limit_memory()
+    held = Held(file)
+    _open(held, spec, first)
     try:
-        for piece in pieces:
-            pipe.send_bytes(_framed(number, json.dumps(piece, allow_nan=False, ensure_ascii=False).encode()))
-    except StoppedError:
-        pass
-    pipe.send_bytes(_framed(number, b""))
+        pipe.send_bytes(b"")
+        while True:
+            number, job, request = pipe.recv()
+            if job == OWN:
+                take_over(held, request)
+                continue
+            held.stopped = partial(_is, unwanted, number)
+            with suppress(StoppedError):
+                for piece in done(held, job, request):
+                    pipe.send_bytes(_line(piece))
+            pipe.send_bytes(b"")
+    except (EOFError, OSError):  # the server has ended
+        return
 
 
-def _framed(number: int, body: bytes) -> bytes:
-    return number.to_bytes(8, "big") + body
+def _is(unwanted: Any, number: int) -> bool:
+    return bool(unwanted.value == number)
 
 
-def _opened(held: Held, again: bool) -> None:
-    """Read what the file names, which warms the engine up; nothing else of this machine is read from then on."""
-    from drivesizer.files.cache import folder
+def _end_with_server(folder: str) -> None:
+    """Wait for the end of the server, which may have been killed, and end in the middle of whatever is computed."""
+    server = multiprocessing.parent_process()
+    if server is not None:
+        server.join()
+    shutil.rmtree(folder, ignore_errors=True)
+    os._exit(0)
+
+
+def _limit_memory() -> None:
+    """Let a spec that needs too much memory end in an error, not in a machine that stands still."""
+    try:
+        import resource
+    except ImportError:  # not on every system
+        return
+    with suppress(ValueError, OSError):  # a lower limit is set already
+        resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, _MEMORY))
+
+
+def _open(held: Held, spec: str | None, first: bool) -> None:
+    """Size the spec, which warms the engine up; from then on only what it names is read, and shipped catalogues."""
     from drivesizer.files.shipped import shipped_folder
     from drivesizer.files.text import read_no_others
-    from drivesizer.live.reading import whole
+    from drivesizer.live.reading import named, whole
 
-    path = Path(held.name)
-    try:
-        if path.is_file():
-            whole(held, path.read_text(encoding="utf-8"), first=not again)
-    except (DrivesizerError, OSError, ValueError):
-        pass  # the page says what is wrong when it shows the file
-    package = Path(__file__).resolve().parents[1]
-    read_no_others([package, shipped_folder("catalogs"), folder()])
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    read_no_others(named(spec, held.name) if spec else [], [shipped_folder("catalogs")])
+    with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file
+        if spec is not None and first:
+            whole(held, spec, brief=True)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
-from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
+import sys
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from secrets import compare_digest
 from typing import Any
 
+from drivesizer.errors import printable
 from drivesizer.output.report.html.templates import digest
 
 __all__ = ["CATALOGUE", "LARGEST", "Guard"]
@@ -15,10 +18,12 @@ Message = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 App = Callable[[Message, Receive, Send], Awaitable[None]]
+Refusal = tuple[int, str]  # status and reason
 
 LARGEST = 4_000_000  # bytes of a request: a spec is at most 2 MB
 CATALOGUE = "/catalogue"  # where a request brings a catalogue
 _LARGEST_OF = {CATALOGUE: 22_000_000}  # 16 MB in base64
+_PATIENCE = 10.0  # s in which a request must have come
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src-elem 'self'{}; style-src-attr 'unsafe-inline'; "
     "img-src 'self' data: blob:; connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -29,65 +34,76 @@ _HEADERS = {
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
     "permissions-policy": "camera=(), microphone=(), geolocation=(), payment=(), usb=()", "x-frame-options": "DENY",
 }  # fmt: skip
+_ONCE = ("host", "origin", "sec-fetch-site", "content-type", "content-length")
+_ELSEWHERE = 403, "expected a request of this page itself"
 
 
 class Guard:
-    """Refuses requests of other hosts, origins and addresses, and those that are too large; adds the headers to all."""
+    """Refuses requests of other hosts, origins and addresses, those too large or too slow, and hides what fails."""
 
     def __init__(self, app: App, token: str, port: int, styles: Iterable[str] = ()) -> None:
         self.app, self.token = app, token
         digests = "".join(f" '{digest(style)}'" for style in styles)  # of styles that a library brings inside
-        self.headers = {"content-security-policy": _POLICY.format(digests), **_HEADERS}
-        self.hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
+        self.headers = {"content-security-policy": _POLICY.format(digests), **_HEADERS}  # of all responses
+        self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
+        if port == 80:  # a browser leaves it out
+            self.hosts |= {"127.0.0.1", "localhost"}
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
-        if scope["type"] != "http":
+        if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
-            return
-        refused = self._refused(scope)
+        elif scope["type"] == "http":
+            await self._request(scope, receive, _uncached(send))
+
+    async def _request(self, scope: Message, receive: Receive, send: Send) -> None:
+        path = scope["path"][len(self.token) + 1 :]
+        refused = self._refused(scope, _largest(path))
+        body = b""
+        if not refused and scope["method"] == "POST":
+            refused, body = await _body(receive, _largest(path))
         if refused:
-            await _refuse(_with_headers(send, self.headers), *refused)
+            await _refuse(send, *refused)
             return
-        path = self._path(scope)
-        scope = {**scope, "path": path, "raw_path": None, "root_path": ""}
-        await self.app(scope, _bounded(receive, _largest(path)), _with_headers(send, self.headers))
+        scope = {**scope, "path": path, "raw_path": path.encode(), "root_path": ""}
+        try:
+            await self.app(scope, _once(body, receive), send)
+        except Exception as error:  # the page has its status 500; the terminal has a line
+            found = printable(f"{type(error).__name__}: {error}"[:300]).replace(self.token, "...")
+            print(f"drivesizer: a fault of drivesizer itself ({found}); please report it", file=sys.stderr, flush=True)
 
-    def _path(self, scope: Message) -> str:
-        """Path of a request behind the token."""
-        return scope["path"][len(self.token) + 1 :] or "/"
-
-    def _refused(self, scope: Message) -> tuple[int, str] | None:
+    def _refused(self, scope: Message, largest: int) -> Refusal | None:
         """Status and reason of a refusal; None where the request may pass."""
-        headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
+        names = [name.decode("latin-1").lower() for name, _ in scope["headers"]]
+        headers = dict(zip(names, (value.decode("latin-1") for _, value in scope["headers"]), strict=True))
+        if any(names.count(name) > 1 for name in _ONCE):
+            return 400, "a header is given twice"
         if headers.get("host") not in self.hosts:  # another name that a rebound DNS leads here
             return 421, "this page is served to its own machine alone"
         origin = headers.get("origin")
         if origin is not None and origin not in {f"http://{host}" for host in self.hosts}:
-            return 403, "expected a request of this page itself"
+            return _ELSEWHERE
         if headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
-            return 403, "expected a request of this page itself"
+            return _ELSEWHERE
         start = f"/{self.token}/"
         if not compare_digest(scope["path"][: len(start)].encode(), start.encode()):
             return 404, "nothing is here; open the address that drivesizer serve printed"
-        return self._refused_content(scope["method"], headers, origin, _largest(self._path(scope)))
+        return _refused_content(scope["method"], headers, largest)
 
-    @staticmethod
-    def _refused_content(
-        method: str, headers: dict[str, str], origin: str | None, largest: int
-    ) -> tuple[int, str] | None:
-        if method == "GET":
-            return None
-        if method != "POST":
-            return 405, "expected GET or POST"
-        if origin is None:  # every browser names it; without it a form of an old one might pass
-            return 403, "a request that changes something names its origin"
-        if headers.get("content-type", "").split(";")[0].strip() != "application/json":
-            return 415, "expected application/json"
-        length = headers.get("content-length", "0")
-        if not length.isascii() or not length.isdigit() or int(length) > largest:
-            return 413, f"expected at most {largest // 1_000_000} MB"
+
+def _refused_content(method: str, headers: dict[str, str], largest: int) -> Refusal | None:
+    if method in ("GET", "HEAD"):
         return None
+    if method != "POST":
+        return 405, "expected GET or POST"
+    if "origin" not in headers:  # every browser names it; without it a form of an old one might pass
+        return 403, "a request that changes something names its origin"
+    if headers.get("content-type", "").split(";")[0].strip().lower() != "application/json":
+        return 415, "expected application/json"
+    length = headers.get("content-length", "0")
+    if not length.isascii() or not length.isdigit() or len(length) > 12 or int(length) > largest:
+        return _too_large(largest)
+    return None
 
 
 def _largest(path: str) -> int:
@@ -95,36 +111,54 @@ def _largest(path: str) -> int:
     return _LARGEST_OF.get(path, LARGEST)
 
 
-def _with_headers(send: Send, headers: Mapping[str, str]) -> Send:
+def _too_large(largest: int) -> Refusal:
+    return 413, f"expected at most {largest // 1_000_000} MB"
+
+
+async def _body(receive: Receive, largest: int) -> tuple[Refusal | None, bytes]:
+    """The whole body, whatever length it claimed."""
+    found = bytearray()
+    try:
+        async with asyncio.timeout(_PATIENCE):
+            while True:
+                message = await receive()
+                found += message.get("body", b"")
+                if len(found) > largest:
+                    return _too_large(largest), b""
+                if message["type"] != "http.request":
+                    return (400, "the request ended in the middle"), b""
+                if not message.get("more_body", False):
+                    return None, bytes(found)
+    except TimeoutError:
+        return (408, f"expected the whole request within {_PATIENCE:g} s"), b""
+
+
+def _once(body: bytes, receive: Receive) -> Receive:
+    """Gives a body that was received, and after it what else there is: that the browser has gone away."""
+    rest = [body]
+
+    async def received() -> Message:
+        return {"type": "http.request", "body": rest.pop(), "more_body": False} if rest else await receive()
+
+    return received
+
+
+def _uncached(send: Send) -> Send:
+    """Adds that no response is kept, but for one that says how long."""
+
     async def sent(message: Message) -> None:
-        if message["type"] == "http.response.start":
-            known = {name.lower() for name, _ in message["headers"]}
-            more = [(name.encode(), value.encode()) for name, value in headers.items() if name.encode() not in known]
-            message = {**message, "headers": [*message["headers"], *more]}
+        if message["type"] == "http.response.start" and not any(
+            name == b"cache-control" for name, _ in message["headers"]
+        ):
+            message = {**message, "headers": [*message["headers"], (b"cache-control", b"no-store")]}
         await send(message)
 
     return sent
 
 
-def _bounded(receive: Receive, largest: int) -> Receive:
-    """Ends a body that is longer than it may be, whatever length it claimed."""
-    taken = 0
-
-    async def received() -> Message:
-        nonlocal taken
-        message = await receive()
-        taken += len(message.get("body", b""))
-        return message if taken <= largest else {"type": "http.disconnect"}
-
-    return received
-
-
 async def _refuse(send: Send, status: int, reason: str) -> None:
     body = json.dumps({"kind": "refused", "lines": [reason]}).encode()
-    headers = [
-        (b"content-type", b"application/json"),
-        (b"content-length", str(len(body)).encode()),
-        (b"connection", b"close"),
-    ]
+    headers = [(b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())]
+    headers += [(b"connection", b"close")] + ([(b"allow", b"GET, HEAD, POST")] if status == 405 else [])
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})

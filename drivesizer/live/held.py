@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from drivesizer.files.text import hand_over
+from drivesizer.files.text import hand_over, state_of, states
 
 __all__ = ["Held", "Piece", "StoppedError", "take_over"]
 
@@ -44,13 +44,17 @@ class Held:
             time.sleep(_LOOK)
 
     def keep(self, key: str, make: Callable[[], Any]) -> Any:
-        """A sizing that was made before, or is made now."""
-        if key not in self.sized:
-            self.sized[key] = make()
-            while len(self.sized) > _KEPT:
+        """A sizing that was made before of the same files, or is made now."""
+        kept, files = self.sized.get(key, (None, {}))
+        if kept is None or any(state_of(name) != state for name, state in files.items()):
+            before = states()
+            kept = make()
+            files = states() | before  # of one that changes meanwhile the earlier state
+            while len(self.sized) >= _KEPT:
                 self.sized.popitem(last=False)
+        self.sized[key] = kept, files
         self.sized.move_to_end(key)
-        return self.sized[key]
+        return kept
 
 
 def take_over(held: Held, own: Mapping[str, bytes]) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError
@@ -11,11 +13,10 @@ from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import Held, Piece
 
-__all__ = ["FRONT", "TOP", "faults", "text_of", "whole"]
+__all__ = ["FRONT", "TOP", "faults", "named", "text_of", "whole"]
 
 TOP = 10  # drives of an answer, as in a report
 FRONT = ("mass", "price", "energy")
-_MOST_EDITS = 100
 
 
 def text_of(held: Held, request: Piece) -> str:
@@ -38,13 +39,11 @@ def text_of(held: Held, request: Piece) -> str:
     InputError
         When the text is no YAML, or a field is no place for an edit.
     """
-    edits = [Edit(tuple(path), value, bool(text)) for path, value, text in (request.get("edits") or [])[:_MOST_EDITS]]
+    edits = [Edit(tuple(path), value, bool(text)) for path, value, text in request.get("edits") or []]
     return edited(str(request["text"]), edits, held.name) if edits else str(request["text"])
 
 
-def whole(
-    held: Held, text: str, *, first: bool = True, top: int = TOP, front: bool = False, brief: bool = False
-) -> Any:
+def whole(held: Held, text: str, *, top: int = TOP, front: bool = False, brief: bool = False) -> Any:
     """The sizing of a text, made once.
 
     Parameters
@@ -53,8 +52,6 @@ def whole(
         What the process keeps.
     text
         YAML of a spec or of a machine.
-    first
-        False: it is read, and not sized.
     top
         Drives.
     front
@@ -65,7 +62,7 @@ def whole(
     Returns
     -------
     SizingResult or MachineSizing
-        As the command line finds it; None where it is only read.
+        As the command line finds it.
 
     Raises
     ------
@@ -75,18 +72,48 @@ def whole(
     from drivesizer.spec.several_axes.machine import MachineSpec
     from drivesizer.spec.several_axes.machine_file import read_any
 
-    spec = read_any(YamlSource(text, held.name))
-    if not first:
-        return None
-    if isinstance(spec, MachineSpec):
-        from drivesizer.multi_axis.sizing import size_machine
+    def sized() -> Any:
+        spec = read_any(YamlSource(text, held.name))
+        if isinstance(spec, MachineSpec):
+            from drivesizer.multi_axis.sizing import size_machine
 
-        return held.keep(json.dumps([top, text]), lambda: size_machine(spec, top=top, progress=held.go_on))
-    from drivesizer.sizing import size
+            return size_machine(spec, top=top, progress=held.go_on)
+        from drivesizer.sizing import size
 
-    pareto = FRONT if front else ()
-    key = json.dumps([top, pareto, brief, text])
-    return held.keep(key, lambda: size(spec, top=top, pareto=pareto, brief=brief, progress=held.go_on))
+        known = tuple(one for one in FRONT if one != "energy" or spec.method == "physics")
+        return size(spec, top=top, pareto=known if front else (), brief=brief, progress=held.go_on)
+
+    return held.keep(json.dumps([top, front, brief, text]), sized)
+
+
+def named(text: str, file: str) -> list[Path]:
+    """Files that a text may name: each text in it as a path from its folder, whether there is one or not.
+
+    Parameters
+    ----------
+    text
+        YAML.
+    file
+        Where it is.
+
+    Returns
+    -------
+    list of Path
+        None where it is no YAML that is accepted.
+    """
+    try:
+        data = YamlSource(text, file).data
+    except InputError:
+        return []
+    return [Path(file).parent / name for name in _texts(data)]
+
+
+def _texts(data: Any) -> Iterator[str]:
+    if isinstance(data, dict | list):
+        for below in data.values() if isinstance(data, dict) else data:
+            yield from _texts(below)
+    elif isinstance(data, str):
+        yield data
 
 
 def faults(error: InputError, name: str) -> list[Piece]:

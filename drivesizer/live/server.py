@@ -4,38 +4,58 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
-from hashlib import blake2b
+from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any
 
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
+from starlette.types import Receive, Scope, Send
 
 from drivesizer.errors import InputError
-from drivesizer.files.writing import put
-from drivesizer.live.engine import JOBS
-from drivesizer.live.guard import CATALOGUE, App, Guard
+from drivesizer.live.guard import CATALOGUE, Guard
 from drivesizer.live.own_catalogues import taken
+from drivesizer.live.requests import REQUESTS, CatalogueRequest, SaveRequest, request_of
 from drivesizer.live.schema import form_schema
+from drivesizer.live.spec_file import content, saved
 from drivesizer.live.worker import Worker
 from drivesizer.output.report.html.templates import own_file
 from drivesizer.version import __version__
 
-__all__ = ["application"]
+__all__ = ["application", "engines"]
 
 _PAGE = resources.files("drivesizer.live") / "page"
 _KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json"}
 _OF_THE_REPORT = ("style.css", "tables.js", "plots.js")
 _QUICK, _SLOW = 30.0, 180.0  # s that a ranking may take, and a report
 _AT_ONCE = {"answer"}  # jobs of the process that has nothing else to do
+_NEWEST = {"answer", "sweep", "compare", "loop"}  # jobs of which a tab wants the newest alone
 
 
-def application(path: Path, token: str, port: int, starting: str) -> App:
+def engines(path: Path, own: Mapping[str, bytes]) -> dict[str, Worker]:
+    """Processes of the engine: a quick one for the ranking, and one for what takes longer.
+
+    Parameters
+    ----------
+    path
+        The spec; files that it names now are those that may be read.
+    own
+        Catalogues of the user by name, which change while they run.
+
+    Returns
+    -------
+    dict
+        To be closed.
+    """
+    spec = content(path)["text"]
+    return {"quick": Worker(str(path), spec, _QUICK, own), "slow": Worker(str(path), spec, _SLOW, own)}
+
+
+def application(
+    path: Path, token: str, port: int, starting: str, workers: Mapping[str, Worker], own: dict[str, bytes]
+) -> Guard:
     """The page of one file.
 
     Parameters
@@ -48,37 +68,36 @@ def application(path: Path, token: str, port: int, starting: str) -> App:
         Under which it is served.
     starting
         What the page shows where there is no file yet.
+    workers, own
+        As of :func:`engines`.
 
     Returns
     -------
-    ASGI application
+    Guard
+        An ASGI application.
     """
-    state: dict[str, Worker] = {}
-    own: dict[str, bytes] = {}  # catalogues of the user, by name
-
-    @asynccontextmanager
-    async def running(_: Starlette) -> AsyncIterator[None]:
-        state["quick"] = Worker(str(path), _QUICK, own)
-        state["slow"] = Worker(str(path), _SLOW, own)
-        yield
-        for worker in state.values():
-            worker.close()
 
     async def job(request: Request) -> Response:
-        return await _job(request, state)
+        return await _job(request, workers)
+
+    async def spec(_: Request) -> Response:
+        found = await asyncio.to_thread(content, path)
+        text = starting if found["text"] is None else found["text"]
+        return JSONResponse({"name": path.name, "version": __version__, **found, "text": text})
+
+    async def save(request: Request) -> Response:
+        try:
+            wanted = request_of(SaveRequest, await request.body())
+        except InputError as error:
+            return _refused(400, str(error))
+        return JSONResponse(saved(path, wanted))  # not in a thread: of two tabs one is first
 
     async def catalogue(request: Request) -> Response:
         try:
-            body = await request.json()
-        except (ValueError, RecursionError):
-            body = None
-        return JSONResponse(await taken(body, own, state["slow"]))
-
-    async def spec(_: Request) -> Response:
-        return JSONResponse(_content(path, starting))
-
-    async def save(request: Request) -> Response:
-        return JSONResponse(_saved(path, await request.json()))
+            wanted = request_of(CatalogueRequest, await request.body())
+        except InputError as error:
+            return _refused(400, str(error))
+        return JSONResponse(await taken(wanted, own, workers["slow"]))
 
     routes = [
         Route("/", _file_named("index.html")),
@@ -91,58 +110,45 @@ def application(path: Path, token: str, port: int, starting: str) -> App:
         Route("/do/{job}", job, methods=["POST"]),
         Route(CATALOGUE, catalogue, methods=["POST"]),
     ]
-    return Guard(Starlette(routes=routes, lifespan=running), token, port, _styles_inside(_plotly_script()))
+    app = Starlette(routes=routes)
+    app.router.redirect_slashes = False  # an address is known as it is, or not
+    return Guard(app, token, port, _styles_inside(_plotly_script()))
 
 
-async def _job(request: Request, workers: dict[str, Worker]) -> Response:
+async def _job(request: Request, workers: Mapping[str, Worker]) -> Response:
     """A job of the engine: its pieces, a line of JSON each, as they come."""
     name = request.path_params["job"]
+    if name not in REQUESTS:
+        return _refused(404, "there is no such job")
     try:
-        body = await request.json()
-    except (ValueError, RecursionError):
-        body = None
-    if name not in JOBS or not isinstance(body, dict) or not isinstance(body.get("text"), str):
-        return JSONResponse({"kind": "refused", "lines": ["expected a spec as text"]}, 400)
-    worker = workers["quick" if name in _AT_ONCE else "slow"]
-    tab = f"{str(body.get('tab'))[:40]} {name}"
-    return StreamingResponse(worker.answer(tab, name, body), media_type="application/x-ndjson",
-                             headers={"cache-control": "no-store"})  # fmt: skip
-
-
-# -- the file of the spec
-
-
-def _content(path: Path, starting: str) -> dict[str, Any]:
-    """Text of the file and its mark; what the page starts with where there is no file."""
-    try:
-        raw = path.read_bytes()
-    except FileNotFoundError:
-        return {"name": path.name, "text": starting, "mark": None, "version": __version__}
-    except OSError as error:
-        return {"name": path.name, "text": starting, "mark": None, "version": __version__, "wrong": str(error.strerror)}
-    return {"name": path.name, "text": raw.decode("utf-8-sig", "replace"), "mark": _mark(raw), "version": __version__}
-
-
-def _mark(raw: bytes) -> str:
-    return blake2b(raw, digest_size=16).hexdigest()
-
-
-def _saved(path: Path, body: Any) -> dict[str, Any]:
-    """Write the file, unless it is another one than the page has read: then the user decides."""
-    if not isinstance(body, dict) or not isinstance(body.get("text"), str):
-        return {"kind": "refused", "lines": ["expected a spec as text"]}
-    try:
-        there = _mark(path.read_bytes())
-    except OSError:
-        there = None
-    if there is not None and there != body.get("mark") and not body.get("anyway"):
-        return {"kind": "changed", "lines": [f"{path.name} has been changed by another program since it was read"]}
-    raw = body["text"].encode("utf-8", "replace")
-    try:
-        put({path: raw})
+        wanted = request_of(REQUESTS[name], await request.body())
     except InputError as error:
-        return {"kind": "wrong", "lines": list(error.lines)}
-    return {"kind": "saved", "mark": _mark(raw)}
+        return _refused(400, str(error))
+    worker = workers["quick" if name in _AT_ONCE else "slow"]
+    if worker.full:
+        return _refused(503, "the server has too much to do; try again")
+    tab = f"{name} {wanted['tab']} {wanted['slider']}" if name in _NEWEST else ""
+    return _Stream(worker.answer(tab, name, wanted))
+
+
+class _Stream(StreamingResponse):
+    """Pieces as they come; where the browser goes away, the worker knows at once."""
+
+    media_type = "application/x-ndjson"
+
+    def __init__(self, pieces: AsyncGenerator[bytes]) -> None:
+        super().__init__(pieces)
+        self.pieces = pieces
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            await self.pieces.aclose()
+
+
+def _refused(status: int, reason: str) -> Response:
+    return JSONResponse({"kind": "refused", "lines": [reason]}, status)
 
 
 # -- files of the page
@@ -156,8 +162,7 @@ def _file_named(name: str) -> Callable[[Request], Awaitable[Response]]:
 
 
 def _response(name: str, text: str) -> Response:
-    kind = _KINDS[name[name.rindex(".") :]]
-    return Response(text, media_type=kind, headers={"cache-control": "no-store"})
+    return Response(text, media_type=_KINDS[Path(name).suffix])
 
 
 async def _page_file(request: Request) -> Response:
@@ -165,13 +170,13 @@ async def _page_file(request: Request) -> Response:
     name = request.path_params["name"]
     if name in _OF_THE_REPORT:
         return _response(name, own_file(name))
-    if name in {entry.name for entry in _PAGE.iterdir()}:
+    if name in {entry.name for entry in _PAGE.iterdir() if Path(entry.name).suffix in _KINDS}:
         return _response(name, (_PAGE / name).read_text(encoding="utf-8"))
     if name == "colours.css":
         from drivesizer.output.report.figures.style import COLOURS
 
         return _response(name, f":root {{ {' '.join(f'--{key}:{value};' for key, value in COLOURS.items())} }}")
-    return Response(status_code=404)
+    return _refused(404, "there is no such file")
 
 
 def _plotly_script() -> str:

@@ -182,16 +182,17 @@ def test_every_job_is_there() -> None:
 
 
 def test_other_files_of_the_machine_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(text_files, "_permitted", set())
-    monkeypatch.setattr(text_files, "_read", {})
+    monkeypatch.setattr(text_files, "_permitted", None)  # as it is afterwards
     named, other, inside = tmp_path / "named.yaml", tmp_path / "other.yaml", tmp_path / "folder" / "x.yaml"
     inside.parent.mkdir()
     for path in (named, other, inside):
         path.write_text("a: 1", encoding="utf-8")
     (tmp_path / "link.yaml").symlink_to(other)
-    text_files.read_text(named)
-    text_files.read_no_others([inside.parent])
+    text_files.read_no_others([named], [inside.parent])
     assert text_files.read_text(named) == text_files.read_text(inside) == "a: 1"
-    for path in (other, tmp_path / "link.yaml", inside.parent / ".." / "other.yaml", Path("/etc/passwd")):
+    (inside.parent / "out.yaml").symlink_to(other)
+    away = (other, tmp_path / "link.yaml", inside.parent / "out.yaml", inside.parent / ".." / "other.yaml")
+    for path in (*away, Path("/etc/passwd"), Path("/dev/zero"), Path("//server/share/x.csv"), Path("a\0b")):
         with pytest.raises(InputError, match="is not read here"):
             text_files.read_text(path)
+        assert text_files.missing(path) == "is not read here"

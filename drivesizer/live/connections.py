@@ -1,0 +1,93 @@
+"""Connections of the server: patience with them, headers of every response, and their end."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+
+import h11
+import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from drivesizer.live.guard import App
+from drivesizer.live.worker import Worker
+
+__all__ = ["serve"]
+
+_MOST = 64  # connections at the same time; more are refused at once
+_PATIENCE = 10.0  # s from the first byte of a request's head to its last
+
+
+def serve(app: App, headers: Mapping[str, str], listening: socket.socket, workers: Iterable[Worker] = ()) -> None:
+    """Serve until Ctrl-C, or until the process is to end.
+
+    Parameters
+    ----------
+    app
+        The page.
+    headers
+        Of every response.
+    listening
+        Where requests come.
+    workers
+        Closed first at the end, so that what they answer ends too.
+    """
+    config = uvicorn.Config(
+        app, http=_Connection, ws="none", loop="asyncio", lifespan="off", interface="asgi3", proxy_headers=False,
+        headers=list(headers.items()), server_header=False, date_header=False, access_log=False,
+        log_level="critical", limit_concurrency=_MOST, timeout_keep_alive=5, timeout_graceful_shutdown=1,
+    )  # fmt: skip
+    with suppress(KeyboardInterrupt):  # the way in which it ends
+        asyncio.run(_Server(config, workers).serve(sockets=[listening]))
+
+
+class _Server(uvicorn.Server):
+    """A server that does not wait at its end for answers that are being computed."""
+
+    def __init__(self, config: uvicorn.Config, workers: Iterable[Worker]) -> None:
+        super().__init__(config)
+        self.workers = workers
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        for worker in self.workers:
+            worker.close()
+        await super().shutdown(sockets)
+
+
+class _Connection(H11Protocol):
+    """A connection that is closed where the head of a request does not come, or only bit by bit."""
+
+    late: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._await_head()
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        self._await_head()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._come()
+        super().connection_lost(exc)
+
+    def _await_head(self) -> None:
+        if self.conn.their_state is not h11.IDLE:
+            self._come()
+        elif self.late is None:
+            self.late = self.loop.call_later(_PATIENCE, self.transport.abort)
+
+    def _come(self) -> None:
+        if self.late is not None:
+            self.late.cancel()
+            self.late = None
+
+    def send_400_response(self, msg: str) -> None:
+        """Refuse what is no HTTP, in the middle of a response by its end."""
+        if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE):
+            headers = [*self.server_state.default_headers, (b"content-length", b"0"), (b"connection", b"close")]
+            response = h11.Response(status_code=400, headers=headers, reason=b"Bad Request")
+            self.transport.write((self.conn.send(response) or b"") + (self.conn.send(h11.EndOfMessage()) or b""))
+        self.transport.close()
