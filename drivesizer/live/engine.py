@@ -139,7 +139,7 @@ def _end_with_server(folder: str) -> None:
 
 
 def _limit_memory() -> None:
-    """Let a spec that needs too much memory end in an error, not in a machine that stands still."""
+    """Let a spec that needs too much memory end in an error, not in a machine without memory."""
     try:
         import resource
     except ImportError:  # not on every system

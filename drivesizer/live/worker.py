@@ -37,7 +37,7 @@ class _TooLongError(Exception):
 
 
 class _Job:
-    """A request on its way: what it is, whether someone waits for it, and where its pieces go."""
+    """A request under way: what it is, whether someone waits for it, and where its pieces go."""
 
     def __init__(self, number: int, name: str, request: Piece) -> None:
         self.number, self.name, self.request = number, name, request
@@ -141,7 +141,7 @@ class Worker:
         self._end()
 
     def _serve(self, job: _Job) -> None:
-        """Do a job; whatever becomes of the process, the next one finds one that is ready or on its way."""
+        """Do a job; whatever becomes of the process, the next one finds one that is ready or being started."""
         until = time.monotonic() + self.longest
         try:
             if not self.process.is_alive():  # it ended while nobody waited for it
