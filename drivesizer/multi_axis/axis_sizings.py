@@ -26,8 +26,10 @@ from drivesizer.spec.select import OBJECTIVES
 from drivesizer.spec.several_axes.carried import carrying
 from drivesizer.spec.several_axes.machine import MachineSpec
 
-__all__ = ["AxisSizings", "Options", "PartsOf", "SamplingOf", "choices_of", "mass_on_others"]
+__all__ = ["AxisSizings", "Options", "PartsOf", "SamplingOf", "as_chosen", "choices_of", "mass_on_others"]
 
+_THRIFTY = ("energy", "peak_current")  # objectives by which drives load a supply least
+_FEW = 3
 SamplingOf = Callable[[RobotSpec], Sampling | None]
 PartsOf = Callable[[RobotSpec], Catalog]
 
@@ -53,6 +55,7 @@ class AxisSizings:
         self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
         self.kinds: OfferedKinds | None = None  # where common drives are preferred
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
+        self.offered: dict[tuple[str, str], DriveSet] = {}  # by axis and label, drives beside the best
         self.machine = with_choppers(self.machine, self._parts)
 
     def objective(self, axis: str) -> Ranking:
@@ -79,11 +82,39 @@ class AxisSizings:
         """The sizing of an axis with the drive of a label as its first."""
         result = self.result(axis, masses)
         one = next((one for one in (*result.sets, *result.front) if one.label == label), None)
-        if one is None:
-            assert self.kinds is not None
+        if one is None and self.kinds is not None:
             problem, one = self.kinds.record(axis, masses, label)
             result = replace(result, problem=replace(problem, catalog=result.problem.catalog))
+        if one is None:
+            one = self._ranked(self.laden(axis, masses), self.offered[axis, label])
         return _first(result, one)
+
+    def offers(self, axis: str, masses: tuple[float, ...], first: Choice) -> list[Choice]:
+        """Drives that an axis may have, by cost: the one that was chosen, the next best, and those that draw least."""
+        result, spec = self.result(axis, masses), self.laden(axis, masses)
+        drives = {one.label: one for one in (*result.sets, *result.front, *result.alternatives)}
+        for objective in _THRIFTY if spec.method == "physics" else ():
+            for one in self._sized(spec, _FEW, objective).sets:
+                if one.label not in drives:
+                    drives[one.label] = self._ranked(spec, one)
+        self.offered |= {(axis, label): one for label, one in drives.items()}
+        ranking, motors = self.objective(axis), spec.load.motors
+        others = [
+            Choice(label, _cost(one, ranking, motors, False), mass_on_others(result.problem, one)[0])
+            for label, one in drives.items()
+            if label != first.name and one.status == result.sets[0].status
+        ]
+        return [first, *sorted(others, key=lambda one: (one.cost, one.mass))]
+
+    def _ranked(self, spec: RobotSpec, one: DriveSet) -> DriveSet:
+        """A drive by its parts as the axis' own objective ranks it; a LookupError where it does not pass."""
+        found = self._sized(as_chosen(spec, one), _FEW, self.ranking).sets
+        return next(iter(each for each in found if each.label == one.label), None) or found[0]
+
+    def _sized(self, spec: RobotSpec, top: int, objective: Ranking | None) -> SizingResult:
+        return size(
+            spec, catalog=self._parts(spec), top=top, objective=objective, progress=self.how.progress, brief=True
+        )
 
     def _front(self, axis: str) -> tuple[str, ...]:
         """Objectives whose front is wanted: cost and mass of drives that ride on others."""
@@ -109,6 +140,30 @@ class AxisSizings:
             return one.spec
         on_it = list(zip(masses, carried.values(), strict=True))
         return one.spec.changed(lambda spec: spec.model_copy(update={"load": carrying(spec.load, on_it)}))
+
+
+def as_chosen(spec: RobotSpec, one: DriveSet) -> RobotSpec:
+    """The spec with the choice of a drive that is not its own best, but that of the machine.
+
+    Parameters
+    ----------
+    spec
+        The axis.
+    one
+        The drive.
+
+    Returns
+    -------
+    RobotSpec
+        Of the same axis.
+    """
+    select = spec.select
+    motor = select.motor.model_copy(update={"family": None, "part": [one.motor.part]})
+    gearhead = select.gearhead
+    if not one.actuator:
+        gearhead = gearhead.model_copy(update={"family": None, "part": [one.gearhead.part]})
+    select = select.model_copy(update={"motor": motor, "gearhead": gearhead})
+    return spec.changed(lambda case: case.model_copy(update={"select": select}))
 
 
 def _first(result: SizingResult, chosen: DriveSet) -> SizingResult:

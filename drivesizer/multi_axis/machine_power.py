@@ -25,7 +25,7 @@ __all__ = ["machine_power", "over_tolerances", "with_choppers"]
 
 
 class _OnSupply(NamedTuple):
-    """Sections that the axes on a machine's supply share, where its parts are listed, and these axes with their drives."""
+    """Sections that axes on one supply share, where its parts are listed, and these axes with their drives."""
 
     shared: RobotSpec
     catalog: Catalog

@@ -12,6 +12,7 @@ from drivesizer.multi_axis.axis_sizings import (
     Options,
     PartsOf,
     SamplingOf,
+    as_chosen,
     choices_of,
     mass_on_others,
 )
@@ -21,7 +22,7 @@ from drivesizer.multi_axis.file_tolerances import toleranced, without_effect
 from drivesizer.multi_axis.joint_axes import TorquesOf
 from drivesizer.multi_axis.machine_power import machine_power, over_tolerances, with_choppers
 from drivesizer.multi_axis.offered_kinds import ORDER, OfferedKinds, kind_of
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.multi_axis.within_limits import within_limits
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
 from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.sifting import Progress
@@ -87,6 +88,8 @@ def size_machine(
     best = _of_machine(sizings, carried, found)
     if machine.few_kinds is not None and not found.missing:
         best = _with_few_kinds(sizings, carried, found, best, machine.few_kinds)
+    elif best.complete:
+        best = _within_limits(sizings, carried, found, best)
     return _over_tolerances(best, sampling)
 
 
@@ -106,6 +109,24 @@ def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], fo
         checks=power.checks if power else (),
         power=power,
     )
+
+
+def _within_limits(
+    sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination, best: MachineSizing
+) -> MachineSizing:
+    """The machine with other drives where the best of all axes break a limit of its own."""
+
+    def offers() -> dict[str, list[Choice]]:
+        on_it = {axis: tuple(found.chosen[other].mass for other in carried[axis]) for axis in found.chosen}
+        return {axis: sizings.offers(axis, masses, found.chosen[axis]) for axis, masses in on_it.items()}
+
+    def tried(chosen: Mapping[str, Choice]) -> MachineSizing | None:
+        try:
+            return _of_machine(sizings, carried, found._replace(chosen=dict(chosen)))
+        except LookupError:  # a drive does not carry what rides on it then
+            return None
+
+    return within_limits(best, offers, tried)
 
 
 def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizing:
@@ -200,18 +221,7 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     if alone and not rides and machine.few_kinds is None:
         return with_choppers(machine, load_parts).axis(axis).spec
     found = size_machine(machine).axis(axis)
-    return _as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
-
-
-def _as_chosen(spec: RobotSpec, one: DriveSet) -> RobotSpec:
-    """The spec with the choice of a drive that is not its own best, but that of the machine."""
-    select = spec.select
-    motor = select.motor.model_copy(update={"family": None, "part": [one.motor.part]})
-    gearhead = select.gearhead
-    if not one.actuator:
-        gearhead = gearhead.model_copy(update={"family": None, "part": [one.gearhead.part]})
-    select = select.model_copy(update={"motor": motor, "gearhead": gearhead})
-    return spec.changed(lambda case: case.model_copy(update={"select": select}))
+    return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
 
 
 def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:

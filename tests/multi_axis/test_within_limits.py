@@ -1,0 +1,92 @@
+"""Where the best drives of all axes break a limit of the machine the cheapest are taken that keep it: brute force."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import islice, product
+from math import inf
+
+import numpy as np
+import pytest
+
+from drivesizer.multi_axis.combinations import Choice
+from drivesizer.multi_axis.machine_power import machine_power
+from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.multi_axis.within_limits import cheapest_first
+from drivesizer.results.machine import MachineSizing
+from drivesizer.spec.several_axes.machine_file import load_machine
+
+CURRENT = "supply_current"
+MACHINE = {
+    "name": "two",
+    "select": {"motor": {"family": ["DCX 22 L", "DCX 22 S"]}, "gearhead": {"family": ["GPX 22 HP", "GPX 22 UP"]}},
+    "motion": {
+        "speed": "0.8 m/s", "acceleration_time": "0.2 s", "cruise_time": "0.5 s", "rest_time": "0.6 s",
+        "there_and_back": True,
+    },
+    "axes": {
+        name: {"load": {"kind": "belt_axis", "mass": mass, "pulley_diameter": "38 mm", "efficiency": 0.95}}
+        for name, mass in (("x", "11 kg"), ("y", "9 kg"))
+    },
+}  # fmt: skip
+
+
+def sized(current: float, top: int = 8) -> MachineSizing:
+    supply = {"nominal": "48 V", "current": f"{current} A", "accepts": "all"}
+    return size_machine(load_machine({**MACHINE, "supply": supply}), top=top)
+
+
+def test_choices_come_by_their_cost() -> None:
+    rng = np.random.default_rng(5)
+    costs = {name: sorted(rng.uniform(1, 9, 5).tolist()) for name in "abc"}
+    offers = {
+        name: [Choice(f"{name}{n}", (int(n > 3), cost), 0.0) for n, cost in enumerate(each)]
+        for name, each in costs.items()
+    }
+    every = [dict(zip(offers, choice, strict=True)) for choice in product(*offers.values())]
+
+    def cost(chosen: dict[str, Choice]) -> tuple[int, float]:
+        return sum(one.cost[0] for one in chosen.values()), sum(one.cost[1] for one in chosen.values())
+
+    found = list(cheapest_first(offers, 1000))
+    assert len(found) == len(every) - 1 and cost(found[0]) >= cost({name: each[0] for name, each in offers.items()})
+    assert [cost(one) for one in found] == pytest.approx(np.array(sorted(map(cost, every))[1:]))
+    assert list(islice(cheapest_first(offers, 7), 9)) == found[:7]
+
+
+@pytest.fixture(scope="module")
+def free() -> MachineSizing:
+    """The best drives, on a supply that gives what they draw."""
+    return sized(20.0)
+
+
+def by_hand(free: MachineSizing, current: float) -> float:
+    """Least mass of two drives with which the sum of both keeps a limit of the supply's current [kg]."""
+    least = inf
+    for pair in product(*(one.result.sets for one in free.axes)):
+        drives = zip(free.axes, pair, strict=True)
+        axes = [replace(one, result=replace(one.result, sets=(drive,))) for one, drive in drives]
+        power = machine_power(free.machine, axes)
+        assert power is not None
+        (drawn,) = (check.demand for check in power.checks if check.name == CURRENT)
+        if drawn <= current:
+            least = min(least, sum(drive.objective for drive in pair))
+    return least
+
+
+def test_the_lightest_drives_that_keep_the_supply_are_found(free: MachineSizing) -> None:
+    (check,) = (one for one in free.checks if one.name == CURRENT)
+    for share in (1.01, 0.95):
+        limit = share * check.demand
+        found = sized(limit)
+        assert found.status == "pass" and found.total == pytest.approx(by_hand(free, limit), rel=1e-12)
+        changed = share < 1.0
+        assert (found.total > free.total) == changed == any("break it together" in note for note in found.notes)
+
+
+def test_a_limit_that_no_choice_keeps_is_said(free: MachineSizing) -> None:
+    (check,) = (one for one in free.checks if one.name == CURRENT)
+    found = sized(0.6 * check.demand, top=3)
+    assert found.status == "fail" and not found.certain
+    assert [one.best.label for one in found.axes if one.best] == [one.best.label for one in free.axes if one.best]
+    assert any("other choices of drives keeps it" in note for note in found.notes)
