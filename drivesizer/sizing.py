@@ -98,6 +98,7 @@ def size(
     progress: Progress | None = None,
     sampling: Sampling | None = None,
     brief: bool = False,
+    choices: int = 0,
 ) -> SizingResult:
     """Size a drive.
 
@@ -119,6 +120,8 @@ def size(
         How drives are sampled for their tolerances; as the spec says when not given.
     brief
         The drives alone: no alternatives, no checks by the other method, no changes that would let one pass.
+    choices
+        How many drives that pass to give as well, about, to choose from by weights of several objectives.
 
     Returns
     -------
@@ -134,7 +137,7 @@ def size(
     catalog = load_parts(spec, catalog)
     objective = objective or spec.select.objective
     picked = shortlist(
-        spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling,
+        spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling, choices=choices,
         misses=0 if brief else _MISSES, others=0 if brief else _ALTERNATIVES, brief=brief,
     )  # fmt: skip
     problem, found, short = picked.problem, picked.found, picked.short
@@ -181,6 +184,7 @@ def size(
         unsure=unsure,
         uncertainty=picked.uncertainty,
         alternatives=tuple(picked.record(row, rank) for rank, row in enumerate(picked.others, 2)),
+        choices=picked.choices,
     )
 
 

@@ -43,6 +43,7 @@ LoopSamples = Annotated[
     int | None, typer.Option(help="Samples in closed loop, of the best drives; 64 with a confidence, else 0.")
 ]
 Processes = Annotated[int, typer.Option(min=1, max=64, help="Processes that share the sampling.")]
+_CHOICES = 200  # drives of a page, to choose from by weights
 
 
 def size(
@@ -103,7 +104,9 @@ def size(
     raise typer.Exit(0 if result.sets else 1)
 
 
-def _sized(robot: Any, top: int, objective: str | None, pareto: str | None, sampling: tuple[Any, ...]) -> Any:
+def _sized(
+    robot: Any, top: int, objective: str | None, pareto: str | None, sampling: tuple[Any, ...], choices: int = 0
+) -> Any:
     """The sizing by the options of ``size`` and ``report``; ``sampling`` are those of the samples."""
     from drivesizer.search.ranking import objective_of
     from drivesizer.search.uncertainty.options import sampling_of
@@ -112,7 +115,9 @@ def _sized(robot: Any, top: int, objective: str | None, pareto: str | None, samp
     samples, rank = sampling_of(robot, *sampling), None if objective is None else objective_of(objective)
     front = _pareto(pareto)
     with progress() as advance:
-        return sized(robot, top=top, objective=rank, pareto=front, progress=advance, sampling=samples)
+        return sized(
+            robot, top=top, objective=rank, pareto=front, progress=advance, sampling=samples, choices=choices
+        )  # fmt: skip
 
 
 def _pareto(text: str | None) -> tuple[str, ...]:
@@ -160,7 +165,8 @@ def report(
 
         given, sampling = {"--pareto": pareto}, (confidence, samples, seed, processes, loop_samples)
         raise typer.Exit(report_all(robot, output, given, top, objective, sampling, profile, drawings, paper, date))
-    result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
+    choices = _CHOICES if any(path.suffix.lower() == ".html" for path in output) else 0
+    result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples), choices)
     with simulating("simulating the drive in closed loop"):
         result, proof = proven(result, profile)
     with working("writing the report"):

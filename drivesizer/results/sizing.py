@@ -16,6 +16,7 @@ from drivesizer.results.notebook import html_table, share
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Uncertainty
 from drivesizer.results.requirement import Requirement
+from drivesizer.results.weights import Choices
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -55,6 +56,7 @@ class SizingResult:
     unsure: tuple[DriveSet, ...] = ()  # that pass with less than the required confidence; the most probable first
     uncertainty: Uncertainty | None = None  # what was uncertain, where tolerances were sampled
     alternatives: tuple[DriveSet, ...] = ()  # the best of other motor families than the first one's, in order
+    choices: Choices | None = None  # drives that pass, to choose from by weights, where any were requested
 
     def _repr_html_(self) -> str:
         """The drives as a table of a notebook, best first."""

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog, Table
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.extremes import undominated
+from drivesizer.results.weights import multiples, used_share
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.spec.select import OBJECTIVES, Weighted
 
 __all__ = [
     "BRAKE", "BRAKE_FIGURES", "COUNTED", "Ranking", "front", "names_of", "objective_of", "order", "rounded", "title_of",
-    "values",
+    "values", "weights_of",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -55,7 +56,21 @@ def objective_of(text: str) -> Ranking:
 
 def names_of(objective: Ranking) -> list[str]:
     """The objectives that are counted."""
-    return [objective] if isinstance(objective, str) else [part.objective for part in objective]
+    return [*weights_of(objective)]
+
+
+def weights_of(objective: Ranking) -> dict[str, float]:
+    """The objectives that are counted with their weights.
+
+    >>> weights_of("mass"), weights_of(objective_of("mass=2,price=1"))
+    ({'mass': 1.0}, {'mass': 2.0, 'price': 1.0})
+    """
+    if isinstance(objective, str):
+        return {objective: 1.0}
+    found = dict[str, float]()
+    for part in objective:
+        found[part.objective] = found.get(part.objective, 0.0) + part.weight
+    return found
 
 
 def title_of(objective: Ranking) -> str:
@@ -83,7 +98,7 @@ def values(
     figures
         Their energy [J], peak current [A], winding temperature [K] and smallest margin, as far as objectives need them.
     objective
-        One, or several with weights: then shares of the best value that any of the drives has are summed.
+        One, or several with weights: then multiples of the best value that any of the drives has are summed.
 
     Returns
     -------
@@ -95,20 +110,11 @@ def values(
     total, missing = np.zeros(len(sets.motor)), np.zeros(len(sets.motor), np.int64)
     for part in objective:
         value, lacking = _single(catalog, sets, figures, part.objective)
-        value = _as_share(part.objective, value)
-        known = value[lacking == 0]
-        least = known.min() if known.size else 1.0
-        total += part.weight * value / (least if least > 0.0 else 1.0)
+        if OBJECTIVES[part.objective].more_is_better:  # a margin, counted as what is used of the limit
+            value = used_share(-value)
+        total += part.weight * multiples(value, lacking == 0)
         missing += lacking
     return total, missing
-
-
-def _as_share(name: str, value: Array) -> Array:
-    """A column whose ratios count: of what is better the more there is, the reciprocal; a margin is a ratio less 1."""
-    if not OBJECTIVES[name].more_is_better:
-        return value
-    shares: Array = 1.0 / np.maximum(1.0 - value if name == "margin" else -value, 1e-9)
-    return shares
 
 
 def _single(

@@ -25,9 +25,9 @@ from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluat
 from drivesizer.search.families import family_of, first_of_each
 from drivesizer.search.open_checks import passing
 from drivesizer.search.ranking import Ranking
-from drivesizer.search.sifting import OPEN, PASSES, Progress, Sifted, any_passes, sifted
+from drivesizer.search.sifting import OPEN, PASSES, UNKNOWN, Progress, Sifted, any_passes, sifted
 
-__all__ = ["Evaluated", "Found", "Judge", "Kept", "any_found", "search", "smallest_margin"]
+__all__ = ["Evaluated", "Found", "Judge", "Kept", "Passing", "any_found", "search", "smallest_margin"]
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,9 @@ _SAMPLED = 32  # open drives at most
 _ALIKE = 32  # drives of a family that rank alike, of which margins are computed
 _QUICK = "mass"  # objective that needs no waveform
 _TENTHS = 12  # places for tenths of a probability, and for what is not sampled
+
+
+Evaluated = Callable[[NDArray[np.int64]], Evaluation]  # some rows of the drives in full
 
 
 class Found(NamedTuple):
@@ -51,6 +54,17 @@ class Found(NamedTuple):
     better: int = 0  # drives that fail on a budget before the first that passes
     held_back: int | None = None  # row of the best that would be better than the first, did its checks not lack figures
     others: tuple[int, ...] = ()  # rows of the best of other motor families than the first one's, where required
+    every: Passing | None = None  # all that pass their own checks
+
+
+class Passing(NamedTuple):
+    """All drives that pass their own checks, as rows of a few numbers."""
+
+    sets: Candidates
+    certainty: NDArray[np.int64]
+    figures: dict[str, Array]  # that objectives count, as far as they were computed
+    best: NDArray[np.int64]  # rows of those that are given
+    evaluated: Evaluated
 
 
 class Kept(NamedTuple):
@@ -62,7 +76,6 @@ class Kept(NamedTuple):
     by: Counter[str]  # how many by each budget
 
 
-Evaluated = Callable[[NDArray[np.int64]], Evaluation]  # some rows of the drives in full
 Judge = Callable[[Candidates, Evaluated, int], Kept]  # drives in order, and how many that pass are wanted
 
 
@@ -76,6 +89,7 @@ def search(
     progress: Progress | None = None,
     judge: Judge | None = None,
     others: int = 0,
+    margins: bool = False,
 ) -> Found:
     """Search all candidates.
 
@@ -97,6 +111,8 @@ def search(
         Which of those that pass their own checks pass the machine's budgets; all of them where not given.
     others
         How many drives of other motor families to give as well, the best of each.
+    margins
+        Compute the smallest margin of all that pass, by bounds where no objective needs the waveform.
 
     Returns
     -------
@@ -106,7 +122,7 @@ def search(
     if problem.spec.method == "paper":
         return _by_the_paper(problem, top, objective, misses, pareto, judge, others)
     names, catalog = {*ranking.names_of(objective), *pareto}, problem.catalog
-    kept, rejected, counts = sifted(problem, names, progress)
+    kept, rejected, counts = sifted(problem, names, progress, margins=margins)
     value = ranking.values(catalog, kept.sets, kept.figures, objective)
     precedence = _precedence(problem, kept, *value, top)
     order = ranking.order(catalog, kept.sets, *value, before=[precedence])
@@ -137,6 +153,7 @@ def search(
     return Found(
         shown, len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, order),
         next((places[int(row)] for row in held), None), beside,
+        Passing(kept.sets, kept.certainty, kept.figures, best, in_full),
     )  # fmt: skip
 
 
@@ -275,7 +292,7 @@ def _shown(looked_at: Evaluation, kept: Sifted, nearest: Candidates, rows: tuple
     behind = range(len(head), len(head) + len(nearest.motor))
     if min([*first, *last], default=0) < 0 or len(behind) > len(looked_at.controller) - len(head):
         return by_physics(looked_at.problem, joined([kept.sets.on(best), nearest, kept.sets.on(extra)]), True)
-    return _on(looked_at, np.array([*first, *behind, *last], dtype=np.int64))
+    return looked_at.on(np.array([*first, *behind, *last], dtype=np.int64))
 
 
 def _passing(
@@ -331,20 +348,6 @@ def smallest_margin(checks: list[CheckColumn]) -> Array:
     return found
 
 
-def _on(evaluation: Evaluation, rows: NDArray[np.int64]) -> Evaluation:
-    """Some rows of an evaluation."""
-    return evaluation._replace(
-        candidates=evaluation.candidates.on(rows),
-        wheel={name: r.on(rows) for name, r in evaluation.wheel.items()},
-        shaft={name: r.on(rows) for name, r in evaluation.shaft.items()},
-        checks=[check.on(rows) for check in evaluation.checks],
-        encoder=evaluation.encoder[rows],
-        brake=evaluation.brake[rows],
-        controller=evaluation.controller[rows],
-        figures={name: column[rows] for name, column in evaluation.figures.items()},
-    )
-
-
 def _by_the_paper(
     problem: Problem,
     top: int,
@@ -371,7 +374,7 @@ def _by_the_paper(
     counts = Counts(considered=len(passes), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
     passing, rejected = order[passes[order]], order[~passes[order]]
     sets = found.candidates
-    kept_in_machine = _passing(judge, sets, lambda rows: _on(found, rows), passing, len(order) if pareto else top)
+    kept_in_machine = _passing(judge, sets, found.on, passing, len(order) if pareto else top)
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
     near = rejected[: 0 if misses is None else min(misses, max(top - len(best), 0)) if counts.feasible else top]
     on_front = best[:0]
@@ -379,11 +382,13 @@ def _by_the_paper(
         of_all = ranking.front(catalog, sets.on(kept_in_machine.best), {"margin": margin[kept_in_machine.best]}, pareto)
         on_front = kept_in_machine.best[of_all]
     rank = np.stack([found.unknown, value[1], ranking.rounded(value[0])])
-    unlike = _of_other_families(judge, sets, lambda rows: _on(found, rows), passing, best[:1], catalog, others, rank)
+    unlike = _of_other_families(judge, sets, found.on, passing, best[:1], catalog, others, rank)
     few = np.concatenate([best, near, on_front[~np.isin(on_front, best)], short, unlike[~np.isin(unlike, best)]])
     places = {int(row): n for n, row in enumerate(few)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
     return Found(
-        _on(found, few), len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, passing),
+        found.on(few), len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, passing),
         others=beside,
+        every=Passing(sets.on(passing), found.unknown[passing] * UNKNOWN, {"margin": margin[passing]},
+                      np.flatnonzero(np.isin(passing, best)), lambda rows: found.on(passing[rows])),
     )  # fmt: skip

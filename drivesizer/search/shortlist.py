@@ -17,13 +17,14 @@ from drivesizer.machine.budgets import check_battery, of_the_platform
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertainty
+from drivesizer.results.weights import Choices
 from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.controllers import matching, offered_buses, offers
 from drivesizer.search.families import family_of, first_of_each
 from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import COUNTED, Ranking, names_of
-from drivesizer.search.search import Found, search
+from drivesizer.search.search import Found, Judge, search
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
@@ -50,6 +51,7 @@ class Shortlist:
     uncertainty: Uncertainty | None  # None: nothing was sampled
     weighed: tuple[str, ...]  # how the machine's own mass was found
     others: list[int]  # the best of other motor families than the first one's, in order
+    choices: Choices | None = None  # to choose from by weights
 
     @property
     def short(self) -> list[int]:
@@ -84,6 +86,7 @@ def shortlist(
     sampling: Sampling | None = None,
     brief: bool = False,
     others: int = 0,
+    choices: int = 0,
 ) -> Shortlist:
     """The best drives of a spec, and the closest rejected.
 
@@ -109,6 +112,8 @@ def shortlist(
         Of what is sampled the probabilities alone: not what they hang on, nor the closed loop.
     others
         How many drives of other motor families to give as well, the best of each.
+    choices
+        How many drives to give as well, about, to choose from by weights; none where a confidence is required.
 
     Returns
     -------
@@ -132,7 +137,7 @@ def shortlist(
     judge = in_machine(problem, machine, weigh)
     found = search(
         problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge,
-        others=0 if pool else others,
+        others=0 if pool else others, margins=choices > 0,
     )  # fmt: skip
     rows: Sequence[int] = range(found.passing)
     sampled = _sampled(found, rows[:pool], sampling, brief) if sampling and pool else None
@@ -153,7 +158,19 @@ def shortlist(
         uncertainty=_uncertainty(sampled),
         weighed=weighed,
         others=_of_other_families(found, best)[:others] if pool else list(found.others),
+        choices=_choices(problem, found, objective, 0 if pool else choices, judge, weigh),
     )
+
+
+def _choices(
+    problem: Problem, found: Found, objective: Ranking, most: int, judge: Judge | None, weigh: Weigh
+) -> Choices | None:
+    """Drives to choose from by weights, where any are wanted."""
+    if not most or not found.every:
+        return None
+    from drivesizer.search.choices import choices  # only a report needs them
+
+    return choices(problem, found.every, objective, most, judge=judge, weigh=weigh)
 
 
 def _of_other_families(found: Found, best: list[int]) -> list[int]:

@@ -23,7 +23,7 @@ from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.search.ranking import BRAKE, COUNTED
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["OPEN", "PASSES", "Progress", "Sifted", "any_passes", "sifted"]
+__all__ = ["OPEN", "PASSES", "UNKNOWN", "Progress", "Sifted", "any_passes", "sifted"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]  # drives examined, drives in all
@@ -55,7 +55,9 @@ class _Found(NamedTuple):
     bound: Array  # the smallest margin of each of the rejected is no better
 
 
-def sifted(problem: Problem, names: Set[str], progress: Progress | None) -> tuple[Sifted, Candidates, Counts]:
+def sifted(
+    problem: Problem, names: Set[str], progress: Progress | None, *, margins: bool = False
+) -> tuple[Sifted, Candidates, Counts]:
     """The drives that pass or may pass, the closest rejected, and the counts.
 
     Parameters
@@ -66,6 +68,8 @@ def sifted(problem: Problem, names: Set[str], progress: Progress | None) -> tupl
         Objectives.
     progress
         Called after each chunk.
+    margins
+        Compute the smallest margin of each; by bounds where no objective needs the waveform.
 
     Returns
     -------
@@ -76,7 +80,8 @@ def sifted(problem: Problem, names: Set[str], progress: Progress | None) -> tupl
     total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
     kept: list[_Found] = []
     rejected = [(every.on(slice(0, 0)), np.zeros(0))]
-    for one in _examined(problem, every, belts, bool(names & _WAVEFORM)):
+    exact = bool(names & _WAVEFORM)
+    for one in _examined(problem, every, belts, exact, margins or exact):
         failed_by.update(one.failed_by)
         kept.append(one)
         rejected = [_nearest([*rejected, (one.rejected, one.bound)])]
@@ -106,7 +111,7 @@ def any_passes(problem: Problem) -> bool:
     """
     every, belts = pairs(problem), problem.belt_ratios
     if problem.spec.select.unknown == "reject":
-        return any((~one.unknown.any(axis=1)).any() for one in _examined(problem, every, belts, False))
+        return any((~one.unknown.any(axis=1)).any() for one in _examined(problem, every, belts, False, False))
     uncertain = every.on(estimated(problem, every))
     favourable, unfavourable = at_ends(problem) if len(uncertain.motor) else (problem, problem)
     sides = ((favourable, every), (unfavourable, uncertain))
@@ -114,19 +119,19 @@ def any_passes(problem: Problem) -> bool:
     return any(len(one.rows) for one in found)
 
 
-def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bool) -> Iterator[_Found]:
+def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bool, margins: bool) -> Iterator[_Found]:
     """One belt's chunk after the other: all at the favourable end, where printed figures are as printed."""
     uncertain = np.zeros(len(every.motor), bool)
     uncertain[estimated(problem, every)] = True
     favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
     rows = [np.flatnonzero(uncertain[start : start + _CHUNK]) for start in range(0, len(uncertain), _CHUNK)]
-    easy = examine(favourable, _chunks(every, belts), staged=True, exact=exact, margins=exact)
+    easy = examine(favourable, _chunks(every, belts), staged=True, exact=exact, margins=margins)
     some = (
         (belt, chunk.on(few))
         for (belt, chunk), few in zip(_chunks(every, belts), cycle(rows), strict=False)
         if len(few)
     )
-    hard = examine(unfavourable, some, staged=True, exact=exact, margins=exact)
+    hard = examine(unfavourable, some, staged=True, exact=exact, margins=margins)
     for one, few in zip(easy, cycle(rows), strict=False):
         yield _at_both(one, few, next(hard)) if len(few) else _found(one, np.zeros(len(one.rows), bool))
 

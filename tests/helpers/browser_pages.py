@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-__all__ = ["Heard", "kept", "launched", "opened", "until"]
+__all__ = ["Heard", "findings", "kept", "launched", "opened", "until"]
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 
@@ -63,3 +63,17 @@ def kept(browser: Any, path: Path, width: int = 1400, **more: Any) -> Iterator[A
     made.heard = heard
     yield made
     made.close()
+
+
+def findings(page: Any) -> list[str]:
+    """What axe-core finds that is serious or critical; figures and formulas are drawn by others.
+
+    It is run in the page and not loaded by it, so that the page's own policy does not matter.
+    """
+    import axe_playwright_python
+
+    page.evaluate((Path(axe_playwright_python.__file__).parent / "axe.min.js").read_text(encoding="utf-8"))
+    found = page.evaluate('axe.run({exclude: [".js-plotly-plot", "math"]}, {resultTypes: ["violations"]})')
+    assert len(found["passes"]) > 15
+    grave = [one for one in found["violations"] if one["impact"] in ("serious", "critical")]
+    return [f"{one['id']}: {node['html']}" for one in grave for node in one["nodes"]]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import random
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,8 +18,10 @@ import drivesizer
 from drivesizer.control.validation import Validation
 from drivesizer.files.yaml_source import read
 from drivesizer.results.sizing import SizingResult
+from drivesizer.results.weights import Choice, Choices
 from drivesizer.spec.robot import RobotSpec, read_spec
 
+HOSTILE = "</td></script><script>alert(3)</script>&amp; {{ 7*7 }} 測試"  # a family of motors
 STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
 NAME = (
     """<script>alert(1)</script> "</script> <!-- ]]> & &lt; ${1} #eval("1") $x$ *b* `r` =1+1 \\\\ """
@@ -62,3 +66,19 @@ def whole_validation(result: SizingResult) -> Validation:
     units = {"position_error": ("length", "mm"), "winding_temperature": ("temperature", "degC")}
     loops = (*CASCADE, replace(UNSTABLE[1], name="shaft"))
     return replace(plain, loops=loops, series=plain.series | more, series_units=plain.series_units | units)
+
+
+def with_choices(result: SizingResult, count: int = 30) -> SizingResult:
+    """A sizing with made-up drives to choose from: some without a price, one with a family that tries to be markup."""
+    draw, best = random.Random(count), result.sets[0]
+    drives = []
+    for n in range(count):
+        motor = replace(best.motor, part=f"M{n}", family=HOSTILE if n == 3 else "F")
+        figures = {"mass": draw.uniform(0.2, 2.0), "price": math.nan if n % 7 == 4 else draw.uniform(100.0, 900.0),
+                   "energy": draw.uniform(20.0, 90.0), "margin": 1.5 - 0.04 * n}  # fmt: skip
+        drives.append(Choice(parts=replace(best, motor=motor, belt_ratio=1.0), figures=figures))
+    first = min(range(count), key=lambda n: drives[n].figures["mass"])
+    choices = Choices(
+        drives=tuple(drives), first=first, weights={"mass": 1.0}, passing=5 * count, judged=False, whole=True
+    )
+    return replace(result, choices=choices)

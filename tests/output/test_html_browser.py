@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_pages import kept, launched, until
-from html_reports import CASE, hostile_spec, whole_validation
+from browser_pages import findings, kept, launched, until
+from html_reports import CASE, hostile_spec, whole_validation, with_choices
 
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.operating_field import field
@@ -27,8 +27,8 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture(scope="module")
 def report(result: SizingResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The SPS robot with every figure that there is."""
-    (path,) = write(result, whole_validation(result), [tmp_path_factory.mktemp("page") / "report.html"])
+    """The SPS robot with every figure that there is, and drives to choose from."""
+    (path,) = write(with_choices(result), whole_validation(result), [tmp_path_factory.mktemp("page") / "report.html"])
     return path
 
 
@@ -292,6 +292,10 @@ def test_no_page_is_wider_than_its_window(page, wild, narrow, narrow_wild, width
             !e.closest(".scroll, .lines, dd, .js-plotly-plot") && e.getBoundingClientRect().right > innerWidth + 1)
             .map((e) => e.outerHTML.slice(0, 80))""")
         assert over == [] and made.heard.console == []
+
+
+def test_axe_finds_nothing_serious_on_a_dark_telephone(narrow):
+    assert findings(narrow) == []
 
 
 def test_a_dark_screen_gets_a_dark_page_and_light_figures(narrow):

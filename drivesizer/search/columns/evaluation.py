@@ -63,6 +63,19 @@ class Evaluation(NamedTuple):
         all_known: NDArray[np.bool_] = np.logical_and.reduce(known)
         return ~self.failed & ~all_known
 
+    def on(self, rows: NDArray[np.int64]) -> Evaluation:
+        """Of some of the candidates."""
+        return self._replace(
+            candidates=self.candidates.on(rows),
+            wheel={name: r.on(rows) for name, r in self.wheel.items()},
+            shaft={name: r.on(rows) for name, r in self.shaft.items()},
+            checks=[check.on(rows) for check in self.checks],
+            encoder=self.encoder[rows],
+            brake=self.brake[rows],
+            controller=self.controller[rows],
+            figures={name: column[rows] for name, column in self.figures.items()},
+        )
+
     def status(self, index: int) -> Status:
         """Outcome of the checks of one candidate."""
         if self.failed[index]:

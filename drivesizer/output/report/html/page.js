@@ -1,7 +1,8 @@
 "use strict";
-// The page of a report: its tables, its figures out of the plain data in #figures, and its contents.
+// The page of a report: its tables, the choice by weights, its figures out of the plain data in #figures, and its contents.
 
 tabled(document);
+weighable(document);
 
 // -- figures -----------------------------------------------------------------------------------------------------
 

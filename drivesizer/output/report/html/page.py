@@ -7,7 +7,7 @@ may run. Texts of a spec or a catalogue are escaped everywhere. The same input g
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from drivesizer.output.report.html.loop_plots import bode_plot, closed_loop_plot
 from drivesizer.output.report.html.mathematics import mathml
 from drivesizer.output.report.html.stills import image
 from drivesizer.output.report.html.templates import digest, environment, mathematics, own_file, unbroken
+from drivesizer.output.report.html.weights import weights_section
 from drivesizer.output.report.sections.candidates import candidate_numbers
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
@@ -32,7 +33,7 @@ from drivesizer.results.sizing import SizingResult
 
 __all__ = ["SCRIPTS", "STILL", "filled_page", "movable", "page_parts", "render", "report_html"]
 
-SCRIPTS = ("tables.js", "plots.js", "page.js")  # one after the other, as one script
+SCRIPTS = ("tables.js", "plots.js", "weights.js", "weights_view.js", "page.js")  # one after the other, as one script
 STILL = (
     "way",
     "tornado",
@@ -100,7 +101,21 @@ def page_parts(content: Content, date: str | None = None) -> tuple[dict[str, Any
         As :func:`filled_page` takes them.
     """
     still = {name: content.drawings[name] for name in STILL if name in content.drawings}
-    return document(content, date), movable(content), still
+    filled = document(content, date)
+    return filled | {"sections": [*_with_weights(filled, content)]}, movable(content), still
+
+
+def _with_weights(filled: dict[str, Any], content: Content) -> Iterator[dict[str, Any]]:
+    """The sections, with the choice by weights behind the candidates and what belongs to them."""
+    chosen, reached = weights_section(content), False
+    for section in filled["sections"]:
+        if chosen and reached and section["level"] == 1:
+            yield chosen
+            chosen = None
+        reached = reached or section["name"] == "candidates"
+        yield section
+    if chosen:
+        yield chosen
 
 
 def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: Mapping[str, Drawing]) -> bytes:

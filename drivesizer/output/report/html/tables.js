@@ -1,5 +1,5 @@
 "use strict";
-// Tables that sort, and show at which side they go on.
+// Tables that sort, and show at which side they go on; formulas that the keys move.
 
 /** What a cell is sorted by: its number where it has one, else its text; undefined for what is not known. */
 function keyOf(cell) {
@@ -39,6 +39,14 @@ function cue(box) {
 
 const resized = new ResizeObserver((entries) => { for (const { target } of entries) cue(target); });
 
+// A formula that is wider than its place is moved with the keys too; of those that fit none is a stop of the tab key.
+const fitted = new ResizeObserver((entries) => {
+  for (const { target } of entries) {
+    if (target.scrollWidth > target.clientWidth) target.tabIndex = 0;
+    else target.removeAttribute("tabindex");
+  }
+});
+
 /** Makes the tables below an element sort, and show where they go on. */
 function tabled(root) {
   for (const button of root.querySelectorAll(".sortable thead button")) {
@@ -48,4 +56,5 @@ function tabled(root) {
     box.addEventListener("scroll", () => cue(box), { passive: true });
     resized.observe(box);
   }
+  for (const formula of root.querySelectorAll(".step dd")) fitted.observe(formula);
 }

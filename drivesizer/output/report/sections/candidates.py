@@ -19,12 +19,12 @@ from drivesizer.output.report.sections.texts import Number, Status, Strong
 from drivesizer.output.sums import unknown_of
 from drivesizer.output.text import margin
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import worst
 from drivesizer.units import from_si, show
 
-__all__ = ["CANDIDATES", "candidate_numbers"]
+__all__ = ["CANDIDATES", "candidate_numbers", "gearhead_words"]
 
 _LONGEST_FRONT = 40  # drives of it that are printed
 
@@ -121,7 +121,7 @@ def _candidate(one: DriveSet) -> dict[str, Any]:
     smallest = number(tight.margin) if tight else None
     failed = [c.title for c in one.deciding if c.status == "fail"]
     return {
-        "rank": str(one.rank), "motor": one.motor_name, "gearhead": _gearhead(one, belt=False),
+        "rank": str(one.rank), "motor": one.motor_name, "gearhead": gearhead_words(one, belt=False),
         "ratio": f"{one.total_ratio:.4g}", "mass": show(one.mass, "g", "mass"),
         "price": "unknown" if isnan(one.price) else f"{one.price:.2f} EUR",
         "margin": margin(tight.margin) if tight else "",
@@ -138,7 +138,20 @@ def _first(titles: list[str]) -> str:
     return titles[0] + (f" and {len(titles) - 1} more" if len(titles) > 1 else "")
 
 
-def _gearhead(one: DriveSet, *, belt: bool = True) -> str:
+def gearhead_words(one: DriveParts, *, belt: bool = True) -> str:
+    """The gearhead with its part number, and the belt where it is wanted.
+
+    Parameters
+    ----------
+    one
+        The drive.
+    belt
+        Whether the belt is added.
+
+    Returns
+    -------
+    str
+    """
     driven = f" + belt {one.belt_name}" if belt and one.belt_name else ""
     part = one.gearhead.part if "gearhead" in one.parts else ""
     return " ".join(f"{one.gearhead_name} {part}{driven}".split())
@@ -164,7 +177,7 @@ def _front(content: Content) -> Iterator[Block]:
             (
                 Number(str(one.rank), one.rank),
                 one.motor_name,
-                _gearhead(one),
+                gearhead_words(one),
                 *(f.text for f in row),
                 (Status(one.status),),
             )

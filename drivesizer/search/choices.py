@@ -1,0 +1,238 @@
+"""A few hundred drives out of all that pass, among which are those that weights may make the best.
+
+Whatever the weights of several figures are, the best drive by their weighted sum is on the Pareto front, and the best k
+are in the first k layers of it: a front, the front of what is left without it, and so on [1]. Energy and margin are
+known once the waveform is. Where it would take long to compute that of all drives, those of which it is computed are
+picked the same way by a lower bound of the mean power, of moments, and by the margin as far as bounds give it.
+
+References
+----------
+.. [1] M. Ehrgott, *Multicriteria Optimization*, 2nd edition, Springer 2005, chapter 3: weighted sums and the front.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.catalog.view.stepper_view import has_steppers
+from drivesizer.physics.extremes import undominated
+from drivesizer.results.check import Status, verdict
+from drivesizer.results.problem import Problem
+from drivesizer.results.weights import CRITERIA, Choice, Choices, by_weights, used_share
+from drivesizer.search import ranking
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.least_drawn import least_power
+from drivesizer.search.machine_filter import Weigh
+from drivesizer.search.ranking import Ranking
+from drivesizer.search.search import Judge, Passing, smallest_margin
+from drivesizer.search.set_record import drive_parts
+from drivesizer.spec.select import OBJECTIVES
+
+__all__ = ["Picked", "choices", "criteria", "picked"]
+
+Array = NDArray[np.float64]
+_CELLS = 200_000  # drives times pieces of the load cycles, of which waveforms are computed: a few tenths of a second
+_JUDGED = 16  # drives that are checked in their machine as well, beside those that the search gives
+_MOST_LAYERED = 10_000  # drives of which layers are made
+
+
+def criteria(objective: Ranking, method: str) -> tuple[str, ...]:
+    """Objectives that drives can be chosen by: those of the ranking, then mass, price, energy and margin.
+
+    Parameters
+    ----------
+    objective
+        What ranked the drives.
+    method
+        Of the spec; the paper's computes no energy.
+
+    Returns
+    -------
+    tuple of str
+
+    Examples
+    --------
+    >>> criteria("length", "physics"), criteria("mass", "paper")
+    (('length', 'mass', 'price', 'energy', 'margin'), ('mass', 'price', 'margin'))
+    """
+    names = dict.fromkeys((*ranking.names_of(objective), *CRITERIA))
+    return tuple(name for name in names if method == "physics" or name not in ranking.COUNTED)
+
+
+def choices(
+    problem: Problem, every: Passing, objective: Ranking, most: int, *, judge: Judge | None, weigh: Weigh
+) -> Choices | None:
+    """Drives to choose from by weights, each with all its figures.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles.
+    every
+        All drives that pass their own checks.
+    objective
+        What ranked them.
+    most
+        How many drives to give at most, beside those that the search gives.
+    judge, weigh
+        As ``machine_filter`` makes them: drives that fail on a budget of the machine are left out.
+
+    Returns
+    -------
+    Choices or None
+        Drives as certain as the best one: all pass where that one passes. None where there is none.
+    """
+    if not len(every.best):
+        return None
+    names, alike = criteria(objective, problem.spec.method), every.certainty == every.certainty[every.best[0]]
+    best, alike = every.best[alike[every.best]], np.flatnonzero(alike)
+    sets, figures = every.sets.on(alike), {name: column[alike] for name, column in every.figures.items()}
+    given = np.searchsorted(alike, best)  # the first of them is the best of all
+    looked_at = picked(_cheap(problem, sets, figures, names), given, _affordable(problem)).rows
+    found, given = every.evaluated(alike[looked_at]), np.searchsorted(looked_at, given)
+    few = picked(_in_full(found, names), given, _JUDGED if judge else most)
+    found, first = found.on(few.rows), int(np.searchsorted(few.rows, given[0]))
+    passing = judge(found.candidates, found.on, len(few.rows)).best if judge else np.arange(len(few.rows))
+    status = {row: _status(found, row, weigh if judge else None) for row in passing.tolist()}
+    kept = _by_margin(found, [row for row, one in status.items() if one == status[first]])
+    return Choices(
+        drives=_records(found, kept, names), first=kept.index(first), weights=ranking.weights_of(objective),
+        passing=len(alike), judged=judge is not None, whole=few.whole and not judge and len(looked_at) == len(alike),
+    )  # fmt: skip
+
+
+def _status(found: Evaluation, row: int, weigh: Weigh | None) -> Status:
+    """Outcome of a drive's checks and of the machine's."""
+    budget = weigh(found, row).checks if weigh else ()
+    return verdict((*found.checks_of(row), *budget)) if budget else found.status(row)
+
+
+def _by_margin(found: Evaluation, rows: list[int]) -> list[int]:
+    """Some drives, the larger smallest margin first, then by part number."""
+    some = found.on(np.array(rows, np.int64))
+    margin = smallest_margin(some.checks)  # infinite where it is unknown
+    unknown = np.isinf(margin)
+    order = ranking.order(
+        found.catalog, some.candidates, np.where(unknown, 0.0, -margin), unknown.astype(np.int64)
+    )  # fmt: skip
+    return [rows[place] for place in order.tolist()]
+
+
+def _known(found: Evaluation) -> dict[str, Array]:
+    """Figures that objectives count beside those of the catalogue."""
+    return {**found.figures, "margin": smallest_margin(found.checks), ranking.BRAKE: found.brake.astype(float)}
+
+
+def _in_full(found: Evaluation, names: Sequence[str]) -> dict[str, Array]:
+    """Objectives of drives, less is better, NaN unknown."""
+    known = _known(found)
+    return {name: _lessened(found.catalog, found.candidates, known, name) for name in names}
+
+
+def _records(found: Evaluation, rows: Sequence[int], names: Sequence[str]) -> tuple[Choice, ...]:
+    """Drives with their figures."""
+    known = _known(found)
+    columns = {name: _figure(found.catalog, found.candidates, known, name) for name in names}
+    return tuple(
+        Choice(parts=drive_parts(found, row), figures={name: float(column[row]) for name, column in columns.items()})
+        for row in rows
+    )
+
+
+def _figure(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str) -> Array:
+    """An objective of drives as it is shown, NaN where a part of it is unknown."""
+    value, lacking = ranking.values(catalog, sets, figures, name)
+    known: Array = np.where(lacking > 0, np.nan, value)
+    return -known if OBJECTIVES[name].more_is_better else known
+
+
+def _lessened(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str) -> Array:
+    """The same of which less is better: of a margin the share of the limit that is used."""
+    figure: Array = _figure(catalog, sets, figures, name)
+    return used_share(figure) if OBJECTIVES[name].more_is_better else figure
+
+
+# -- picking
+
+
+def _affordable(problem: Problem) -> int:
+    """Number of drives whose figures may be computed."""
+    return _CELLS // sum(len(case.at_belt.warming.duration) for case in problem.cases)
+
+
+def _cheap(problem: Problem, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> dict[str, Array]:
+    """Objectives of drives as far as they are known without a waveform, less is better; a bound of the mean power."""
+    found = dict[str, Array]()
+    for name in names:
+        if name == "energy" and np.isnan(figures[name]).any() and not has_steppers(problem.catalog):
+            wheels = problem.machine_cases[0]  # of the load case that the energy is of
+            power = [problem.cases[n].spec.load.alike * least_power(problem, n, sets) for n in wheels]
+            found[name] = np.sum(power, axis=0)
+        else:
+            found[name] = _lessened(problem.catalog, sets, figures, name)
+    return found
+
+
+class Picked(NamedTuple):
+    """Some rows out of many."""
+
+    rows: NDArray[np.int64]  # rising
+    whole: bool  # whether the Pareto front of all is among them
+
+
+def picked(figures: Mapping[str, Array], always: NDArray[np.int64], most: int) -> Picked:
+    """Rows of drives that some weights may make the best, layer by layer of the Pareto front.
+
+    Parameters
+    ----------
+    figures
+        Of which less is better by name, each of shape (rows,); NaN unknown, which is worse than any that is known.
+    always
+        Rows that are taken in any case.
+    most
+        How many rows to give at most, beside those.
+
+    Returns
+    -------
+    Picked
+        Of a layer that is too many those that are foremost by one figure, by two together, or by all.
+
+    Examples
+    --------
+    >>> mass, price = np.array([1.0, 2.0, 2.0, 3.0]), np.array([9.0, 5.0, 6.0, 7.0])
+    >>> picked({"mass": mass, "price": price}, np.array([3]), 2)
+    Picked(rows=array([0, 1, 3]), whole=True)
+    """
+    count, columns = len(next(iter(figures.values()))), {n: c for n, c in figures.items() if not np.isnan(c).all()}
+    if count <= most or not columns:
+        return Picked(np.arange(count) if count <= most else always, count <= most)
+    place = _best_places(columns)
+    left, layers = np.sort(np.argsort(place, kind="stable")[:_MOST_LAYERED]), list[NDArray[np.int64]]()
+    table = np.stack([_finite(column) for column in columns.values()], axis=1)
+    while len(left) and sum(map(len, layers)) < most:
+        layer = left[undominated(-table[left])]
+        left = np.setdiff1d(left, layer)
+        layers.append(layer[np.argsort(place[layer], kind="stable")])
+    whole = count <= _MOST_LAYERED and len(layers[0]) <= most
+    return Picked(np.unique(np.concatenate([always, np.concatenate(layers)[:most]])), whole)
+
+
+def _best_places(columns: Mapping[str, Array]) -> NDArray[np.int64]:
+    """The best place of each row in several orders: by each figure alone, by each two of them, by all together."""
+    names = [*columns]
+    several = [*combinations(names, 1), *combinations(names, 2), tuple(names)]
+    orders = [by_weights(columns, dict.fromkeys(some, 1.0)).order for some in several]
+    found: NDArray[np.int64] = np.minimum.reduce([np.argsort(order) for order in orders])
+    return found
+
+
+def _finite(column: Array) -> Array:
+    """A column with what is unknown behind all that is known."""
+    return np.where(np.isnan(column), 2.0 * np.nanmax(np.abs(column)) + 1.0, column)

@@ -1,0 +1,155 @@
+"""The choice by weights on the page: its figures are those of the drives, its first order that of the spec."""
+
+import json
+from dataclasses import replace
+from math import isnan, nan
+
+import numpy as np
+import pytest
+from html_reports import HOSTILE, parsed, with_choices
+from lxml import html
+from printed import blank_figures
+
+from drivesizer.output.report.html.page import report_html
+from drivesizer.output.report.html.templates import section_html
+from drivesizer.output.report.html.weights import weights_section
+from drivesizer.output.report.sections.content import Content
+from drivesizer.results.weights import by_weights, used_share
+
+
+def section(result):
+    """The section alone, as a tree."""
+    (text,) = section_html([weights_section(Content(result))], {}, {})
+    return html.fromstring(f"<div>{text}</div>")
+
+
+def words(element):
+    return " ".join(element.text_content().split())
+
+
+@pytest.fixture(scope="module")
+def weighed(result):
+    return with_choices(result)
+
+
+@pytest.fixture(scope="module")
+def page(weighed):
+    return section(weighed)
+
+
+def test_every_drive_is_there_with_its_figures(page, weighed):
+    heads = [words(th) for th in page.xpath("//thead//th")]
+    assert heads == ["place", "motor", "gearhead", "mass", "price", "energy per cycle", "smallest margin", "score",
+                     "best by"]  # fmt: skip
+    rows = {int(tr.get("data-row")): [words(cell) for cell in tr] for tr in page.xpath("//tbody/tr")}
+    assert sorted(rows) == [*range(30)]
+    for n, one in enumerate(weighed.choices.drives):
+        cells, figures = rows[n], one.figures
+        assert cells[1] == (f"{HOSTILE} M3" if n == 3 else f"F M{n}")
+        assert float(cells[3].removesuffix(" g")) == pytest.approx(1e3 * figures["mass"], rel=5.1e-4)
+        assert cells[4] == ("unknown" if isnan(figures["price"]) else f"{figures['price']:.2f} EUR")
+        assert float(cells[5].removesuffix(" J")) == pytest.approx(figures["energy"], rel=5.1e-4)
+        assert float(cells[6].removesuffix(" %").replace("−", "-")) == pytest.approx(100 * figures["margin"], abs=0.51)
+    assert not page.xpath("//script[not(@type)]")
+
+
+def test_the_first_order_is_that_of_the_spec(page, weighed):
+    masses = [one.figures["mass"] for one in weighed.choices.drives]
+    order = [int(tr.get("data-row")) for tr in page.xpath("//tbody/tr")]
+    assert order == sorted(range(30), key=masses.__getitem__)
+    assert [words(td) for td in page.xpath("//tbody/tr/td[1]")] == [str(n) for n in range(1, 31)]
+    scores = [float(words(td)) for td in page.xpath("//td[contains(@class, 'score')]")]
+    assert scores == pytest.approx([masses[n] / min(masses) for n in order], abs=5.1e-4)
+    assert words(page.xpath("//tbody/tr[1]/td[last()]")[0]) == "weightsspec"
+    assert len(page.xpath("//tbody//*[contains(@class, 'pill')]")) == 2
+
+
+def test_the_page_has_the_numbers_that_another_order_is_made_of(page, weighed):
+    data = json.loads(page.xpath("//script[@id='weights-data']")[0].text)
+    assert data["first"] == weighed.choices.first and [*data["figures"]] == ["mass", "price", "energy", "margin"]
+    for name, column in data["figures"].items():
+        wanted = np.array([one.figures[name] for one in weighed.choices.drives])
+        wanted = used_share(wanted) if name == "margin" else wanted
+        np.testing.assert_allclose(np.array(column, float), wanted, rtol=5.1e-7)
+    assert None in data["figures"]["price"]
+
+
+def test_controls_say_what_they_are_and_the_rule_is_printed(page):
+    own = {box.get("data-name"): float(box.get("data-own")) for box in page.xpath("//*[@class='weight']")}
+    assert own == {"mass": 1.0, "price": 0.0, "energy": 0.0, "margin": 0.0}
+    for box in page.xpath("//*[@class='weight']"):
+        assert box.xpath("label/@for") == box.xpath("input[@type='range']/@id")
+        assert box.xpath("input[@type='number']/@aria-label")[0].startswith(words(box.xpath("label")[0]))
+    said = words(page)
+    for text in ("divided by the smallest of these drives", "1/(1 + margin)", "go below all others", "Marler",
+                 "picked out of 150", "ranks by mass"):  # fmt: skip
+        assert text in said, text
+    assert words(page.xpath("//*[contains(@class, 'command')]/code")[0]) == (
+        "drivesizer size sps_robot.yaml --objective mass=1"
+    )
+
+
+def test_the_caption_says_of_which_parts_a_figure_is(page):
+    assert words(page.xpath("//caption")[0]) == (
+        "mass and price: of motor and gearhead; energy per cycle: all drives, per cycle; "
+        "smallest margin: smallest margin of all checks"
+    )
+
+
+def changed(result, **figures):
+    """The same with other figures, each a function of the drive's number."""
+    choices = result.choices
+    drives = tuple(
+        replace(one, figures=one.figures | {name: of(n) for name, of in figures.items()})
+        for n, one in enumerate(choices.drives)
+    )
+    return replace(result, choices=replace(choices, drives=drives))
+
+
+def test_a_figure_that_is_unknown_or_the_same_of_all_has_no_weight(weighed):
+    page = section(changed(weighed, price=lambda n: nan, margin=lambda n: 0.25))
+    assert page.xpath("//*[@class='weight']/@data-name") == ["mass", "energy"]
+    assert "Without a weight: price is unknown of all; smallest margin is the same, +25 %." in words(page)
+    assert "go below all others" not in words(page)
+    alike = dict.fromkeys(("mass", "price", "energy", "margin"), lambda n: 1.0)
+    assert weights_section(Content(changed(weighed, **alike))) is None
+
+
+def test_energies_below_zero_and_numbers_of_parts(weighed):
+    page = section(changed(weighed, energy=lambda n: n - 7.0))
+    assert "smallest energy is not above zero" in words(page)
+    choices = weighed.choices
+    alone = replace(choices.drives[0], parts=replace(choices.drives[0].parts, encoder=None, actuator=None, brake=None))
+    fewer = replace(alone, parts=replace(alone.parts, gearhead=replace(alone.parts.gearhead, part="direct")))
+    page = section(replace(weighed, choices=replace(choices, drives=(fewer, *choices.drives[1:]))))
+    assert page.xpath("//*[@class='weight']/@data-name")[-1] == "parts"
+    counts = {words(td) for td in page.xpath("//tbody/tr/td[7]")}
+    assert counts == {"3 parts", "4 parts"}
+
+
+def test_it_follows_the_candidates_and_is_missing_without_drives(result, weighed):
+    with blank_figures():
+        page, without = (parsed(report_html(one, None)) for one in (weighed, result))
+    names = page.xpath("//h2/@id")
+    assert names[names.index("candidates") + 1] == "weights"
+    assert "Choose by weights" in words(page.xpath("//nav")[0])
+    assert page.xpath("//h1 | //h2 | //h3")[0].tag == "h1" and not without.xpath("//*[@id='weights']")
+
+
+def test_two_hundred_drives_are_little_to_send(result):
+    (text,) = section_html([weights_section(Content(with_choices(result, 200)))], {}, {})
+    assert len(text.encode()) < 90_000
+
+
+def test_initial_scores_are_those_of_the_rule(page, weighed):
+    """By two objectives of the spec, a drive without a price behind all others."""
+    both = replace(weighed, choices=replace(weighed.choices, weights={"mass": 2.0, "price": 1.0}))
+    drives = weighed.choices.drives
+    found = by_weights(
+        {name: np.array([one.figures[name] for one in drives]) for name in ("mass", "price")}, both.choices.weights
+    )
+    tree = section(both)
+    assert [int(tr.get("data-row")) for tr in tree.xpath("//tbody/tr")] == found.order.tolist()
+    last = words(tree.xpath("//tbody/tr[last()]/td[contains(@class, 'score')]")[0])
+    assert last == "unknown" and isnan(drives[found.order[-1]].figures["price"])
+    assert words(tree.xpath("//*[contains(@class, 'command')]/code/span")[0]) == "mass=2,price=1"

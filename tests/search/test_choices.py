@@ -1,0 +1,191 @@
+"""Drives to choose from by weights: among them is the best of all that pass, whatever the weights.
+
+The forty motors are worked out by hand: the lighter they are the more they lose (see ``test_drives_within_budgets``).
+"""
+
+import math
+
+import numpy as np
+import pytest
+from forty_motors import MOTORS, catalogue
+from starters import starter
+
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.results.weights import by_weights, used_share
+from drivesizer.search import ranking
+from drivesizer.search.choices import choices, picked
+from drivesizer.search.least_drawn import least_power
+from drivesizer.search.own_mass import problem_with_drive_mass
+from drivesizer.search.search import search, smallest_margin
+from drivesizer.sizing import load_parts, size
+from drivesizer.spec.robot import read_spec
+from drivesizer.spec.select import Choice, MotorChoice
+
+NAMES = ("mass", "price", "energy", "margin")
+SPEC = """
+name: fan
+motion: {speed: 1200 rpm, acceleration_time: 10 s, cruise_time: 100000 s}
+supply: {nominal: 24 V, min: 22 V, max: 26 V}
+select:
+  catalogs: [parts.yaml]
+  estimates: off
+  objective: [{objective: mass, weight: 1}, {objective: energy, weight: 4}]
+load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}
+"""
+BATTERY = """
+battery: {chemistry: LiFePO4, nominal_voltage: 24 V, capacity: 20 A*h, autonomy: 9 h, charge_voltage: 26 V,
+  cutoff_voltage: 20 V, resistance: 10 mohm, open_circuit: {full: 24.5 V, empty: 23 V}, continuous_current: 20 A,
+  peak_current: 50 A, max_charge_current: 5 A}
+"""
+
+
+def power(n):
+    """What a motor draws at 1200 rpm with a winding that stays at 25 degC [W]."""
+    current = 0.3 * (1200 / 1500) ** 2 / 0.098 + 3.0 - 0.07 * n
+    return (0.35 * current + 0.098 * 1200 * math.pi / 30) * current
+
+
+def fan(folder, more=""):
+    (folder / "parts.yaml").write_text(catalogue(lambda n: 3.0 - 0.07 * n, "0.001 K/W"), encoding="utf-8")
+    return read_spec(YamlSource(SPEC + more, str(folder / "fan.yaml")))
+
+
+def numbers(found):
+    return [int(one.parts.motor.part[1:]) for one in found.drives]
+
+
+def test_forty_motors_by_hand(tmp_path):
+    found = size(fan(tmp_path), choices=100)
+    chosen, every = found.choices, range(MOTORS)
+    assert sorted(numbers(chosen)) == [*every] and chosen.passing == MOTORS and not chosen.judged
+    assert chosen.weights == {"mass": 1.0, "energy": 4.0}
+    assert [*chosen.drives[0].figures] == ["mass", "energy", "price", "margin"]
+    energies = np.array([one.figures["energy"] for one in chosen.drives])
+    assert energies == pytest.approx([power(n) * 100_010 for n in numbers(chosen)], rel=1e-3)
+    for mass, energy in ((1.0, 4.0), (3.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)):
+        scores = [mass * (300 + n) / 300 + energy * power(n) / power(MOTORS - 1) for n in every]
+        columns = {name: np.array([one.figures[name] for one in chosen.drives]) for name in ("mass", "energy")}
+        first = numbers(chosen)[by_weights(columns, {"mass": mass, "energy": energy}).order[0]]
+        assert first == min(every, key=scores.__getitem__)
+        if (mass, energy) == (1.0, 4.0):  # the spec's own
+            assert first == numbers(chosen)[chosen.first] == int(found.sets[0].motor.part[1:])
+
+
+def test_a_drive_that_the_machine_cannot_feed_is_none_to_choose(tmp_path):
+    """A battery of 480 W h that is to last for 9 h: the sixteen lightest draw too much."""
+    found = size(fan(tmp_path, BATTERY), choices=100, objective="mass")
+    enough = [n for n in range(MOTORS) if 480 / power(n) >= 9]
+    assert set(numbers(found.choices)) <= {*enough} and len(found.choices.drives) >= 10
+    assert found.choices.judged and numbers(found.choices)[found.choices.first] == enough[0] == 16
+    assert MOTORS - 1 in numbers(found.choices)  # the one that draws least
+
+
+@pytest.fixture(scope="module")
+def belt_axis(tmp_path_factory, catalog):
+    """A belt axis, all drives that pass with all their figures, and those to choose from."""
+    spec = starter("belt_axis", tmp_path_factory.mktemp("belt"))
+    problem, _ = problem_with_drive_mass(spec, load_parts(spec, catalog), "mass")
+    every = search(problem, top=5, objective="mass", margins=True).every
+    whole = every.evaluated(np.flatnonzero(every.certainty == every.certainty[every.best[0]]))
+    figures = {**whole.figures, "margin": smallest_margin(whole.checks)}
+    columns = {}
+    for name in NAMES:
+        value, lacking = ranking.values(whole.catalog, whole.candidates, figures, name)
+        columns[name] = np.where(lacking > 0, np.nan, used_share(-value) if name == "margin" else value)
+    return problem, every, whole, columns
+
+
+def chosen(problem, every):
+    return choices(problem, every, "mass", 60, judge=None, weigh=None)
+
+
+def key(parts):
+    return parts.motor.part, parts.gearhead.part, parts.belt_ratio
+
+
+def places(whole, found):
+    """Which of all drives are among those to choose from, and the choice of each of these."""
+    table, sets = whole.catalog, whole.candidates
+    names = zip(table.motors["part"][sets.motor], table.gearheads["part"][sets.gearhead], sets.belt, strict=True)
+    given = {key(one.parts): one for one in found.drives}
+    return {place: given[name] for place, name in enumerate(names) if name in given}
+
+
+def test_the_best_of_all_that_pass_is_among_them(belt_axis):
+    problem, every, whole, columns = belt_axis
+    found = chosen(problem, every)
+    assert found.whole and found.passing == len(whole.controller) > 3 * len(found.drives)
+    among = places(whole, found)
+    assert len(among) == len(found.drives)
+    for place, one in among.items():  # with the figures that they have among all
+        figures = one.figures | {"margin": used_share(one.figures["margin"])}
+        for name in NAMES:
+            assert figures[name] == pytest.approx(columns[name][place], rel=1e-9, nan_ok=True)
+    for weights in np.random.default_rng(5).dirichlet(np.full(4, 0.7), 300):
+        assert by_weights(columns, dict(zip(NAMES, weights, strict=True))).order[0] in among
+
+
+def test_where_waveforms_take_long_bounds_pick(belt_axis, monkeypatch):
+    """Of a tenth of the drives that pass: by one figure of the catalogue the best, else seldom far from it."""
+    problem, every, whole, columns = belt_axis
+    monkeypatch.setattr("drivesizer.search.choices._CELLS", 40 * len(problem.cases[0].at_belt.warming.duration))
+    found = chosen(problem, every)
+    assert not found.whole and len(found.drives) <= 45 < found.passing / 6
+    among, draw = places(whole, found), np.random.default_rng(5)
+
+    def lost(weights):
+        scored = by_weights(columns, weights)
+        known = [place for place in among if not scored.lacking[place]]
+        return scored.score[known].min() / scored.score[scored.order[0]] - 1.0
+
+    for weights in ({"mass": 1.0}, {"price": 1.0}, {"mass": 1.0, "price": 1.0}):
+        assert lost(weights) < 1e-9
+    losses = [lost(dict(zip(NAMES, weights, strict=True))) for weights in draw.dirichlet(np.full(4, 0.7), 200)]
+    assert np.median(losses) < 1e-9 and max(losses) < 0.15
+
+
+def test_the_search_ranks_by_weights_as_the_page_does(belt_axis):
+    problem, every, _, _ = belt_axis
+    found = chosen(problem, every)
+    for text in ("mass=2,price=1", "price=1,energy=3", "mass=1,price=1,energy=1,margin=4"):
+        objective = ranking.objective_of(text)
+        first = search(problem, top=1, objective=objective).evaluation.candidates
+        columns = {name: np.array([one.figures[name] for one in found.drives]) for name in NAMES}
+        columns["margin"] = used_share(columns["margin"])
+        best = found.drives[by_weights(columns, ranking.weights_of(objective)).order[0]].parts
+        catalog = problem.catalog
+        assert (best.motor.part, best.gearhead.part) == (
+            catalog.motors["part"][first.motor[0]], catalog.gearheads["part"][first.gearhead[0]]
+        )  # fmt: skip
+
+
+def test_drives_are_picked_by_a_bound_of_their_power(belt_axis):
+    """What stands in place of the energy is no more than it, of each drive."""
+    problem, _, whole, columns = belt_axis
+    time = problem.cases[0].cycle.total
+    share = problem.spec.supply.regeneration
+    drawn = columns["energy"] + share * whole.figures["returned"] - whole.figures["returned"]
+    assert (least_power(problem, 0, whole.candidates) * time <= drawn * (1 + 1e-9)).all()
+
+
+def test_by_the_papers_method_there_is_no_energy(spec):
+    free = spec.select.model_copy(update={"motor": MotorChoice(), "gearhead": Choice()})
+    found = size(spec.model_copy(update={"select": free, "battery": None}), choices=20).choices
+    assert found and all([*one.figures] == ["mass", "price", "margin"] for one in found.drives)
+    margins = [one.figures["margin"] for one in found.drives]
+    assert margins == sorted(margins, reverse=True) and len(margins) == found.passing > 5
+    assert found.drives[found.first].figures["mass"] == min(one.figures["mass"] for one in found.drives)
+
+
+def test_none_is_given_where_none_is_wanted_or_passes(result, tmp_path):
+    assert result.choices is None
+    found = size(fan(tmp_path, BATTERY.replace("9 h", "17 h")), choices=20)
+    assert not found.sets and found.choices is None
+
+
+def test_of_a_layer_that_is_too_long_the_ends_stay():
+    mass = np.linspace(1.0, 2.0, 50)
+    figures = {"mass": mass, "price": 3.0 - mass, "energy": np.full(50, np.nan)}
+    rows, whole = picked(figures, np.array([7]), 10)
+    assert {0, 7, 49} <= {*rows.tolist()} and len(rows) <= 11 and not whole
+    assert picked({"price": np.full(30, np.nan)}, np.array([1]), 10).rows.tolist() == [1]
