@@ -32,6 +32,7 @@ __all__ = ["FIGURES", "compact", "drawn", "write"]
 ROOT = Path(__file__).resolve().parents[2]
 _ATTRIBUTE = re.compile(r' (d|x|y|x1|x2|y1|y2)="([^"]*)"')
 _NUMBER = re.compile(r"-?\d+\.\d+")
+_AGAIN = re.compile(r"( L -?[\d.]+ -?[\d.]+)\1+(?![\d.])")  # points that fall on one another
 _UNSEEN = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->|<!DOCTYPE[^>]*>", re.DOTALL)
 _FONT = "'DejaVu Sans'"
 
@@ -39,7 +40,8 @@ _FONT = "'DejaVu Sans'"
 def compact(drawing: str) -> str:
     """A drawing of matplotlib without what nobody sees, and a font of the same width where DejaVu Sans is not."""
     short = _ATTRIBUTE.sub(lambda m: f' {m[1]}="{_NUMBER.sub(_rounded, " ".join(m[2].split()))}"', drawing)
-    return re.sub(r">\s+<", ">\n<", _UNSEEN.sub("", short)).replace(_FONT, f"{_FONT}, Verdana, sans-serif")
+    short = _AGAIN.sub(r"\1", _UNSEEN.sub("", short))
+    return re.sub(r">\s+<", ">\n<", short).replace(_FONT, f"{_FONT}, Verdana, sans-serif")
 
 
 def _rounded(number: re.Match[str]) -> str:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.load_cycle import rms
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.results.pieces import MotorPiece
@@ -93,4 +94,4 @@ def _grouped(names: list[str]) -> Iterator[tuple[str, NDArray[np.int64]]]:
 def _largest(values: Array) -> float:
     """The value of the largest amount, with its sign."""
     flat = values.ravel()
-    return float(flat[np.abs(flat).argmax()])
+    return float(flat[first_largest(np.abs(flat))[1]])

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.elements.gear_life import turned_load
-from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes
+from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, first_largest
 from drivesizer.physics.lasting_speed import lasting_speeds
 from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, places, rms
 from drivesizer.physics.products import product
@@ -204,9 +204,9 @@ class AtGearhead:
         if left_out is not None and len(rows := np.flatnonzero(lacking(left_out))):
             against = np.concatenate([high < 0.0, low > 0.0]).astype(float)
             values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
-        worst = values.argmax(axis=1)
+        value, place = first_largest(values)
         time = np.concatenate([self.extremes.high_time, self.extremes.low_time])
-        return bounded(values[np.arange(len(values)), worst], time[worst], left_out)
+        return bounded(value, time[place], left_out)
 
     @cached_property
     def warming(self) -> Pieces:

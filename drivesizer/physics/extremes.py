@@ -12,13 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Envelope", "Extremes", "envelope", "extremes", "undominated"]
+__all__ = ["Envelope", "Extremes", "envelope", "extremes", "first_largest", "undominated"]
 
 Array = NDArray[np.float64]
 
 _FRONT = 300  # points that may be left of a group before its convex hull is computed
 _BLOCK = 64  # points that the others are held against at a time, at most
 _NOT_BEFORE = np.triu(np.ones((_BLOCK, _BLOCK), bool))  # in a row's place those that do not come before it
+_ALIKE = 1e-9  # share within which values differ by rounding, which goes by processor
 _FREE = (0, 1, 2, 3, 5)  # the functions that vary within a group: the three torques, acceleration, speed
 
 
@@ -85,6 +86,29 @@ def extremes(functions: Array, time: Array) -> Extremes:
     bottom = _largest(-points, np.concatenate([g[_front(-points[g])] for g in groups]))
     above, below = _corners(functions.max(axis=1)), -_corners(-functions.min(axis=1))
     return Extremes(points[top], when[top], points[bottom], when[bottom], above, below)
+
+
+def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
+    """The largest value of each row, and where: of places that differ by rounding alone the first.
+
+    Parameters
+    ----------
+    values
+        Shape (rows, places), or (places,) for one row.
+
+    Returns
+    -------
+    tuple
+        Values and places, each of shape (rows,); the place of NaN is 0.
+
+    Examples
+    --------
+    >>> first_largest(np.array([[0.3, 0.1 + 0.2, 0.0], [1.0, 2.0, 3.0]]))[1].tolist()
+    [0, 2]
+    """
+    top = values.max(axis=-1)
+    least = np.minimum(top * (1.0 - _ALIKE), top * (1.0 + _ALIKE))  # of infinite ones the same
+    return top, np.argmax(~(values < least[..., None]), axis=-1)
 
 
 def _corners(points: Array) -> Array:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drivesizer.errors import InputError
+from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.heat_step import Array, Course, Modes, Weights, drive, modes, turning_time, weights
 from drivesizer.physics.thermal import TwoBodies
 
@@ -26,6 +27,7 @@ __all__ = ["HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise"
 _BEYOND = (
     1e9  # K: a winding that is warmer after one cycle has run away; the digits of a lower temperature after it are lost
 )
+_DIGITS = 9  # of rises [K] in which equal ones agree
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -170,13 +172,13 @@ def highest(found: Periodic, *shares: float) -> Highest:
     """
     w, h = shares
     values, slopes, pulls = (w * x[0] + h * x[1] for x in (found.rises, found.slopes, found.pulls))
-    segment = values[1:].argmax(axis=0)  # the first start is the last end
+    top, segment = first_largest(values[1:].T)  # the first start is the last end
     t = np.broadcast_to(found.t, slopes.shape)
-    top, until = (np.take_along_axis(x, segment[None], axis=0)[0] for x in (values[1:], t))
+    until = np.take_along_axis(t, segment[None], axis=0)[0]
     inner, turn, reached = _turned(found, values, slopes, pulls, top)
-    order = np.argsort(reached)
+    order = np.lexsort((-inner[0], np.round(reached, _DIGITS)))
     order = order[reached[order] > top[inner[1][order]]]
-    motor = inner[1][order]  # the last one counts, which is the highest
+    motor = inner[1][order]  # the last one counts: the highest, of those alike the first
     top[motor], segment[motor], until[motor] = reached[order], inner[0][order], turn[order]
     return Highest(top, segment, until)
 

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.products import product
 
 __all__ = [
@@ -166,11 +167,11 @@ def largest_power(found: Wave) -> tuple[Array, Array]:
     inside = (bend < 0.0) & (vertex > 0.0) & (vertex < 1.0)
     at = np.where(inside, vertex, np.where(last > first, 1.0, 0.0))
     power = (I[..., 0] + at * rise_I) * (V[..., 0] + at * rise_V)
-    worst = power.argmax(axis=1)
+    largest, worst = first_largest(power)
     rows = np.arange(len(power))
     ends = np.cumsum(found.duration, axis=-1) - found.duration
     start, duration = (np.broadcast_to(x, power.shape) for x in (ends, found.duration))
-    return power[rows, worst], start[rows, worst] + at[rows, worst] * duration[rows, worst]
+    return largest, start[rows, worst] + at[rows, worst] * duration[rows, worst]
 
 
 def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from math import isnan, nan
+from math import isclose, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -124,7 +124,9 @@ class CheckColumn:
         if self.low is None or self.high is None or self.least_margin is None:
             return None
         band = Band(float(self.low[index]), float(self.high[index]), float(self.least_margin[index]))
-        return band if band.low < band.high or band.least_margin < self.margin[index] else None
+        ends = (band.low, band.high), (band.least_margin, float(self.margin[index]))
+        apart = (low < high and not isclose(low, high) for low, high in ends)  # but for rounding
+        return band if any(apart) else None
 
     def _lacking(self, index: int | tuple[()]) -> str:
         open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))

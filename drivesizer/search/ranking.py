@@ -172,7 +172,7 @@ def order(
         sets.belt,
         _alphabetical(catalog.gearheads)[sets.gearhead],
         _alphabetical(catalog.motors)[sets.motor],
-        np.zeros(len(value)) if margin is None else -np.nan_to_num(margin, nan=-np.inf),
+        np.zeros(len(value)) if margin is None else rounded(-np.nan_to_num(margin, nan=-np.inf)),
         rounded(value),
         missing,
         *reversed(before),
@@ -213,7 +213,7 @@ def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name
     """
     columns = [_single(catalog, sets, figures, name) for name in names]
     known = np.flatnonzero(sum(missing for _, missing in columns) == 0)
-    values_ = np.stack([value[known] for value, _ in columns], axis=1)
+    values_ = np.stack([rounded(value[known]) for value, _ in columns], axis=1)
     ordered = order(catalog, sets.on(known), values_[:, 0], np.zeros(len(known), np.int64))
     best = ordered[np.sort(undominated(-values_[ordered]))]
     found: NDArray[np.int64] = known[best]

@@ -180,7 +180,7 @@ def _of_other_families(
     for n, row in enumerate(found):
         same = (family == family[order == row]) & (rank[:, order] == rank[:, [row]]).all(axis=0)
         alike = order[same][:_ALIKE]
-        margin = smallest_margin(evaluated(alike).checks)
+        margin = ranking.rounded(smallest_margin(evaluated(alike).checks))
         found[n] = _passing(judge, sets, evaluated, alike[np.argsort(-margin, kind="stable")], 1).best[0]
     return found
 
@@ -339,7 +339,7 @@ def _nearest(problem: Problem, rejected: Candidates) -> NDArray[np.int64]:
     checks = evaluate(problem, rejected, exact=False).checks
     fails = np.sum([check.failed for check in checks if not check.advice], axis=0)
     value = np.zeros(count), np.zeros(count, np.int64)
-    return ranking.order(problem.catalog, rejected, *value, before=[-smallest_margin(checks), fails])
+    return ranking.order(problem.catalog, rejected, *value, before=[ranking.rounded(-smallest_margin(checks)), fails])
 
 
 def smallest_margin(checks: list[CheckColumn]) -> Array:

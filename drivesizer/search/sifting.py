@@ -20,7 +20,7 @@ from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import Candidates, joined, pairs
 from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.search.columns.stages import Examined, examine
-from drivesizer.search.ranking import BRAKE, COUNTED
+from drivesizer.search.ranking import BRAKE, COUNTED, rounded
 from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["OPEN", "PASSES", "UNKNOWN", "Progress", "Sifted", "any_passes", "sifted"]
@@ -140,10 +140,11 @@ def _found(one: Examined, opened: NDArray[np.bool_]) -> _Found:
     figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin, BRAKE: one.brake.astype(float)}
     sets, rejected, bound = one.sets, one.rejected, one.bound
     if len(rejected) > _NEAREST:
-        few = np.argpartition(-bound, _NEAREST)[:_NEAREST]
+        far = rounded(-bound)
+        few = np.flatnonzero(~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1]))
         rejected, bound = rejected[few], bound[few]
-    passing, failing = sets.on(one.rows), sets.on(rejected)
-    return _Found(len(sets.motor), passing, opened, one.unknown, figures, one.failed_by, failing, bound)
+    failing = _nearest([(sets.on(rejected), bound)])
+    return _Found(len(sets.motor), sets.on(one.rows), opened, one.unknown, figures, one.failed_by, *failing)
 
 
 def _at_both(easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
@@ -184,7 +185,7 @@ def _nearest(several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array
     """The nearest of the rejected in several chunks."""
     sets = joined([s for s, _ in several])
     bound = np.concatenate([b for _, b in several])
-    rows = np.lexsort((sets.belt, sets.gearhead, sets.motor, -bound))[:_NEAREST]
+    rows = np.lexsort((sets.belt, sets.gearhead, sets.motor, rounded(-bound)))[:_NEAREST]
     return sets.on(rows), bound[rows]
 
 

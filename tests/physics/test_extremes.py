@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
-from drivesizer.physics.extremes import extremes, undominated
+from drivesizer.physics.extremes import extremes, first_largest, undominated
 from drivesizer.physics.load_cycle import LoadCycle
 
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
@@ -185,3 +185,13 @@ def test_undominated_where_one_column_is_a_million_million_million_times_another
 def test_undominated_may_stop_early_and_then_loses_nobody(most):
     points = np.random.default_rng(1).normal(size=(200, 3))
     assert set(undominated(points)) <= set(undominated(points, most))
+
+
+def test_the_first_of_the_largest_but_for_rounding():
+    inf, nan = np.inf, np.nan
+    rows = [[1.0, 3.0, 3.0 + 4e-16], [-2.0, -1.0 - 2e-16, -1.0], [1.0, 1.0 + 1e-8, 0.0], [0.0, 0.0, 0.0],
+            [1.0, inf, inf], [-inf, -inf, -inf], [-inf, -inf, 1.0], [5.0, nan, 7.0]]  # fmt: skip
+    value, place = first_largest(np.array(rows))
+    assert place.tolist() == [1, 1, 1, 0, 1, 0, 2, 0]
+    assert value == pytest.approx(np.array(rows).max(axis=1), abs=0.0, rel=0.0, nan_ok=True)
+    assert first_largest(np.array([0.0, 2.0, 2.0]))[1] == 1

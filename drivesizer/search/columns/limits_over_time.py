@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak
+from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance, source_energy, source_power
 from drivesizer.physics.several_belts import behind_each
@@ -312,9 +313,8 @@ def _largest_voltage(found: Wave, cold: Peak, leads: Array | None) -> Peak:
     if leads is not None:
         volts = np.maximum(volts, np.abs(found.voltage + np.reshape(leads, (-1, 1, 1)) * found.current))
     values = volts.reshape(len(volts), 2 * len(found.duration))
-    worst, ends = values.argmax(axis=1), np.cumsum(found.duration)
+    (value, worst), ends = first_largest(values), np.cumsum(found.duration)
     time = np.stack([ends - found.duration, ends], axis=1).ravel()[worst]
-    value = values[np.arange(len(values)), worst]
     colder = cold.value > value
     return Peak(np.where(colder, cold.value, value), np.where(colder, cold.time, time))
 

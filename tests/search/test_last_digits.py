@@ -1,0 +1,53 @@
+"""What ranks alike and moments that are alike go by their order, not by last digits, which another processor gives."""
+
+from __future__ import annotations
+
+import numpy as np
+from specs import selecting
+from starters import starter
+
+from drivesizer.physics import cycle_at_gearhead, waveform
+from drivesizer.physics.products import product
+from drivesizer.search import ranking
+from drivesizer.search.columns import bus_bounds, waveform_bounds
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.sizing import size
+
+
+def test_another_rounding_of_products_changes_no_order_and_no_moment(tmp_path, catalog, monkeypatch):
+    """A belt axis goes to and fro alike: each peak is met twice. Every product is off by a few of its last digits."""
+    spec = selecting(starter("belt_axis", tmp_path), objective="energy")
+    plain = _order_and_moments(size(spec, catalog=catalog, top=10, pareto=("mass", "margin")))
+    rng = np.random.default_rng(1)
+
+    def rounded_otherwise(rows, columns):
+        found = product(rows, columns)
+        return found * (1.0 + 4e-16 * rng.integers(-2, 3, found.shape))
+
+    for module in (cycle_at_gearhead, waveform, waveform_bounds, bus_bounds):
+        monkeypatch.setattr(module, "product", rounded_otherwise)
+    assert _order_and_moments(size(spec, catalog=catalog, top=10, pareto=("mass", "margin"))) == plain
+
+
+def _order_and_moments(result):
+    shown = {name: getattr(result, name) for name in ("sets", "misses", "front", "alternatives")}
+    assert all(shown.values())
+    return {
+        name: [(one.label, [(c.name, c.at_time, c.band is None) for c in one.checks],
+                [p.motor_torque > 0.0 for p in one.pieces]) for one in some]
+        for name, some in shown.items()
+    }  # fmt: skip
+
+
+def test_margins_and_objectives_that_differ_by_rounding_are_equal(catalog):
+    sets = Candidates(np.array([7, 3, 5]), np.zeros(3, np.int64), np.ones(3), np.ones(3, bool))
+    parts = [str(catalog.motors["part"][row]) for row in sets.motor]
+    by_part = sorted(range(3), key=lambda n: parts[n])
+    margin = np.full(3, 0.3)
+    margin[by_part[2]] = 0.1 + 0.2
+    mass, none = 2.0 * margin, np.zeros(3, np.int64)
+    assert ranking.order(catalog, sets, mass, none, margin=margin).tolist() == by_part
+    margin[by_part[2]] = 0.3001
+    assert ranking.order(catalog, sets, np.ones(3), none, margin=margin)[0] == by_part[2]
+    energy = {"energy": mass, "winding_temperature": -margin}
+    assert len(ranking.front(catalog, sets, energy, ["energy"])) == 1
