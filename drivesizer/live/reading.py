@@ -17,6 +17,7 @@ __all__ = ["FRONT", "TOP", "faults", "named", "text_of", "whole"]
 
 TOP = 10  # drives of an answer, as in a report
 FRONT = ("mass", "price", "energy")
+_CHOICES = 200  # drives to choose from by weights, as in a report
 
 
 def text_of(held: Held, request: Piece) -> str:
@@ -55,9 +56,9 @@ def whole(held: Held, text: str, *, top: int = TOP, front: bool = False, brief: 
     top
         Drives.
     front
-        Also those that no other beats in mass, price and energy, of a spec of one axis.
+        Also those that no other beats in mass, price and energy, and those to choose from by weights, of one axis.
     brief
-        The drives alone, of a spec of one axis.
+        The drives alone, without alternatives and further searches.
 
     Returns
     -------
@@ -77,11 +78,12 @@ def whole(held: Held, text: str, *, top: int = TOP, front: bool = False, brief: 
         if isinstance(spec, MachineSpec):
             from drivesizer.multi_axis.sizing import size_machine
 
-            return size_machine(spec, top=top, progress=held.go_on)
+            return size_machine(spec, top=top, brief=brief, progress=held.go_on)
         from drivesizer.sizing import size
 
         known = tuple(one for one in FRONT if one != "energy" or spec.method == "physics")
-        return size(spec, top=top, pareto=known if front else (), brief=brief, progress=held.go_on)
+        more = (known, _CHOICES) if front else ((), 0)
+        return size(spec, top=top, pareto=more[0], choices=more[1], brief=brief, progress=held.go_on)
 
     return held.keep(json.dumps([top, front, brief, text]), sized)
 

@@ -74,6 +74,7 @@ function filled(made, one) {
   made.shown = one.html;
   made.lastElementChild.innerHTML = one.html; // of the server's own templates, which escape every text
   tabled(made);
+  weighable(made);
   return made;
 }
 

@@ -18,6 +18,7 @@ from drivesizer.output.report.figures.field_panels import panels
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html.battery_plots import charge_plot, consumers_plot
 from drivesizer.output.report.html.candidate_plots import front_plot, sets_plot
+from drivesizer.output.report.html.choices_plot import choices_plot
 from drivesizer.output.report.html.curves import Plot
 from drivesizer.output.report.html.field_plot import field_plot
 from drivesizer.output.report.html.load_plots import cycle_plot, motion_plot
@@ -171,6 +172,7 @@ def movable(content: Content) -> dict[str, Plot]:
         "sets-price": sets_plot(drives, "price", "price (EUR)"),
         "front": front_plot(result) if result.front else None,
     }
+    made["choices"] = choices_plot(result.choices)
     fields = panels(result.problem, best, result.requirements) if best else []
     times = [cycle.time for _, cycle in content.cycles]
     for n, panel in enumerate(fields[:_MOST_PANELS]):  # the first is in the summary

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.output.json.loops import number
+from drivesizer.output.report.sections.blocks import Picture, as_data
 from drivesizer.output.report.sections.candidates import gearhead_words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.specification import file_name
@@ -37,6 +38,12 @@ _RULE = (
     "has a weight, 1.1 for one that is a tenth worse in the mean. Of equal scores the larger margin goes first."
 )
 _NEGATIVE = "Where the smallest energy is not above zero, 1 + its distance from that over the largest amount counts."
+_PICTURE = Picture(
+    "choices",
+    "The same drives by mass and price, as far as both are known, their energy per cycle as colour. Diamonds are those "
+    "that no other beats in all three.",
+    "price over mass of the drives to choose from, coloured by energy per cycle",
+)
 _UNKNOWN = "Drives of which a figure with a weight is unknown go below all others, whatever it would be."
 
 
@@ -73,7 +80,8 @@ def weights_section(content: Content) -> dict[str, Any] | None:
         "rules": [*_rules(offered)], "left_out": [*_left_out(every, offered)], **_table(chosen, offered),
         **_command(content, chosen),
     }  # fmt: skip
-    made: dict[str, Any] = cleaned({"name": "weights", "title": "Choose by weights", "level": 1, "blocks": [block]})
+    blocks = [block, *as_data([_PICTURE])]
+    made: dict[str, Any] = cleaned({"name": "weights", "title": "Choose by weights", "level": 1, "blocks": blocks})
     return made
 
 

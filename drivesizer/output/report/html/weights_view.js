@@ -69,7 +69,7 @@ function weighable(root) {
     clearTimeout(waiting);
     waiting = setTimeout(() => {
       said.textContent = sentence(found.order, found.score, found.lacking, now);
-      if (announce) history.replaceState(null, "", `#weights:${named(counted)}`);
+      if (announce && !document.body.classList.contains("live")) history.replaceState(null, "", `#weights:${named(counted)}`);
     }, announce ? PAUSE : 0);
   }
 
