@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import re
+from itertools import islice
 from typing import Any, NamedTuple
 
 import yaml
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.files.yaml_change import reads_as
 from drivesizer.files.yaml_source import LOADER, Path_, YamlSource
 
 __all__ = ["Edit", "edited"]
 
+_LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _STEP = 2  # blanks by which a new group of fields is indented
 
 
@@ -53,15 +57,27 @@ def edited(text: str, edits: list[Edit], name: str = "spec") -> str:
     Raises
     ------
     InputError
-        When the text is not YAML that is accepted here, or a path leads through what is no group of fields.
+        When the text is not YAML that is accepted here, a path leads through what is no group of fields, or the text
+        is written in such a way that the change would reach other fields.
     """
+    text = text.removeprefix("\ufeff")
+    data = YamlSource(text, name).data  # refused in its own words before it is changed
     for edit in edits:
-        YamlSource(text, name)  # refused in its own words before it is changed
-        text = _changed(text, edit, name)
+        changed = _changed(text, edit, name)
+        try:
+            after = YamlSource(changed, name).data
+        except InputError:
+            after = None
+        if not reads_as(after, data, edit.path, edit.value, text=edit.text):
+            place = ".".join(map(str, edit.path))
+            raise InputError(f"{name}: {quoted(place)} cannot be changed in this text; edit it as YAML")
+        text, data = changed, after
     return text
 
 
 def _changed(text: str, edit: Edit, name: str) -> str:
+    if not edit.path:
+        raise InputError(f"{name}: a change names no field")
     root = yaml.compose(text, Loader=LOADER)
     if root is None:
         return text if edit.value is None else f"{text}{_end(text)}{_block(edit.path, edit, 0)}\n"
@@ -72,9 +88,16 @@ def _changed(text: str, edit: Edit, name: str) -> str:
         return text
     if isinstance(place.node, yaml.ScalarNode) and not place.node.value and place.key is not None:  # `needs:` alone
         return _replaced(text, place, Edit((), _nested(rest, edit.value), edit.text))
-    if not isinstance(place.node, yaml.CollectionNode):
+    if isinstance(place.node, yaml.SequenceNode) is not isinstance(rest[0], int) and _has_fields(place.node):
+        found = "a list" if isinstance(place.node, yaml.SequenceNode) else "a group of fields"
+        raise InputError(f"{name}: {'.'.join(map(str, edit.path))}: {quoted(rest[0])} is no place of {found}")
+    if not _has_fields(place.node):
         raise InputError(f"{name}: {'.'.join(map(str, edit.path))}: {quoted(place.node.value)} is no group of fields")
     return _added(text, place, rest, edit)
+
+
+def _has_fields(node: yaml.Node) -> bool:
+    return isinstance(node, yaml.CollectionNode)
 
 
 def _nested(path: Path_, value: Any) -> Any:
@@ -95,7 +118,7 @@ def _found(root: yaml.Node, path: Path_) -> tuple[_Place, Path_]:
 
 
 def _child(node: yaml.Node, step: str | int) -> tuple[yaml.Node | None, yaml.Node] | None:
-    if isinstance(node, yaml.SequenceNode) and isinstance(step, int) and step < len(node.value):
+    if isinstance(node, yaml.SequenceNode) and isinstance(step, int) and 0 <= step < len(node.value):
         return None, node.value[step]
     if isinstance(node, yaml.MappingNode):
         return next(((key, value) for key, value in node.value if key.value == step), None)
@@ -106,10 +129,8 @@ def _child(node: yaml.Node, step: str | int) -> tuple[yaml.Node | None, yaml.Nod
 
 
 def _offset(text: str, mark: yaml.Mark) -> int:
-    """Place of a mark; marks of libyaml know line and column for certain."""
-    at = 0
-    for _ in range(mark.line):
-        at = text.index("\n", at) + 1
+    """Place of a mark; marks of libyaml know line and column for certain, of lines that end as YAML 1.1 has it."""
+    *_, at = (0, *(found.end() for found in islice(_LINE_END.finditer(text), mark.line)))
     return at + int(mark.column)
 
 
@@ -141,7 +162,7 @@ def _replaced(text: str, place: _Place, edit: Edit) -> str:
     start, stop = _offset(text, node.start_mark), _last(text, node)
     inside = bool(isinstance(place.parent, yaml.CollectionNode) and place.parent.flow_style)
     if place.key is not None and not inside:  # a block begins on a line of its own: from behind the colon on
-        indent, start = int(place.key.start_mark.column) + _STEP, _offset(text, place.key.end_mark) + 1
+        indent, start = int(place.key.start_mark.column) + _STEP, text.index(":", _offset(text, place.key.end_mark)) + 1
         over_lines = isinstance(edit.value, dict | list) and edit.value
         new = f"\n{_lines(edit, indent)}" if over_lines else f" {_flow(edit)}"
         return f"{text[:start]}{new}{text[max(stop, start) :]}"
@@ -156,8 +177,9 @@ def _added(text: str, place: _Place, rest: Path_, edit: Edit) -> str:
     if node.flow_style or not node.value:
         at = _last(text, node) - 1
         head = "" if listed else f"{_scalar(str(rest[0]), True)}: "
-        empty = not node.value
-        return f"{text[:at].rstrip() if not empty else text[:at]}{'' if empty else ', '}{head}{_flow(new)}{text[at:]}"
+        before = text[:at].rstrip() if node.value else text[:at]
+        comma = "" if not node.value else " " if before.endswith(",") else ", "
+        return f"{before}{comma}{head}{_flow(new)}{text[at:]}"
     at = _line_end(text, _last(text, node))
     indent = int(node.start_mark.column)
     line = f"{' ' * indent}- {_flow(new)}" if listed else _block((rest[0],), new, indent)
@@ -203,7 +225,7 @@ def _scalar(value: Any, key: bool = False, text: bool = True) -> str:
     except InputError:
         return json.dumps(value, ensure_ascii=False)
     found = next(iter(read)) if key else read[0] if len(read) == 1 else None
-    plain = bool(value) and "#" not in value and value == value.strip()
+    plain = bool(value) and "#" not in value and value == value.strip() and value.isprintable()
     same = found == value if text or key else isinstance(found, str | int | float | bool)
     return str(value) if plain and same else json.dumps(value, ensure_ascii=False)
 
@@ -212,26 +234,22 @@ def _flow(edit: Edit) -> str:
     """A value in one line."""
     value = edit.value
     if isinstance(value, dict):
-        return (
-            f"{{{', '.join(f'{_scalar(str(key), True)}: {_flow(Edit((), below))}' for key, below in value.items())}}}"
-        )
+        return f"{{{', '.join(_entries(value, edit.text))}}}"
     if isinstance(value, list):
-        return f"[{', '.join(_flow(Edit((), below)) for below in value)}]"
+        return f"[{', '.join(_flow(Edit((), below, edit.text)) for below in value)}]"
     return _scalar(value, text=edit.text)
 
 
-def _entries(value: dict[Any, Any]) -> list[tuple[str, str]]:
-    return [(_scalar(str(key), True), _flow(Edit((), below))) for key, below in value.items()]
+def _entries(value: dict[Any, Any], text: bool) -> list[str]:
+    return [f"{_scalar(str(key), True)}: {_flow(Edit((), below, text))}" for key, below in value.items()]
 
 
 def _lines(edit: Edit, indent: int) -> str:
     """A group or a list over lines; what is inside is in one line each."""
     blanks = " " * indent
     if isinstance(edit.value, dict):
-        return "\n".join(
-            f"{blanks}{_scalar(str(key), True)}: {_flow(Edit((), below))}" for key, below in edit.value.items()
-        )
-    return "\n".join(f"{blanks}- {_flow(Edit((), below))}" for below in edit.value)
+        return "\n".join(f"{blanks}{entry}" for entry in _entries(edit.value, edit.text))
+    return "\n".join(f"{blanks}- {_flow(Edit((), below, edit.text))}" for below in edit.value)
 
 
 def _block(path: Path_, edit: Edit, indent: int) -> str:

@@ -130,3 +130,91 @@ def test_random_documents_read_as_changed(tree: Any, flow: bool, draw: Any) -> N
         assert data(edited(text, [Edit(path, None)])) == without(copy.deepcopy(tree), path)
     new = ("new", "field")
     assert data(edited(text, [Edit(new, "1 s")])) == {**tree, "new": {"field": "1 s"}}
+
+
+@pytest.mark.parametrize(
+    ("text", "path", "value", "after"),
+    [
+        ("mass   : 45 kg\n", ("mass",), "50 kg", "mass   : 50 kg\n"),
+        ("a: {b: 1, }\n", ("a", "c"), "2", "a: {b: 1, c: 2}\n"),
+        ("a: 1\r\nb: 2\r\n", ("b",), "3", "a: 1\r\nb: 3\r\n"),
+        ("a: 1 # x\ry: 2\n", ("y",), "3", "a: 1 # x\ry: 3\n"),
+        ("\ufeffa: 1\n", ("a",), "2", "a: 2\n"),
+    ],
+)
+def test_unusual_texts_are_changed_where_they_say(text: str, path: Any, value: str, after: str) -> None:
+    assert edited(text, [Edit(path, value)]) == after
+
+
+def test_texts_stay_texts_in_groups_that_are_new() -> None:
+    assert data(edited("", [Edit(("select", "motor", "part"), "110117", text=True)])) == {
+        "select": {"motor": {"part": "110117"}}
+    }
+    assert data(edited("a: 1", [Edit(("c",), {"d": ["5"]}, text=True)])) == {"a": 1, "c": {"d": ["5"]}}
+
+
+@pytest.mark.parametrize("path", [(), (0,), ("l", "a"), ("l", -1), ("l", 3), ("m", 0), ("m", "x", 5), ("t", "u")])
+def test_a_path_that_is_none_is_refused(path: Any) -> None:
+    text = "l: [1, 2]\nm: {x: 1}\nt: one\n"
+    with pytest.raises(InputError, match=r"^spec: "):
+        edited(text, [Edit(path, "x", text=True)])
+    if path:
+        assert edited(text, [Edit(path, None)]) == text
+    else:
+        with pytest.raises(InputError, match="names no field"):
+            edited(text, [Edit(path, None)])
+
+
+HOSTILE = [
+    "? a\n: 1\nb: 2\n", "a: |\n  x\n  y\nb: 2\n", "a: >-\n  x\n\nb: 2", "'a b': \"c\\nd\"\nb: 'x\n  y'\n",
+    "a: x\n  y\nb: 2\n", "%YAML 1.2\n---\na: 1\n...\n", "{a: 1, b: {c: 2}}\n", "[1, [2, {a: 3}]]\n",
+    "a: 1 # x\x85b: 2\n",
+    "a: ~\nb:\nc: ''\n", "a:\n- 1\n-\n  b: 2\n", "- a: 1\n  b: 2\n- {c: 3}\n", "1: 2\ntrue: 3\n",
+    "a: 1   \n\n\n# end", "", "5", "a: [\n  1, # one\n]",
+]  # fmt: skip
+VALUES = [
+    "x",
+    5,
+    None,
+    True,
+    ["x", 1],
+    {"k": {"l": [1]}},
+    "a: b",
+    "# c",
+    "",
+    " x ",
+    "x\ny",
+    '"',
+    "- 1",
+    "{",
+    "\u2028",
+    "5",
+]
+
+
+@settings(max_examples=400, deadline=None)
+@given(
+    text=st.sampled_from(HOSTILE), value=st.sampled_from(VALUES), as_text=st.booleans(),
+    path=st.lists(st.sampled_from(["a", "b", "c", "1", "x: y", "", 0, 1, 2]), max_size=3),
+)  # fmt: skip
+def test_whatever_the_text_no_other_field_changes(text: str, path: Any, value: Any, as_text: bool) -> None:
+    """It reads as it was but for the field, by the paths of all others; or nothing is done."""
+    before = data(text)
+    try:
+        after = data(edited(text, [Edit(tuple(path), value, as_text)]))
+    except InputError:
+        return
+    if value is None:
+        return  # what follows a removed entry of a list moves up: the laws above are of that
+    kept = {at for at in paths(before) if at[: len(path)] != tuple(path) and tuple(path)[: len(at)] != at}
+    assert {at: found(before, at) for at in kept} == {at: found(after, at) for at in kept}
+    new = {at for at in paths(after) if at[: len(path)] != tuple(path) and tuple(path)[: len(at)] != at}
+    assert new == kept
+    if as_text:
+        assert found(after, path) == value
+
+
+def found(tree: Any, path: Any) -> Any:
+    for step in path:
+        tree = tree[step]
+    return tree

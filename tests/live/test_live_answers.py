@@ -103,7 +103,7 @@ def test_pieces_come_in_their_order() -> None:
         ([["load", "incline"], "3 deg", False], 4, ["load", "incline"], "unknown key"),
         ([["select", "motor", "family"], "XX", False], None, [], "XX"),
         ([["motion", "speed"], None, False], 5, ["motion", "speed"], "missing"),
-        ([["transmission", 1, "ratio"], "2 mm", False], None, [], ""),
+        ([["transmission", 0, "ratio"], "2 mm", False], None, [], ""),
     ],
 )
 def test_what_is_wrong_names_line_and_field(edit: Any, line: Any, path: Any, said: str, tmp_path: Path) -> None:
