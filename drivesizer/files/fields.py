@@ -156,7 +156,7 @@ def default(text: Any, **more: Any) -> Any:
 class Section(BaseModel):
     """A group of fields: no unknown keys, nothing converted, nothing changed later."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=True, defer_build=True)
 
 
 def exactly_one(section: BaseModel, *names: str) -> None:
