@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Source
+from drivesizer.catalog.conditions import OPTIONS
 from drivesizer.catalog.maker_tolerances import MakerTolerance, maker_tolerances_of
-from drivesizer.catalog.query import OPTIONS, Hit, Shelf, every
+from drivesizer.catalog.query import Hit, Shelf, every, select
 from drivesizer.errors import InputError, nearest, quoted
 
 __all__ = ["families", "find", "look", "origins", "partners", "tolerances"]
@@ -65,20 +65,18 @@ def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list
     tuple
         Families by section with their parts, and single parts.
     """
-    piece = text.strip().casefold()
 
-    def there(words: Iterable[str]) -> bool:
-        return any(piece in word.casefold() for word in words)
+    def hits(section: str, *names: str) -> list[Hit]:
+        return select(shelf, section, [], excluded=True, piece=(text, names)).hits
 
+    called = {
+        section: {hit["family"] for hit in hits(section, "family", OPTIONS["kind"][section])} for section in PARTS
+    }
     groups = {
-        section: {name: hits for name, hits in names.items() if there({name, *(h[_kind(h)] for h in hits)})}
+        section: {name: members for name, members in names.items() if name in called[section]}
         for section, names in families(shelf).items()
     }
-    return groups, [hit for hit in every(shelf) if there([hit.part])]
-
-
-def _kind(hit: Hit) -> str:
-    return OPTIONS["kind"][hit.section]
+    return groups, [hit for section in PARTS for hit in hits(section, "part")]
 
 
 def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:

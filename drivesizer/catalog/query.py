@@ -7,9 +7,7 @@ figure neither meets a condition nor fails it; such parts are counted separately
 from __future__ import annotations
 
 import math
-import operator
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -17,61 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, PARTS, Catalog, Table, columns_of, load, shipped
-from drivesizer.catalog.columns import Column
+from drivesizer.catalog.conditions import Condition, column_name
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.units import to_si
 
-__all__ = [
-    "OPTIONS", "Condition", "Hit", "Selection", "Shelf", "conditions", "every", "has", "name_of", "open_all", "option",
-    "select", "where",
-]  # fmt: skip
+__all__ = ["Hit", "Selection", "Shelf", "contains", "every", "open_all", "select"]
 
 Shelf = Mapping[str, Catalog]  # catalogues by name
-
-_SIGNS: dict[str, Callable[[Any, Any], Any]] = {
-    "<=": operator.le, ">=": operator.ge, "!=": operator.ne, "==": operator.eq, "<": operator.lt, ">": operator.gt,
-    "=": operator.eq,
-}  # fmt: skip
-_CONDITION = re.compile(r"\s*([A-Za-z][\w -]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", re.DOTALL)
-_OPTION = re.compile(r"\s*(<=|>=|!=|==|<|>|=)?\s*(.*?)\s*", re.DOTALL)
-
-# Options of the command line: the column that each tests in a section. A controller serves a range of voltages.
-OPTIONS: dict[str, dict[str, str]] = {
-    "family": dict.fromkeys(PARTS, "family"),
-    "voltage": {"motors": "nominal_voltage", "controllers": "supply_min supply_max", "actuators": "nominal_voltage",
-     "brakes": "supply", "batteries": "nominal_voltage", "power_supplies": "nominal_voltage",
-     "brake_resistors": "chopper_voltage_min chopper_voltage_max"},
-    "diameter": dict.fromkeys(("motors", "gearheads", "encoders", "actuators", "screws"), "diameter"),
-    "power": {"motors": "assigned_power", "gearheads": "continuous_power", "brake_resistors": "power"},
-    "kind": {"motors": "kind", "gearheads": "kind", "encoders": "kind", "controllers": "drives", "actuators": "gearing",
-     "steppers": "wiring", "belts": "profile", "pulleys": "profile", "screws": "kind", "batteries": "chemistry",
-     "brakes": "family", "power_supplies": "kind", "brake_resistors": "kind"},
-}  # fmt: skip
-
-
-class Condition(NamedTuple):
-    """Condition on a column: a figure in SI, or a text in which ``*`` matches anything."""
-
-    column: Column
-    sign: str
-    value: float | str
-
-    def met(self, values: NDArray[Any]) -> NDArray[np.bool_]:
-        """Mask of a column's values that meet the condition; an unknown one does not."""
-        if isinstance(self.value, str):
-            pattern = re.compile(re.escape(self.value).replace(r"\*", ".*"), re.IGNORECASE | re.DOTALL)
-            both = "both" if self.column.name == "drives" else None
-            same = np.array([bool(pattern.fullmatch(v)) or v == both for v in values.tolist()], bool)
-            return same if self.sign in ("=", "==") else np.asarray(~same & (values != ""), bool)
-        near: NDArray[np.bool_] = np.isclose(values, self.value, rtol=1e-9, atol=0.0)
-        if self.sign in ("=", "=="):
-            return near
-        found: NDArray[np.bool_] = _SIGNS[self.sign](values, self.value) & ~np.isnan(values)
-        return found | near if self.sign in ("<=", ">=") else found & ~near
-
-    def unknown(self, values: NDArray[Any]) -> NDArray[np.bool_]:
-        """Mask of a column's values that are not known."""
-        return np.asarray(values == "" if isinstance(self.value, str) else np.isnan(values), bool)
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,142 +94,14 @@ def every(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
             yield from (Hit(name, catalog, section, row) for row, part in enumerate(parts) if part != DIRECT)
 
 
-def where(section: str, text: str) -> Condition:
-    """A condition such as ``max_speed>=8000 rpm`` on a section's column.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    text
-        Column, sign and value with its unit.
-
-    Returns
-    -------
-    Condition
-        With the value in SI.
-
-    Raises
-    ------
-    InputError
-        When it names no column of the section, or its value is not one of the column's kind.
-
-    >>> where("motors", "max speed >= 3000 rpm").value
-    314.1592653589793
-    """
-    match = _CONDITION.fullmatch(text)
-    if match is None:
-        raise InputError(f"--where: {quoted(text)} is not a condition; expected e.g. 'max_speed>=8000 rpm'")
-    return _condition(section, _column_name(match[1]), match[2], match[3], "--where")
-
-
-def name_of(text: str) -> str:
-    """The column that a condition names; empty when it is none."""
-    match = _CONDITION.fullmatch(text)
-    return _column_name(match[1]) if match else ""
-
-
-def _column_name(text: str) -> str:
-    return re.sub(r"[ -]+", "_", text.strip())
-
-
-def has(section: str, given: Iterable[str], sort: str = "") -> bool:
-    """Whether a section has all columns that conditions and sorting name.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    given
-        Conditions as text.
-    sort
-        Column to sort by, with a minus for the largest first.
-
-    Returns
-    -------
-    bool
-        False where one of the columns is missing.
-    """
-    names = {_column_name(sort.removeprefix("-")), *map(name_of, given)} - {""}
-    return names <= set(columns_of(section))
-
-
-def option(section: str, name: str, text: str) -> list[Condition] | None:
-    """The conditions of an option such as ``--diameter '<=26 mm'``; None where the section has no such figure.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    name
-        Of the option, a key of :data:`OPTIONS`.
-    text
-        Its value.
-
-    Returns
-    -------
-    list[Condition] or None
-        Two for a range of voltages.
-
-    >>> [(c.column.name, c.sign) for c in option("controllers", "voltage", "24 V") or ()]
-    [('supply_min', '<='), ('supply_max', '>=')]
-    """
-    if section not in OPTIONS[name]:
-        return None
-    match = _OPTION.fullmatch(text)
-    sign, value = (match[1] or "=", match[2]) if match else ("=", text)
-    columns = OPTIONS[name][section].split()
-    if len(columns) == 1:
-        return [_condition(section, columns[0], sign, value, f"--{name}")]
-    signs = {"=": ("<=", ">="), "==": ("<=", ">=")}.get(sign, (sign, ""))
-    if sign.startswith(">"):
-        signs = ("", sign)
-    return [_condition(section, c, s, value, f"--{name}") for c, s in zip(columns, signs, strict=True) if s]
-
-
-def _condition(section: str, name: str, sign: str, text: str, said: str) -> Condition:
-    columns = columns_of(section)
-    if name not in columns:
-        raise InputError(f"{said}: {section} have no column {quoted(name)}{nearest(name, columns)}")
-    column = columns[name]
-    if column.kind == "text":
-        if sign not in ("=", "==", "!=") or not text:
-            raise InputError(f"{said}: {name} is text; expected = or != and a text, in which * matches anything")
-        return Condition(column, sign, text)
-    try:
-        return Condition(column, sign, to_si(text, column.kind))
-    except InputError as error:
-        raise InputError(f"{said}: {name}: {error}") from None
-
-
-def conditions(section: str, options: Mapping[str, str | None], given: Sequence[str]) -> list[Condition] | None:
-    """All conditions on a section; None when it lacks a figure that an option names.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    options
-        Values of the options by name; None where not given.
-    given
-        Conditions on columns, as text.
-
-    Returns
-    -------
-    list[Condition] or None
-        All of them together.
-    """
-    found: list[Condition] = []
-    for name, text in options.items():
-        more = [] if text is None else option(section, name, text)
-        if more is None:
-            return None
-        found += more
-    return found + [where(section, text) for text in given]
-
-
 def select(
-    shelf: Shelf, section: str, wanted: Sequence[Condition], *, sort: str = "", excluded: bool = False
+    shelf: Shelf,
+    section: str,
+    wanted: Sequence[Condition],
+    *,
+    sort: str = "",
+    excluded: bool = False,
+    piece: tuple[str, Sequence[str]] = ("", ()),
 ) -> Selection:
     """The parts of a section that meet all conditions, sorted by a column; unknown figures come last.
 
@@ -296,6 +117,8 @@ def select(
         Column to sort by; a minus in front puts the largest first.
     excluded
         Whether parts that their catalogue excludes from sizing are listed too.
+    piece
+        A text, and the columns of text of which one must contain it.
 
     Returns
     -------
@@ -306,7 +129,8 @@ def select(
     undecided = left_out = 0
     for name, catalog in shelf.items():
         table = catalog.table(section)
-        met, possible = (np.array(table["part"] != DIRECT, bool) for _ in range(2))
+        met = contains(table, *piece) & (table["part"] != DIRECT)
+        possible = met.copy()
         for one in wanted:
             met &= one.met(table[one.column.name])
             possible &= one.met(table[one.column.name]) | one.unknown(table[one.column.name])
@@ -317,10 +141,34 @@ def select(
     return Selection(_sorted(hits, section, sort), undecided, left_out)
 
 
+def contains(table: Table[Any], text: str, names: Sequence[str]) -> NDArray[np.bool_]:
+    """Rows of a table that have a text in one of some columns; case and blanks around it do not matter.
+
+    Parameters
+    ----------
+    table
+        A section of a catalogue.
+    text
+        Part of a number, name or kind; all rows contain an empty one.
+    names
+        Columns of text.
+
+    Returns
+    -------
+    array of bool
+        Shape (rows,).
+    """
+    piece = text.strip().casefold()
+    found = np.full(len(table), not piece)
+    for name in names if piece else ():
+        found |= np.array([piece in value.casefold() for value in table[name].tolist()], bool)
+    return found
+
+
 def _sorted(hits: list[Hit], section: str, name: str) -> list[Hit]:
     if not name:
         return hits
-    column = columns_of(section).get(_column_name(name.removeprefix("-")))
+    column = columns_of(section).get(column_name(name.removeprefix("-")))
     if column is None:
         raise InputError(f"--sort: {section} have no column {quoted(name)}{nearest(name, columns_of(section))}")
     known = [hit for hit in hits if not _missing(hit[column.name])]

@@ -79,7 +79,7 @@ def listed(
 
 def _columns(conditions: list[str]) -> list[str]:
     """The columns that conditions name, to be shown as well."""
-    from drivesizer.catalog.query import name_of
+    from drivesizer.catalog.conditions import name_of
 
     return [name_of(text) for text in conditions]
 
@@ -89,7 +89,8 @@ def _selected(
 ) -> dict[str, Selection]:
     """Parts that meet the conditions, by section: the named one, or all that have the figures."""
     from drivesizer.catalog import PARTS
-    from drivesizer.catalog.query import conditions, has, select
+    from drivesizer.catalog.conditions import conditions, has
+    from drivesizer.catalog.query import select
 
     names = [known(section)] if section else [s for s in PARTS if has(s, where, how["sort"])] or list(PARTS)
     required = {name: conditions(name, options, where) for name in names}

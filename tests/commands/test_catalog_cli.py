@@ -14,10 +14,11 @@ from catalog_texts import MAP, SHEET
 
 from drivesizer.catalog import PARTS, columns_of, load
 from drivesizer.catalog.compare import side_by_side
+from drivesizer.catalog.conditions import option, where
 from drivesizer.catalog.coverage import coverage
 from drivesizer.catalog.exchange.exporting import digits, plain, safe
 from drivesizer.catalog.lookup import find, origins, partners
-from drivesizer.catalog.query import Hit, open_all, option, select, where
+from drivesizer.catalog.query import Hit, open_all, select
 
 SMALL = """\
 catalog: 1

@@ -16,7 +16,7 @@ from printed import blank_figures
 from synthetic_validation import labels
 
 from drivesizer.load_cases import load_cycle
-from drivesizer.output.datasheet import _row
+from drivesizer.output.part.datasheet import _row
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.figures.field import torque_speed_each
 from drivesizer.output.report.figures.field_panels import TOGETHER, Panel, alone, leading, panels

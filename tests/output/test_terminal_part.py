@@ -13,6 +13,7 @@ import pytest
 from drivesizer.catalog.lookup import find
 from drivesizer.catalog.query import Hit, open_all
 from drivesizer.machine.part_curves import continuous_curve, line, overload_times, permitted_current
+from drivesizer.output.part import heat as part_heat
 from drivesizer.output.terminal import part as terminal_part
 from drivesizer.physics.thermal import COPPER
 
@@ -277,7 +278,7 @@ def test_what_is_missing_is_one_line(part, shown):
 
 
 def test_times_are_told_in_the_unit_that_people_use():
-    told = [terminal_part._duration(time) for time in (0.381, 93.0, 300.0, 9000.0, float("inf"), nan)]
+    told = [part_heat._duration(time) for time in (0.381, 93.0, 300.0, 9000.0, float("inf"), nan)]
     assert told == ["0.381 s", "93 s", "5 min", "2.5 h", "unbounded", "unknown"]
 
 

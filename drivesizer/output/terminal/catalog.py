@@ -5,7 +5,6 @@ from __future__ import annotations
 import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from math import isnan
 from typing import Any
 
 from rich.markup import escape
@@ -15,103 +14,17 @@ from rich.text import Text
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.compare import Row
+from drivesizer.catalog.conditions import OPTIONS
 from drivesizer.catalog.lookup import families
-from drivesizer.catalog.query import OPTIONS, Hit, Selection
+from drivesizer.catalog.query import Hit, Selection
+from drivesizer.output.part.figures import FIRST_NOTES, figure, first_columns
+from drivesizer.output.part.remarks import DIFFERS, closing, of_families
 from drivesizer.output.terminal.tables import bare, console, heading, width_of
-from drivesizer.units import label, show
+from drivesizer.units import label
 
-__all__ = ["comparison", "counted", "figure", "listing", "of_families", "overview", "searched"]
+__all__ = ["comparison", "counted", "listing", "overview", "searched"]
 
-_SHOWN: dict[str, tuple[tuple[str, str], ...]] = {  # head, column
-    "motors": (
-        ("power", "assigned_power"), ("voltage", "nominal_voltage"), ("torque", "nominal_torque"),
-        ("speed", "no_load_speed"), ("mass", "mass"), ("price", "price"),
-    ),
-    "gearheads": (
-        ("ratio", "reduction"), ("torque", "continuous_torque"), ("input", "continuous_input_speed"),
-        ("eff.", "efficiency"), ("mass", "mass"), ("price", "price"),
-    ),
-    "encoders": (
-        ("counts", "counts_per_turn"), ("ch.", "channels"), ("frequency", "max_frequency"), ("speed", "max_speed"),
-        ("mass", "mass"), ("price", "price"),
-    ),
-    "controllers": (
-        ("drives", "drives"), ("from", "supply_min"), ("to", "supply_max"), ("cont.", "continuous_current"),
-        ("peak", "peak_current"), ("price", "price"),
-    ),
-    "actuators": (
-        ("ratio", "reduction"), ("voltage", "nominal_voltage"), ("torque", "nominal_torque"), ("peak", "peak_torque"),
-        ("speed", "no_load_speed"), ("mass", "mass"), ("price", "price"),
-    ),
-    "brakes": (
-        ("torque", "static_torque"), ("supply", "supply"), ("power", "power"), ("inertia", "inertia"),
-        ("stop", "energy_per_stop"), ("mass", "mass"),
-    ),
-    "steppers": (
-        ("wiring", "wiring"), ("steps", "full_steps"), ("current", "phase_current"), ("torque", "holding_torque"),
-        ("resistance", "resistance"), ("inductance", "inductance"), ("mass", "mass"),
-    ),
-    "belts": (("profile", "profile"), ("pitch", "pitch"), ("teeth", "teeth"), ("width", "width")),
-    "pulleys": (("profile", "profile"), ("pitch", "pitch"), ("teeth", "teeth"), ("width", "width"), ("bore", "bore")),
-    "screws": (
-        ("diameter", "diameter"), ("lead", "lead"), ("core", "root_diameter"), ("C", "dynamic_load"),
-        ("C0", "static_load"), ("eff.", "efficiency"), ("dn", "dn_max"),
-    ),
-    "batteries": (
-        ("chemistry", "chemistry"), ("voltage", "nominal_voltage"), ("capacity", "capacity"),
-        ("cont.", "continuous_current"), ("resistance", "resistance"), ("mass", "mass"),
-    ),
-    "power_supplies": (
-        ("kind", "kind"), ("voltage", "nominal_voltage"), ("cont.", "continuous_current"), ("peak", "peak_current"),
-        ("for", "peak_time"), ("trips", "overvoltage_min"),
-    ),
-    "brake_resistors": (
-        ("kind", "kind"), ("resistance", "resistance"), ("power", "power"), ("peak", "peak_power"),
-        ("on from", "chopper_voltage_min"), ("current", "chopper_current"),
-    ),
-}  # fmt: skip
-_NOTES = {
-    "motors": "torque nominal, speed without load",
-    "gearheads": "torque and input speed continuous",
-    "encoders": "",
-    "controllers": "supply from and to; current continuous and peak",
-    "actuators": "at the output: torque continuous and peak, speed without load",
-    "brakes": "torque static; energy of one stop",
-    "steppers": "current, resistance and inductance of a phase; torque at standstill",
-    "belts": "",
-    "pulleys": "width of the widest belt",
-    "screws": "ratings dynamic and static; dn in mm rpm",
-    "batteries": "",
-    "power_supplies": "current continuous and peak; over-voltage protection from",
-    "brake_resistors": "power continuous and peak; current of the chopper",
-}
 _BESIDE = 4  # parts side by side on 80 columns
-
-
-def figure(value: Any, column: Column, *, unit: bool = True) -> str:
-    """A figure as a data sheet prints it; "unknown" where it is.
-
-    Parameters
-    ----------
-    value
-        Text, or a number in SI.
-    column
-        Its column: kind and unit.
-    unit
-        Whether the unit is printed.
-
-    Returns
-    -------
-    str
-        The text of a cell.
-    """
-    if isinstance(value, str):
-        return value or "unknown"
-    if column.kind.startswith("price") and not isnan(value):
-        text = f"{value:.2f} {column.unit}"  # to the cent, as money is
-    else:
-        text = show(value, column.unit, column.kind, 5)
-    return text if unit else text.removesuffix(label(column.unit)).strip()
 
 
 _FEW = 5  # catalogues of which the families are named, else their makers
@@ -134,15 +47,6 @@ def overview(shelf: Mapping[str, Catalog]) -> None:
     if len(shelf) > _FEW:
         out.print(Text("drivesizer catalog list --catalog maxon shows the families of one catalogue."))
     out.print(Text("drivesizer catalog list motors --family 'RE 25' lists a family, '--power >=20W' more than one."))
-
-
-def of_families(count: int) -> str:
-    """A number of families.
-
-    >>> of_families(1), of_families(2)
-    ('1 family', '2 families')
-    """
-    return f"{count} family" if count == 1 else f"{count} families"
 
 
 def counted(counts: Mapping[str, int], width: int, head: str = "") -> Text:
@@ -185,7 +89,7 @@ def listing(section: str, found: Selection, limit: int, extra: Sequence[str]) ->
         Further columns; the usual ones make room for them.
     """
     out, schema = console(), columns_of(section)
-    usual = [(head, schema[name]) for head, name in _SHOWN[section]]
+    usual = first_columns(section)
     there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
     requested = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(extra) if name not in there]
     hits = found.hits[:limit]
@@ -215,7 +119,7 @@ def _short(value: Any, column: Column) -> Text:
 def _footer(section: str, found: Selection, limit: int) -> list[str]:
     count = len(found.hits)
     more = f"the first {limit} of {count} {section}; --limit shows more" if count > limit else f"{count} {section}"
-    said = [f"{more}{f'; {_NOTES[section]}' if count and _NOTES[section] else ''}"]
+    said = [f"{more}{f'; {FIRST_NOTES[section]}' if count and FIRST_NOTES[section] else ''}"]
     if found.undecided:
         said.append(f"{found.undecided} more may fit: a required figure is unknown")
     if found.excluded:
@@ -238,13 +142,12 @@ def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> None:
         some = slice(start, start + _BESIDE)
         table = bare(("", "left"), ("", "left"), *((escape(f"{h.part}\n{h.catalogue}"), "right") for h in hits[some]))
         for row in rows:
-            mark = "?" if row.differs is None else "≠" if row.differs else ""
+            mark = DIFFERS[row.differs]
             cells = (figure(value, row.column) for value in row.values[some])
             style = "bold" if row.differs else ""
             table.add_row(mark, Text(row.column.name.replace("_", " "), style=style), *map(Text, cells))
         out.print(table)
-    differing = sum(row.differs is True for row in rows)
-    out.print(Text(f"≠ differs ({differing} of {len(rows)} rows), ? undecided: a figure is unknown"))
+    out.print(Text(closing(rows)))
 
 
 def searched(groups: Mapping[str, Mapping[str, Sequence[Hit]]], parts: Sequence[Hit], limit: int) -> None:

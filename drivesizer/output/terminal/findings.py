@@ -16,7 +16,8 @@ from drivesizer.catalog.exchange.importing import Imported
 from drivesizer.catalog.laws.check import Finding
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.tables import CONFIDENCE
-from drivesizer.output.terminal.catalog import counted, of_families
+from drivesizer.output.part.remarks import of_families
+from drivesizer.output.terminal.catalog import counted
 from drivesizer.output.terminal.tables import bare, console, heading
 from drivesizer.units import show
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
-from drivesizer.output.datasheet import datasheets
+from drivesizer.output.part.datasheet import datasheets
 from drivesizer.output.probability import moved
 from drivesizer.output.report.lines.drive import figure_row
 from drivesizer.output.report.lines.reliability import check_cells

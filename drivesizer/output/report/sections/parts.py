@@ -8,7 +8,7 @@ from typing import Any
 from drivesizer.catalog import Catalog, columns_of, one_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
-from drivesizer.output.datasheet import datasheets
+from drivesizer.output.part.datasheet import datasheets
 from drivesizer.output.parts import PartLine, totals
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.sections.blocks import Block, Fragment, Words
@@ -82,7 +82,7 @@ def sheet_blocks(sheets: Sequence[dict[str, Any]]) -> Iterator[Block]:
     Parameters
     ----------
     sheets
-        Of :func:`drivesizer.output.datasheet.datasheets`.
+        Of :func:`drivesizer.output.part.datasheet.datasheets`.
 
     Returns
     -------

@@ -6,8 +6,8 @@ from typing import Any
 
 from drivesizer.catalog import Catalog, Note, columns_of, one_of
 from drivesizer.catalog.tables import ESTIMATED
+from drivesizer.output.part.figures import figure
 from drivesizer.results.drive_set import DriveSet, section_of
-from drivesizer.units import show
 
 __all__ = ["datasheet", "datasheets"]
 
@@ -69,12 +69,8 @@ def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
 
 
 def _row(part: Any, name: str, section: str, confidence: dict[str, str]) -> dict[str, str]:
-    column, value = columns_of(section)[name], getattr(part, name)
-    if column.kind.startswith("price") and value == value:
-        text = f"{value:.2f} {column.unit}"  # to the cent, as money is
-    else:
-        digits = 3 if confidence[name] == ESTIMATED else 6  # its band is wide
-        text = value if column.kind == "text" else show(value, column.unit, column.kind, digits)
+    digits = 3 if confidence[name] == ESTIMATED else 6  # its band is wide
+    text = figure(getattr(part, name), columns_of(section)[name], digits=digits)
     mark = "" if confidence[name] == "quoted" else confidence[name]
     return {"name": name.replace("_", " "), "text": text, "mark": mark}
 
