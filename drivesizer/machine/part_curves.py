@@ -1,4 +1,4 @@
-r"""Curves of one part: torque over speed at nominal voltage, continuous region, permitted current of the winding.
+r"""Curves of one part: torque over speed at nominal voltage, continuous region, permitted current, a gear's efficiency.
 
 The straight line at nominal voltage is that of the winding at the temperature of the data sheet. Its ends are the
 maker's; one that is unknown follows from
@@ -16,8 +16,10 @@ from math import isnan, nan
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.motor_demand import gear_loss
 from drivesizer.physics.overload import State, cold, overload_time, steady_state
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import (
@@ -29,17 +31,20 @@ from drivesizer.physics.thermal import (
     two_bodies,
 )
 
-__all__ = ["HEAT", "Line", "PartFigures", "continuous_curve", "line", "overload_times", "permitted_current"]
+__all__ = [
+    "HEAT", "Line", "PartFigures", "at_nominal_voltage", "continuous_curve", "gear_efficiency", "line",
+    "overload_times", "permitted_current",
+]  # fmt: skip
 
 HEAT = ("max_winding_temperature", "resistance", "thermal_resistance_winding", "thermal_resistance_housing")
 
 
 class PartFigures(Protocol):
-    """A motor or an actuator: figures by field name, NaN unknown, and the section of the catalogue that it is in."""
+    """A part: figures by field name, NaN unknown, and the section of the catalogue that it is in."""
 
     @property
     def section(self) -> str:
-        """Of the catalogue: motors or actuators."""
+        """Of the catalogue, such as motors."""
 
     def __getitem__(self, name: str) -> Any:
         """A figure."""
@@ -66,10 +71,9 @@ def line(hit: PartFigures) -> Line:
     Line
         The two ends; NaN where they do not follow from the figures.
     """
-    voltage, R, k_t = hit["nominal_voltage"], hit["resistance"], hit["torque_constant"]
+    voltage, R, k_t = hit["nominal_voltage"], hit["resistance"], _torque_constant(hit)
     if hit.section == "actuators":
         inside, own = hit["motor_torque_constant"], hit["motor_back_emf_constant"]
-        k_t = inside * hit["ratio"] * hit["efficiency"] if isnan(k_t) else k_t
         k_e = (inside if isnan(own) else own) * hit["ratio"]
     else:
         k_e = float(back_emf_constant(hit))
@@ -81,6 +85,61 @@ def line(hit: PartFigures) -> Line:
         torque = k_t * k_e / R * speed
     known = speed > 0.0 and torque > 0.0
     return Line(speed, torque, computed) if known else Line(nan, nan, computed)
+
+
+def _torque_constant(hit: PartFigures) -> float:
+    """Of a motor, or of an actuator at its output, losses of the gear included [N*m/A]."""
+    k_t = float(hit["torque_constant"])
+    if hit.section == "actuators" and isnan(k_t):
+        return float(hit["motor_torque_constant"] * hit["ratio"] * hit["efficiency"])
+    return k_t
+
+
+def at_nominal_voltage(hit: PartFigures, torque: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    r"""Speed, current and efficiency on the straight line at nominal voltage.
+
+    .. math:: w = w_0 \left(1 - \frac{M}{M_H}\right), \qquad I = I_0 + \frac{M}{k_t}, \qquad \eta = \frac{M w}{V I}
+
+    Above the permitted speed, where the voltage must be lower, all three are unknown.
+
+    Parameters
+    ----------
+    hit
+        The motor or actuator.
+    torque
+        At the shaft or the output [N*m].
+
+    Returns
+    -------
+    tuple of arrays
+        Speed [rad/s], current [A] and efficiency [1]; NaN where a figure is unknown.
+    """
+    ends = line(hit)
+    speed = ends.speed * (1.0 - torque / ends.torque)
+    speed = np.where(speed > hit["max_speed"], np.nan, speed)
+    current = hit["no_load_current"] + torque / _torque_constant(hit) + 0.0 * speed
+    return speed, current, torque * speed / (hit["nominal_voltage"] * current)
+
+
+def gear_efficiency(hit: PartFigures, torque: NDArray[np.float64]) -> NDArray[np.float64]:
+    r"""Efficiency of a gearhead over the torque at its output, its losses without load apart (``gear_loss``).
+
+    .. math:: \frac{1}{\eta} = \frac{1}{e'} + \frac{i\,T_0}{T}
+
+    Parameters
+    ----------
+    hit
+        The gearhead.
+    torque
+        At the output, above 0 [N*m].
+
+    Returns
+    -------
+    array
+        Efficiency [1]; NaN where the torque without load is unknown.
+    """
+    efficiency, _ = gear_loss(hit)
+    return np.asarray(1.0 / (1.0 / efficiency + hit["ratio"] * hit["no_load_torque"] / torque))
 
 
 def continuous_curve(hit: PartFigures) -> tuple[list[float], list[float]]:
