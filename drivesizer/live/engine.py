@@ -32,6 +32,8 @@ OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
 JOBS = {
     "answer": "answer", "sweep": "sweep", "rejected": "sweep", "compare": "compare",
     "loop": "files", "report": "files", "export": "files", "document": "files",
+    "catalogues": "catalogue", "parts": "catalogue", "part": "catalogue_part", "beside": "catalogue_part",
+    "choose": "catalogue_choice",
 }  # fmt: skip
 INSIDE = {"check": "own_catalogues"}  # jobs of the server alone
 
@@ -115,6 +117,7 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
             number, job, request = pipe.recv()
             if job == OWN:
                 take_over(held, request)
+                pipe.send_bytes(b"")
                 continue
             held.stopped = partial(_is, unwanted, number)
             with suppress(StoppedError):

@@ -5,10 +5,12 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from drivesizer.errors import DrivesizerError
 from drivesizer.files.text import hand_over, state_of, states
 
 __all__ = ["Held", "Piece", "StoppedError", "take_over"]
@@ -58,7 +60,7 @@ class Held:
 
 
 def take_over(held: Held, own: Mapping[str, bytes]) -> None:
-    """Take the user's catalogues in place of those before; what was found with these is forgotten.
+    """Take the user's catalogues in place of those before, and read them; what was found with these is forgotten.
 
     Parameters
     ----------
@@ -67,8 +69,13 @@ def take_over(held: Held, own: Mapping[str, bytes]) -> None:
     own
         Content of each by its name, as a spec names it: a path from the spec's folder.
     """
+    from drivesizer.catalog import load
+
     hand_over({Path(held.name).parent / name: content for name, content in own.items()})
     for name in {*held.own, *own}:
         held.shelf.pop(name, None)
     held.own = tuple(own)
     held.sized.clear()
+    with suppress(DrivesizerError, MemoryError):  # said where it is used
+        for name in own:
+            load([name], beside=Path(held.name).parent)

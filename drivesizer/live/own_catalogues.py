@@ -20,6 +20,7 @@ __all__ = ["FOLDER", "MOST", "check", "taken"]
 FOLDER = "dropped"  # of the names by which a spec finds them
 MOST = 4  # of them
 _LARGEST = 16_000_000  # bytes of each, as of any catalogue
+_LINES = 500  # findings that are sent
 _UNUSUAL = re.compile(r"[^A-Za-z0-9._-]+")
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,79}[.]ya?ml")
 
@@ -103,5 +104,5 @@ def check(held: Held, request: Piece) -> Iterator[Piece]:
     found = findings(catalog)
     lines = [one.text() for one in found if one.unexplained]
     parts = {section: len(catalog.table(section)) for section in PARTS if len(catalog.table(section))}
-    yield {"kind": "contradictory" if lines else "right", "name": request["name"], "parts": parts, "lines": lines,
-           "others": len(found) - len(lines)}  # fmt: skip
+    yield {"kind": "contradictory" if lines else "right", "name": request["name"], "parts": parts,
+           "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0)}  # fmt: skip

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
+from drivesizer.catalog import PARTS
+from drivesizer.catalog.conditions import OPTIONS
 from drivesizer.errors import InputError
 from drivesizer.live.held import Piece
 
@@ -79,10 +81,50 @@ class CatalogueRequest(BaseModel):
     anyway: bool = False
 
 
+_Names = Annotated[list[_Word], Field(max_length=500)]
+if TYPE_CHECKING:
+    _Section = str
+    _Option = str
+else:
+    _Section, _Option = Literal[tuple(PARTS)], Literal[tuple(OPTIONS)]
+
+
+class _PartsRequest(SpecRequest):
+    section: _Section
+    catalogues: _Names
+    options: dict[_Option, _Word] = {}
+    where: Annotated[list[_Word], Field(max_length=20)] = []
+    piece: _Word = ""
+    sort: _Word = ""
+    excluded: bool = False
+    start: Annotated[int, Field(ge=0)] = 0
+
+
+class _PartRequest(SpecRequest):
+    catalogue: _Word
+    section: _Section
+    part: _Word
+
+
+class _BesideRequest(SpecRequest):
+    section: _Section
+    parts: Annotated[list[tuple[_Word, _Word]], Field(min_length=2, max_length=4)]
+
+
+class _ChooseRequest(SpecRequest):
+    part: tuple[_Word, _Section, _Word] | None = None  # catalogue, section and number
+    family: bool = False
+    catalogues: _Names = []
+    add: bool = False
+    axis: _Word = ""
+
+
 # name of a job: what its request has
 REQUESTS: dict[str, type[SpecRequest]] = {
     "answer": SpecRequest, "sweep": _SweepRequest, "rejected": _DriveRequest, "compare": _CompareRequest,
     "loop": SpecRequest, "report": _FileRequest, "export": _FileRequest, "document": SpecRequest,
+    "catalogues": SpecRequest, "parts": _PartsRequest, "part": _PartRequest, "beside": _BesideRequest,
+    "choose": _ChooseRequest,
 }  # fmt: skip
 
 

@@ -30,8 +30,8 @@ _PAGE = resources.files("drivesizer.live") / "page"
 _KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json"}
 _OF_THE_REPORT = ("style.css", "tables.js", "plots.js", "weights.js", "weights_view.js")
 _QUICK, _SLOW = 30.0, 180.0  # s that a ranking may take, and a report
-_AT_ONCE = {"answer"}  # jobs of the process that has nothing else to do
-_NEWEST = {"answer", "sweep", "compare", "loop"}  # jobs of which a tab wants the newest alone
+_AT_ONCE = {"answer", "catalogues", "parts", "part", "beside", "choose"}  # jobs of the process for what is short
+_NEWEST = {"answer", "sweep", "compare", "loop", "parts"}  # jobs of which a tab wants the newest alone
 
 
 def engines(path: Path, own: Mapping[str, bytes]) -> dict[str, Worker]:

@@ -27,6 +27,7 @@ __all__ = ["Worker"]
 
 _LOOK = 0.2  # s from one look to the next whether a job is still wanted
 _GRACE = 5.0  # s after which a job of which nobody wants the answer ends with its process
+_READING = 180.0  # s that the process may take for catalogues of the user: one of 16 MB takes 30
 _MOST = 32  # requests that wait
 _AFRESH = "the engine ended in the middle of this and has been started afresh"
 _STOPPED = "drivesizer serve has been stopped"
@@ -150,8 +151,7 @@ class Worker:
             if not self.ready:
                 self.ready = self._received(job, until) == b""
             if self.has != self.own:
-                self.has = dict(self.own)
-                self.pipe.send((0, OWN, self.has))
+                until += self._hand_over()
             self.pipe.send((job.number, job.name, job.request))
             while body := self._received(job, until):
                 job.say(body)
@@ -160,11 +160,18 @@ class Worker:
         except (OSError, EOFError):
             self._afresh(job, _AFRESH)
 
-    def _received(self, job: _Job, until: float) -> bytes:
+    def _hand_over(self) -> float:
+        """Give the process the user's catalogues, which it reads; the time that it took [s]."""
+        start, self.has = time.monotonic(), dict(self.own)
+        self.pipe.send((0, OWN, self.has))
+        self._received(None, start + _READING)
+        return time.monotonic() - start
+
+    def _received(self, job: _Job | None, until: float) -> bytes:
         """The next piece of the process."""
         while not self.pipe.poll(_LOOK):
             now = time.monotonic()
-            if now > until or (job.left and now > job.left + _GRACE):
+            if now > until or (job and job.left and now > job.left + _GRACE):
                 raise _TooLongError
         return self.pipe.recv_bytes()
 

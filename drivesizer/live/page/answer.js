@@ -80,7 +80,7 @@ function filled(made, one) {
 
 // -- figures
 
-function plotly() {
+export function plotly() {
   library ??= new Promise((loaded, failed) => {
     const script = element("script", { src: "plotly.js" });
     script.addEventListener("load", loaded);

@@ -1,6 +1,7 @@
 // The page: what the user changes goes to the engine, and what it finds is shown.
 
 import * as answer from "./answer.js";
+import * as catalogue from "./catalogue.js";
 import { get, pieces } from "./requests.js";
 import * as compare from "./compare.js";
 import * as files from "./files.js";
@@ -189,6 +190,7 @@ function restart(text) {
 async function start() {
   form.prepare(await get("schema.json"), edit, sliders.open);
   sliders.prepare(edit);
+  catalogue.prepare({ edit, again: () => restart(state.text), notice: files.notice });
   files.prepare(restart);
   const file = await get("spec");
   Object.assign(state, { text: file.text, saved: file.text, mark: file.mark, name: file.name });

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.discharges import HELD, Discharges
 from drivesizer.catalog.query import Hit
 from drivesizer.machine.battery_pack import Pack, pack_of, run_time
 from drivesizer.machine.part_curves import at_nominal_voltage, gear_efficiency
@@ -73,25 +74,22 @@ def _motor(hit: Hit) -> Made:
     curves, reach = speed_torque(hit), reach_of(hit)
     if not curves or isnan(reach):
         return
-    unit = torque_unit(reach)
-    data = [_speed(kind, name, from_si(np.asarray(torque), unit, "torque"), speed, unit)
-            for kind, name, torque, speed in curves]  # fmt: skip
-    torque = np.linspace(0.0, reach, _POINTS)
+    unit, torque = torque_unit(reach), np.linspace(0.0, reach, _POINTS)
     _, current, efficiency = at_nominal_voltage(hit, torque)
-    below, titles = from_si(torque, unit, "torque"), ["speed (rpm)"]
-    if not np.isnan(current).all():
-        titles.append("current (A)")
-        data.append(_below(below, current, "current", "vermillion", len(titles), f"%{{y:.3~r}} A at %{{x:.4~r}} {label(unit)}"))
-    if np.nanmax(efficiency, initial=0.0) <= 1.0 and not np.isnan(efficiency).all():  # else figures contradict
-        titles.append("efficiency (%)")
-        data.append(_below(below, 100.0 * efficiency, "efficiency", "purple", len(titles), f"%{{y:.3~r}} % at %{{x:.4~r}} {label(unit)}"))
-    layout = rows(titles, 200.0 if len(titles) == 1 else 160.0)
-    layout |= {"hovermode": "closest"}
-    layout["xaxis"] |= {"title": {"text": f"torque ({label(unit)})"}, "range": [0.0, 1.04 * float(below[-1])]}
-    for number in range(1, len(titles) + 1):
-        layout["yaxis" if number == 1 else f"yaxis{number}"] |= {"rangemode": "tozero"}
-    more = ", current and efficiency" if len(titles) > 1 else ""
-    yield "speed-torque", f"Speed{more} over torque at nominal voltage", figure(data, layout)
+    below = [("current", "A", "vermillion", current)]
+    if np.nanmax(efficiency, initial=0.0) <= 1.0:  # else its figures contradict one another
+        below.append(("efficiency", "%", "purple", 100.0 * efficiency))
+    below = [one for one in below if not np.isnan(one[-1]).all()]
+    data = [_speed(kind, name, from_si(np.asarray(torques), unit, "torque"), speeds, unit)
+            for kind, name, torques, speeds in curves]  # fmt: skip
+    across = from_si(torque, unit, "torque")
+    data += [_below(across, *one, number, unit) for number, one in enumerate(below, 2)]
+    layout = rows(["speed (rpm)", *(f"{name} ({sign})" for name, sign, *_ in below)], 160.0 if below else 240.0)
+    for name in [name for name in layout if name.startswith("yaxis")]:
+        layout[name] |= {"rangemode": "tozero"}
+    layout["xaxis"] |= {"title": {"text": f"torque ({label(unit)})"}, "range": [0.0, 1.04 * float(across[-1])]}
+    names = ", ".join(("Speed", *(name for name, *_ in below)))
+    yield "speed-torque", f"{names} over torque at nominal voltage", figure(data, layout | {"hovermode": "closest"})
 
 
 def _speed(kind: str, name: str, torque: Any, speed: Sequence[float], unit: str) -> Plot:
@@ -103,8 +101,8 @@ def _speed(kind: str, name: str, torque: Any, speed: Sequence[float], unit: str)
     return line(torque, rpm, name, colour, dash, hovertemplate=over)
 
 
-def _below(torque: Any, values: Any, name: str, colour: str, number: int, said: str) -> Plot:
-    over = f"<b>{name}</b><br>{said}<extra></extra>"
+def _below(torque: Any, name: str, sign: str, colour: str, values: Array, number: int, unit: str) -> Plot:
+    over = f"<b>{name}</b><br>%{{y:.3~r}} {sign} at %{{x:.4~r}} {label(unit)}<extra></extra>"
     return line(torque, values, name, colour, hovertemplate=over, yaxis=f"y{number}", showlegend=False)
 
 
@@ -125,7 +123,7 @@ def _gearhead(hit: Hit) -> Made:
     data = [one for name, words, colour, symbol in _PERMITTED
             for one in _permitted(hit, family, name, words, colour, symbol)]  # fmt: skip
     if data:
-        layout = _axes("ratio", "torque at the output (N·m)", x={"type": "log", "rangemode": "normal"})
+        layout = _axes("ratio", "torque at the output (N·m)", x=_LOG)
         yield "torque-ratio", f"Permissible torque in {hit['family']} over ratio", figure(data, layout)
 
 
@@ -205,19 +203,25 @@ def _last_speed(voltage: float, known: dict[str, float], teeth: float) -> float:
 def _battery(hit: Hit) -> Made:
     """Run time over current or power: as printed, else by the rule that sizing uses."""
     own = hit.catalog.discharges.on(hit.catalog.discharges.battery == hit.row)
-    log = {"type": "log", "rangemode": "normal"}
-    for held, unit in (("current", "A"), ("power", "W")):
-        draw = getattr(own, held)
-        data = []
-        for number, end in enumerate(np.unique(own.cutoff_voltage[~np.isnan(draw)])):
-            there = np.flatnonzero((own.cutoff_voltage == end) & ~np.isnan(draw))
-            there = there[np.argsort(draw[there])]
-            data.append(_lasts(draw[there], own.time[there], f"down to {show(float(end), 'V', 'voltage')}", number, unit))
+    for held, unit in HELD.items():
+        known = own.on(~np.isnan(getattr(own, held)))
+        data = [_until(known.on(known.cutoff_voltage == end), held, unit, number)
+                for number, end in enumerate(np.unique(known.cutoff_voltage))]  # fmt: skip
         if data:
-            layout = _axes(f"constant {held} ({unit})", "run time (h)", x=log, y=log)
+            layout = _axes(f"constant {held} ({unit})", "run time (h)", x=_LOG, y=_LOG)
             yield f"discharge-{held}", f"Run time at constant {held} as printed", figure(data, layout)
     if not len(own.time):
         yield from _by_rule(hit)
+
+
+_LOG = {"type": "log", "rangemode": "normal"}
+
+
+def _until(own: Discharges, held: str, unit: str, number: int) -> Plot:
+    """Printed run times down to one voltage."""
+    draw = getattr(own, held)
+    order, end = np.argsort(draw), show(float(own.cutoff_voltage[0]), "V", "voltage")
+    return _lasts(draw[order], own.time[order], f"down to {end}", number, unit)
 
 
 def _lasts(draw: Array, time: Array, name: str, number: int, unit: str) -> Plot:
@@ -235,8 +239,7 @@ def _by_rule(hit: Hit) -> Made:
     most = hit["continuous_current"] if hit["continuous_current"] > 0.0 else 2.0 * pack.capacity / 3600.0
     current = np.geomspace(pack.capacity / (20.0 * 3600.0), most, 41)
     trace = _lasts(current, _run_times(pack, current), pack.rule, 0, "A") | {"mode": "lines"}
-    log = {"type": "log", "rangemode": "normal"}
-    layout = _axes("constant current (A)", "run time (h)", x=log, y=log)
+    layout = _axes("constant current (A)", "run time (h)", x=_LOG, y=_LOG)
     yield "discharge", f"Run time at constant current, computed: {pack.rule}", figure([trace], layout)
 
 

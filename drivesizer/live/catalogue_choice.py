@@ -1,0 +1,117 @@
+"""What is chosen in the catalogues as edits of the spec: a part, a family, the catalogues themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from drivesizer.errors import InputError
+from drivesizer.live.catalogue import ALL, hit_of, listed_names
+from drivesizer.live.held import Held, Piece
+
+__all__ = ["PLACES", "choose"]
+
+_Edit = list[Any]  # path, value, whether it is a text
+
+# Section of the catalogue: where a spec names a part of it, and whether it may name a family there. What is of the
+# whole machine has the same place where there are several axes.
+PLACES: dict[str, tuple[tuple[str, ...], bool]] = {
+    "motors": (("select", "motor"), True), "actuators": (("select", "motor"), True),
+    "steppers": (("select", "motor"), True), "gearheads": (("select", "gearhead"), True),
+    "encoders": (("select", "encoder"), True), "controllers": (("select", "controller"), True),
+    "brakes": (("select", "brake"), True), "screws": (("load", "screw"), True), "batteries": (("battery",), False),
+    "power_supplies": (("supply",), False), "brake_resistors": (("brake_resistor",), True),
+}  # fmt: skip
+_WHOLE = ("battery", "supply", "brake_resistor")
+
+
+def choose(held: Held, request: Piece) -> Iterator[Piece]:
+    """A piece ``edits``, by which a spec chooses what the page names.
+
+    Parameters
+    ----------
+    held
+        What the process keeps.
+    request
+        ``text`` of the spec; ``part`` as of ``hit_of``, and whether its ``family`` is meant; or ``catalogues``, the
+        only ones, or with ``add`` beside the others; ``axis`` of a machine, empty for all.
+
+    Yields
+    ------
+    Piece
+    """
+    from drivesizer.files.yaml_source import YamlSource
+
+    data = YamlSource(str(request["text"]), held.name).data
+    above = ("axes", request["axis"]) if request["axis"] else ()
+    if request["part"] is None:
+        names = [*(_catalogs(data, above)[1] if request["add"] else ()), *request["catalogues"]]
+        edits = _of_catalogs(data, above, _short(names))
+    else:
+        hit = hit_of(held, *request["part"])
+        edits = _of_part(data, above, hit, "family" if request["family"] else "part")
+    yield {"kind": "edits", "edits": edits}
+
+
+def _of_part(data: Any, above: tuple[str, ...], hit: Any, by: str) -> list[_Edit]:
+    """Edits that name a part or its family, and nothing else of its kind; and its catalogue."""
+    place, families = PLACES.get(hit.section, ((), False))
+    if not place or (by == "family" and not families):
+        raise InputError(f"a spec names no {by} of {hit.section.replace('_', ' ')}")
+    if place[0] == "load" and not str((_at(data, (*above, "load")) or {}).get("kind", "")).endswith("_screw"):
+        raise InputError("the load of the spec is no screw; expected load: {kind: ball_screw}")
+    path = place if place[0] in _WHOLE else (*above, *place)
+    known = _at(data, path)
+    if not isinstance(known, dict):
+        edits: list[_Edit] = [[path, {by: hit[by]}, True]]
+        known = {}
+    else:
+        edits = [[[*path, by], hit[by], True]]
+    other = "part" if by == "family" else "family"
+    edits += [[[*path, other], None, False]] if other in known else []
+    if place == ("select", "motor"):
+        edits += _kind(path, known, hit)
+    if place[0] == "load":  # its own lead, where it comes with the screw
+        edits += [[[*above, "load", "lead"], None, False]] if _at(data, (*above, "load", "lead")) is not None else []
+    names = _catalogs(data, above)[1]
+    if hit.catalogue in listed_names(names):
+        return edits
+    return [*edits, *_of_catalogs(data, above, [*names, hit.catalogue])]
+
+
+def _kind(path: tuple[str, ...], known: dict[str, Any], hit: Any) -> list[_Edit]:
+    """Steppers are searched where they are named as the kind, and only then."""
+    kind = "stepper" if hit.section == "steppers" else hit["kind"]
+    if kind == "stepper":
+        return [[[*path, "kind"], kind, True]]
+    return [[[*path, "kind"], None, False]] if known.get("kind") not in (None, kind) else []
+
+
+def _of_catalogs(data: Any, above: tuple[str, ...], names: list[str]) -> list[_Edit]:
+    return [[[*_catalogs(data, above)[0], "select", "catalogs"], names, True]]
+
+
+def _catalogs(data: Any, above: tuple[str, ...]) -> tuple[tuple[str, ...], list[str]]:
+    """The place whose catalogues count, of an axis or of the whole, and their names."""
+    from drivesizer.spec.select import Select
+
+    for place in dict.fromkeys((above, ())):
+        given = _at(data, (*place, "select", "catalogs"))
+        if given is not None:
+            return place, [str(name) for name in (given if isinstance(given, list) else [given])]
+    return (), list(Select.model_fields["catalogs"].default)
+
+
+def _short(names: list[str]) -> list[str]:
+    """Names of catalogues, ``all`` in place of all that ship."""
+    from drivesizer.catalog import shipped
+
+    every = set(listed_names(names)) >= set(shipped())
+    others = [name for name in dict.fromkeys(names) if name != ALL and name not in shipped()]
+    return [ALL, *others] if every else list(dict.fromkeys(names))
+
+
+def _at(data: Any, path: tuple[str, ...]) -> Any:
+    for step in path:
+        data = data.get(step) if isinstance(data, dict) else None
+    return data

@@ -1,0 +1,123 @@
+// One's own catalogues: dropped in, checked, and known by their names until the server ends.
+
+import { button, element, words } from "./dom.js";
+import { post, whole } from "./requests.js";
+import { state, watch } from "./state.js";
+
+const LARGEST = 16_000_000, FOLDER = "dropped/";
+const input = element("input", { type: "file", accept: ".yaml,.yml", hidden: true, aria: { label: "catalogue file" } });
+const said = element("div", { className: "checked", role: "status" }), kept = element("div", { className: "own" });
+const names = new Set(); // that the server has
+let act = {}, saved = null;
+
+/** `choose` puts catalogues into the spec, `open` shows the dialog, `changed` says that a catalogue has come or gone. */
+export function prepare(does) {
+  act = does;
+  input.addEventListener("change", () => { take(input.files[0]); input.value = ""; });
+  addEventListener("dragover", (event) => { if (event.dataTransfer?.types.includes("Files")) event.preventDefault(); });
+  addEventListener("drop", dropped);
+  watch(beside);
+}
+
+export function place() {
+  const zone = element("div", { className: "drop" }, element("p", {}, "Drop a catalogue file of your own here, or ", button("choose a file", () => input.click())), input);
+  zone.addEventListener("dragenter", () => zone.classList.add("over"));
+  zone.addEventListener("dragleave", (event) => { if (!zone.contains(event.relatedTarget)) zone.classList.remove("over"); });
+  return element("div", {}, zone, said, kept);
+}
+
+/** A file that is dropped anywhere: without this the browser would leave the page for it. */
+async function dropped(event) {
+  const [file] = event.dataTransfer?.files ?? [];
+  if (!file) return;
+  event.preventDefault();
+  for (const zone of document.querySelectorAll(".drop.over")) zone.classList.remove("over");
+  if (!act.dialog.open) {
+    if (!/^catalog\s*:/m.test(await file.slice(0, 100_000).text())) {
+      act.notice(`${file.name} is no catalogue; "Open …" takes a spec.`);
+      return;
+    }
+    await act.open();
+  }
+  take(file);
+}
+
+async function take(file, anyway = false) {
+  if (!file) return;
+  if (file.size > LARGEST) return say(`${file.name} is larger than ${LARGEST / 1e6} MB.`);
+  say(`checking ${file.name} …`);
+  try {
+    const response = await post("catalogue", { name: file.name, content: await encoded(file), anyway });
+    tell(file, await response.json());
+  } catch {
+    say(`${file.name} was not checked: the server does not answer.`);
+  }
+}
+
+function encoded(file) {
+  return new Promise((done, failed) => {
+    const reader = new FileReader();
+    reader.addEventListener("load", () => done(reader.result.slice(reader.result.indexOf(",") + 1)));
+    reader.addEventListener("error", () => failed(reader.error));
+    reader.readAsDataURL(file);
+  });
+}
+
+function say(text, ...more) {
+  said.replaceChildren(element("p", { textContent: text }), ...more);
+}
+
+const lines = (found) => element("ul", { className: "findings" }, ...found.map((text) => element("li", { textContent: text })));
+
+function tell(file, found) {
+  if (found.kind === "superseded") return;
+  if (found.kind === "kept") {
+    names.add(found.name);
+    say(`${found.name}: ${Object.entries(found.parts).map(([name, number]) => `${number} ${words(name)}`).join(", ")}.`, ...(found.lines.length ? [lines(found.lines)] : []));
+    entries();
+    act.changed(found.name);
+  } else if (found.kind === "contradictory") {
+    const count = found.lines.length + found.more;
+    say(`${file.name}: ${count === 1 ? "a figure contradicts" : `${count} figures contradict`} others and no note says why. It is not taken.`, lines(found.lines),
+      found.more ? element("p", { textContent: `and ${found.more} more` }) : "", button("take it all the same", () => take(file, true)));
+  } else {
+    say(`${file.name} is not taken:`, lines(found.lines ?? []));
+  }
+}
+
+// -- those that are here
+
+function entries() {
+  kept.replaceChildren(...[...names].map((name) => element("div", { className: "one" }, element("p", {}, element("strong", { textContent: name })),
+    element("p", { className: "note", textContent: `Kept in memory until drivesizer serve ends. A spec finds it by this name: save the spec, and ${name.slice(FOLDER.length)} must lie beside it in a folder ${FOLDER.slice(0, -1)}.` }),
+    element("p", {}, button("Search it too", () => act.choose({ catalogues: [name], add: true })), " ", button("Search it alone", () => act.choose({ catalogues: [name] })), " ", button("give it up", () => leave(name))))));
+}
+
+/** Takes the names of those that the server has: a page that was loaded anew finds them again. */
+export function known(catalogues) {
+  names.clear();
+  for (const one of catalogues) if (one.own) names.add(one.name);
+  entries();
+}
+
+async function leave(name) {
+  try {
+    await post("catalogue", { name: name.slice(FOLDER.length), content: null });
+    names.delete(name);
+    said.replaceChildren();
+    entries();
+    act.changed(name);
+  } catch {
+    say("The server does not answer.");
+  }
+}
+
+/** A spec that has just been saved may name what lies nowhere. */
+async function beside() {
+  const before = saved;
+  saved = state.saved;
+  if (!before || before === saved || !saved.includes(FOLDER)) return;
+  known((await whole("catalogues", { text: saved }))[0].catalogues);
+  const lacking = [...names].filter((name) => saved.includes(name)).map((name) => name.slice(FOLDER.length));
+  if (lacking.length) act.notice(`${state.name} names what is in memory alone: put ${lacking.join(" and ")} into a folder ${FOLDER.slice(0, -1)} beside it, or it cannot be sized elsewhere.`, [], "", "own");
+}
