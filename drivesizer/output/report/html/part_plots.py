@@ -117,7 +117,11 @@ def _gearhead(hit: Hit) -> Made:
         trace = line(from_si(torque, unit, "torque"), 100.0 * gear_efficiency(hit, torque), "efficiency", "blue",
                      hovertemplate=f"%{{y:.3~r}} % at %{{x:.4~r}} {label(unit)}<extra></extra>")  # fmt: skip
         across = f"torque at the output ({label(unit)})"
-        yield "efficiency", "Efficiency over load", figure([trace], _axes(across, "efficiency (%)"))
+        yield (
+            "efficiency",
+            "Efficiency over load, as sizing computes it",
+            figure([trace], _axes(across, "efficiency (%)")),
+        )
     table = hit.table
     family = np.flatnonzero((table["family"] == hit["family"]) & ~table.excluded)
     data = [one for name, words, colour, symbol in _PERMITTED

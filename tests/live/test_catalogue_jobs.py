@@ -1,0 +1,260 @@
+"""The catalogues on the live page: its lists, data sheets and comparisons are those of the commands."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from own_catalogue import HOSTILE, RIGHT
+
+from drivesizer.files.text import hand_over
+from drivesizer.files.yaml_edit import Edit, edited
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.live.engine import done
+from drivesizer.live.held import Held, take_over
+from drivesizer.live.requests import REQUESTS, request_of
+
+NAME = "dropped/mine.yaml"
+SPEC = """\
+name: hoist
+load: {kind: hoist, mass: 1 kg, drum_diameter: 40 mm}
+motion: {profile: trapezoid, speed: 0.2 m/s, acceleration_time: 0.2 s, cruise_time: 1 s, there_and_back: true}
+transmission: [{kind: direct}]
+supply: {nominal: 24 V}
+select: {catalogs: [dropped/mine.yaml]}
+"""
+
+
+@pytest.fixture(scope="module")
+def held(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Held]:
+    made = Held(str(tmp_path_factory.mktemp("live") / "robot.yaml"))
+    take_over(made, {NAME: RIGHT.encode()})
+    yield made
+    hand_over({})
+
+
+@pytest.fixture(scope="module")
+def do(held: Held) -> Callable[..., Any]:
+    """The one piece of a job, its request as the page sends it."""
+
+    def of(job: str, text: str = "name: x", **body: Any) -> Any:
+        request = request_of(REQUESTS[job], json.dumps({"text": text, **body}).encode())
+        (piece,) = done(held, job, request)
+        json.dumps(piece, allow_nan=False)
+        return piece
+
+    return of
+
+
+def parts_of(piece: Any) -> list[str]:
+    return [row["part"] for row in piece["rows"]]
+
+
+# -- lists
+
+
+def test_catalogues_are_the_shipped_ones_the_specs_and_the_users(do, held):
+    text = "select: {catalogs: [pololu, there_is_none]}\naxes: {lift: {select: {catalogs: my/own.yaml}}}\n"
+    found = {one["name"]: one for one in do("catalogues", text)["catalogues"]}
+    assert [name for name, one in found.items() if one["chosen"]] == ["there_is_none", "my/own.yaml", "pololu"]
+    assert "wrong" in found["my/own.yaml"] and "wrong" in found["there_is_none"] and "wrong" not in found["pololu"]
+    assert found[NAME] == {"name": NAME, "chosen": False, "own": True, "makers": "Anymaker", "parts": {"motors": 2}}
+    assert found["maxon"]["parts"]["motors"] == 646
+    for odd in ("", "a: [", "- 5", "select: 5", "select: {catalogs: {}}", "axes: [1]"):
+        chosen = [one["name"] for one in do("catalogues", odd)["catalogues"] if one["chosen"]]
+        assert chosen == ["maxon"]
+    every = [one for one in do("catalogues", "select: {catalogs: all}")["catalogues"] if one["chosen"]]
+    assert len(every) > 100
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ({}, []),
+        ({"options": {"voltage": "12 V"}, "sort": "-mass"}, ["--voltage", "12 V", "--sort", "-mass"]),
+        ({"options": {"power": " ", "kind": "brushed"}, "where": ["no load speed > 5000 rpm", "stall_torque<=3 N*m"]},
+         ["--kind", "brushed", "--where", "no load speed > 5000 rpm", "--where", "stall_torque<=3 N*m"]),
+        ({"section": "gearheads", "catalogues": ["maxon"], "options": {"family": "GP 22*"}, "sort": "-ratio",
+          "excluded": True}, ["--family", "GP 22*", "--sort", "-ratio", "--excluded"]),
+    ],
+)  # fmt: skip
+def test_lists_are_those_of_the_command(do, run, body, words):
+    body = {"section": "motors", "catalogues": ["pololu", "andymark"], **body}
+    named = [word for name in body["catalogues"] for word in ("--catalog", name)]
+    _, out, _ = run("catalog", "list", body["section"], *named, *words, "--json")
+    printed = json.loads(out)
+    found = do("parts", **body)
+    assert parts_of(found) == [part["part"] for part in printed["parts"]][:200] and len(parts_of(found)) > 1
+    assert (found["found"], found["undecided"]) == (printed["found"], printed["undecided"])
+
+
+def test_figures_of_conditions_are_columns_too_and_texts_are_those_of_the_data_sheet(do):
+    body = {"section": "motors", "catalogues": ["maxon"], "piece": " re 25 ", "sort": "price"}
+    found = do("parts", where=["no_load_current<1 A"], **body)
+    assert {row["family"] for row in found["rows"]} == {"RE 25"}
+    heads = [column["name"] for column in found["columns"]]
+    row = next(row for row in found["rows"] if row["part"] == "118752")
+    shown = dict(zip(heads, row["cells"], strict=True))
+    assert (shown["assigned_power"], shown["nominal_torque"], shown["no_load_current"]) == ("20", "26.3", "36.9")
+    assert not parts_of(do("parts", section="motors", catalogues=["maxon"], piece="no such thing"))
+    assert len(parts_of(do("parts", section="motors", catalogues=[NAME], piece="ANYMAKER"))) == 2
+
+
+def test_at_most_two_hundred_rows_come_and_the_next_follow(do):
+    body = {"section": "motors", "catalogues": ["maxon"], "sort": "mass", "excluded": True}
+    pages = [do("parts", start=start, **body) for start in (0, 200, 400, 600)]
+    assert [len(page["rows"]) for page in pages] == [200, 200, 200, 46]
+    assert len({part for page in pages for part in parts_of(page)}) == 646 == pages[0]["found"]
+    assert do("parts", start=646, **body)["start"] == 0
+
+
+def test_what_cannot_be_read_is_said_at_its_field(do):
+    found = do("parts", section="motors", catalogues=["maxon"], options={"voltage": "24", "power": ">=20 W"},
+               where=["max_speed>=1 rpm", "max_sped>1 rpm", "kind>x"])  # fmt: skip
+    assert [fault["field"] for fault in found["faults"]] == ["voltage", "where.1", "where.2"]
+    assert all("--" not in fault["text"] for fault in found["faults"])
+    assert 'no column "max_sped"' in found["faults"][1]["text"]
+    assert "sort" in do("parts", section="motors", catalogues=["maxon"], sort="weight")["lines"][0]
+    assert "no catalogue is called" in do("parts", section="motors", catalogues=["maxxon"])["lines"][0]
+
+
+# -- one part, and several
+
+
+@pytest.mark.parametrize(
+    ("catalogue", "section", "part", "curves"),
+    [
+        ("maxon", "motors", "118752", ["speed-torque"]),
+        ("maxon", "gearheads", "110313", ["torque-ratio"]),
+        ("wittenstein", "gearheads", "", ["efficiency", "torque-ratio"]),
+        ("yuasa", "batteries", "NP4-12", ["discharge-current"]),
+        ("oukeda", "steppers", "", ["pull-out"]),
+        ("mean_well", "power_supplies", "", []),
+    ],
+)
+def test_a_part_is_that_of_the_command(do, run, monkeypatch, catalogue, section, part, curves):
+    monkeypatch.setenv("COLUMNS", "400")
+    part = part or parts_of(do("parts", section=section, catalogues=[catalogue]))[0]
+    _, out, _ = run("catalog", "show", part, "--catalog", catalogue, "--source")
+    printed = " ".join(out.split())
+    found = do("part", catalogue=catalogue, section=section, part=part)
+    assert list(found["figures"]) == curves
+    for name, text, confidence, number in found["rows"]:
+        assert f"{name} {text} {confidence} [{number}]" in printed
+    for table in found["tables"]:
+        cells = [table["title"], table["closing"], *(cell for row in table["rows"] for cell in row)]
+        assert all(" ".join(cell.split()) in printed for part in cells for cell in part.split("; "))
+    assert all(" ".join(line.split()) in printed for line in found["remarks"])
+    assert all(text in printed for document in found["documents"] for text in document)
+
+
+def test_parts_side_by_side_are_those_of_the_command(do, run):
+    parts = ["118752", "118743"]
+    found = do("beside", section="motors", parts=[["maxon", part] for part in parts])
+    _, out, _ = run("catalog", "compare", *parts, "--catalog", "maxon", "--json")
+    differs = {name.replace("_", " "): mark for name, mark in json.loads(out)["differs"].items()}
+    assert {name: mark for name, mark, _ in found["rows"]} == {
+        name: {True: "≠", False: "", None: "?"}[mark] for name, mark in differs.items()
+    }
+    assert ["nominal voltage", "≠", ["24 V", "12 V"]] in found["rows"]
+
+
+def test_what_is_not_there_is_one_line(do):
+    for body in ({"catalogue": "maxon", "part": "no"}, {"catalogue": "gone.yaml", "part": "x"}):
+        assert do("part", section="motors", **body)["kind"] == "wrong"
+    assert do("part", section="gearheads", catalogue=NAME, part="direct")["kind"] == "wrong"
+
+
+def test_hostile_names_are_texts_and_nothing_that_plotly_reads(held, do):
+    take_over(held, {NAME: HOSTILE.encode()})
+    try:
+        found = do("part", catalogue=NAME, section="motors", part="OWN-1")
+        assert found["head"] == "<b>Any</b> <img src=x onerror=alert(1)>"
+        assert "<img" not in json.dumps(found["figures"])
+    finally:
+        take_over(held, {NAME: RIGHT.encode()})
+
+
+# -- into the spec
+
+
+def chosen(do: Callable[..., Any], text: str, **body: Any) -> Any:
+    """The spec's data after a choice."""
+    piece = do("choose", text, **body)
+    assert piece["kind"] == "edits", piece
+    edits = [Edit(tuple(path), value, text) for path, value, text in piece["edits"]]
+    return YamlSource(edited(text, edits), "spec").data
+
+
+def test_a_part_takes_the_place_of_what_was_chosen_of_its_kind(do):
+    motor = ["maxon", "motors", "118752"]
+    assert chosen(do, "name: x\n", part=motor) == {"name": "x", "select": {"motor": {"part": "118752"}}}
+    text = "select:\n  motor: {family: EC*, kind: brushless}  # flat\n  catalogs: pololu\n"
+    assert chosen(do, text, part=motor) == {"select": {"motor": {"part": "118752"}, "catalogs": ["pololu", "maxon"]}}
+    assert chosen(do, "select: {catalogs: all}", part=motor, family=True) == {
+        "select": {"catalogs": "all", "motor": {"family": "RE 25"}}
+    }
+    assert chosen(do, "select: {motor: {kind: brushed}}", part=motor)["select"]["motor"]["kind"] == "brushed"
+
+
+def test_each_kind_of_part_has_its_place(do):
+    def first(section: str, catalogue: str) -> list[str]:
+        return [catalogue, section, parts_of(do("parts", section=section, catalogues=[catalogue]))[0]]
+
+    stepper, supply = first("steppers", "oukeda"), first("power_supplies", "puls")
+    battery = ["yuasa", "batteries", "NP4-12"]
+    assert chosen(do, "name: x", part=stepper)["select"] == {
+        "motor": {"part": stepper[2], "kind": "stepper"}, "catalogs": ["maxon", "oukeda"],
+    }  # fmt: skip
+    found = chosen(do, "axes: {lift: {load: {kind: hoist}}}\nsupply: {nominal: 24 V}", part=supply, axis="lift")
+    assert found["supply"] == {"nominal": "24 V", "part": supply[2]} and found["select"]["catalogs"] == [
+        "maxon",
+        "puls",
+    ]
+    assert chosen(do, "select: {catalogs: [yuasa]}", part=battery)["battery"] == {"part": "NP4-12"}
+    resistor = first("brake_resistors", "maxon")
+    assert chosen(do, "brake_resistor: any", part=resistor)["brake_resistor"] == {"part": resistor[2]}
+    screw = first("screws", "thk")
+    text = "load: {kind: ball_screw, lead: 5 mm}\nselect: {catalogs: [maxon, thk]}"
+    assert chosen(do, text, part=screw)["load"] == {"kind": "ball_screw", "screw": {"part": screw[2]}}
+    assert "no screw" in do("choose", "load: {kind: hoist}", part=screw)["lines"][0]
+    assert "names no part of belts" in do("choose", "name: x", part=first("belts", "vbelt"))["lines"][0]
+    assert "names no family" in do("choose", "name: x", part=battery, family=True)["lines"][0]
+
+
+def test_an_axis_has_its_own_and_the_machine_that_of_all(do):
+    text = "axes:\n  lift:\n    select: {catalogs: [pololu]}\n  turn: {}\n"
+    motor = ["maxon", "motors", "118752"]
+    lift = chosen(do, text, part=motor, axis="lift")
+    assert lift["axes"]["lift"]["select"] == {"catalogs": ["pololu", "maxon"], "motor": {"part": "118752"}}
+    assert chosen(do, text, part=motor)["select"] == {"motor": {"part": "118752"}}
+    both = chosen(do, text, catalogues=[NAME], add=True)
+    assert both["select"] == {"catalogs": ["maxon", NAME]} and both["axes"]["lift"]["select"]["catalogs"] == ["pololu"]
+
+
+def test_catalogues_are_added_or_chosen_alone(do):
+    assert chosen(do, "name: x", catalogues=[NAME], add=True)["select"]["catalogs"] == ["maxon", NAME]
+    assert chosen(do, "name: x", catalogues=[NAME])["select"]["catalogs"] == [NAME]
+    assert chosen(do, "select: {catalogs: all}", catalogues=[NAME], add=True)["select"]["catalogs"] == ["all", NAME]
+
+
+def test_the_answer_ranks_with_a_catalogue_that_was_dropped(held):
+    pieces = {piece["kind"]: piece for piece in _until_ranked(done(held, "answer", {"text": SPEC, "edits": []}))}
+    assert [one["motor"] for one in pieces["ranking"]["sets"]] == ["OWN-1", "OWN-2"]
+    take_over(held, {NAME: RIGHT.replace("[OWN-1, 10]", "[OWN-1, 30]").encode()})
+    pieces = {piece["kind"]: piece for piece in _until_ranked(done(held, "answer", {"text": SPEC, "edits": []}))}
+    assert [one["motor"] for one in pieces["ranking"]["sets"]] == ["OWN-2", "OWN-1"]
+    take_over(held, {})
+    (*_, last) = _until_ranked(done(held, "answer", {"text": SPEC, "edits": []}))
+    assert last["kind"] == "wrong" and str(Path("dropped") / "mine.yaml") in last["lines"][0]
+    take_over(held, {NAME: RIGHT.encode()})
+
+
+def _until_ranked(pieces: Iterator[Any]) -> Iterator[Any]:
+    for piece in pieces:
+        yield piece
+        if piece["kind"] in ("ranking", "wrong"):
+            return

@@ -1,0 +1,139 @@
+"""Curves of one part as figures: held against laws of the trade, against printed figures and against the catalogue."""
+
+from __future__ import annotations
+
+import json
+from math import pi, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drivesizer.catalog import load
+from drivesizer.catalog.lookup import find
+from drivesizer.catalog.query import Hit, every, open_all
+from drivesizer.machine.part_curves import at_nominal_voltage, gear_efficiency, line
+from drivesizer.output.report.html.part_plots import part_plots
+
+V, R, K, I_0 = 24.0, 2.0, 0.024, 0.05
+IDEAL = {"kind": "brushed", "nominal_voltage": f"{V} V", "resistance": f"{R} ohm", "torque_constant": f"{K} N*m/A",
+         "no_load_current": f"{I_0} A"}  # fmt: skip
+
+
+def own(tmp_path: Path, section: str, **figures: str) -> Hit:
+    rows = ", ".join(f"{name}: {text}" for name, text in figures.items())
+    (tmp_path / "own.yaml").write_text(
+        "catalog: 1\nmanufacturer: Anymaker\nsources:\n  sheet: {document: a sheet, confidence: quoted}\n"
+        f"{section}:\n- family: F 1\n  source: sheet\n  common: {{{rows}}}\n  columns: [part]\n  rows: [[P1]]\n"
+    )
+    return find(open_all([str(tmp_path / "own.yaml")]), "P1")[0]
+
+
+def trace(plot: Any, begins: str) -> tuple[Any, Any]:
+    """The points of a line by the start of its name."""
+    (one,) = [one for one in plot["data"] if one["name"].startswith(begins)]
+    return np.array(one["x"], float), np.array(one["y"], float)
+
+
+# -- motors
+
+
+def test_the_best_efficiency_is_that_of_the_two_currents(tmp_path):
+    """eta = (1 - sqrt(I_0/I_A))^2 at M = k_t (sqrt(I_0 I_A) - I_0), of any motor with constant R and k."""
+    hit, stall = own(tmp_path, "motors", **IDEAL), V / R
+    best = K * (sqrt(I_0 * stall) - I_0)
+    speed, current, efficiency = at_nominal_voltage(hit, np.array([0.0, best, line(hit).torque]))
+    assert efficiency[1] == pytest.approx((1.0 - sqrt(I_0 / stall)) ** 2)
+    assert current == pytest.approx([I_0, sqrt(I_0 * stall), stall])
+    assert speed[[0, 2]] == pytest.approx([(V - R * I_0) / K, 0.0]) and efficiency[[0, 2]] == pytest.approx([0.0, 0.0])
+    assert at_nominal_voltage(hit, np.array([best * 1.1]))[2] < efficiency[1] > at_nominal_voltage(hit, best * 0.9)[2]
+
+
+def test_the_best_efficiency_is_the_printed_one():
+    """maxon prints it in whole percents, of figures of three digits: 646 windings."""
+    off = []
+    for hit in every({"maxon": load(["maxon"])}, ["motors"]):
+        ends, printed = line(hit), hit["max_efficiency"]
+        if printed == printed and ends.torque == ends.torque:
+            off.append(np.nanmax(at_nominal_voltage(hit, np.linspace(0.0, ends.torque, 400))[2]) - printed)
+    assert len(off) > 600
+    assert abs(np.median(off)) < 0.005 and np.quantile(np.abs(off), 0.95) < 0.015
+
+
+def test_above_the_permitted_speed_the_voltage_is_less_and_nothing_is_said(tmp_path):
+    hit = own(tmp_path, "motors", **IDEAL, max_speed="4000 rpm")
+    plot = part_plots(hit)["speed-torque"]
+    torque, efficiency = trace(plot, "efficiency")
+    rpm = (V - R * I_0) / K * (1.0 - torque / 1e3 / (K * (V / R - I_0))) * 30 / pi
+    assert (np.isnan(efficiency) == (rpm > 4000.0)).all() and np.isnan(efficiency).any()
+    assert trace(plot, "at 24 V")[1].tolist() == [4000.0, 4000.0, 0.0]
+
+
+def test_what_is_unknown_or_contradicts_itself_is_not_drawn(tmp_path):
+    assert part_plots(own(tmp_path, "motors", kind="brushed")) == {}
+    figures = IDEAL | {"no_load_speed": "9500 rpm", "stall_torque": "288 mN*m"}
+    assert "efficiency (%)" in json.dumps(part_plots(own(tmp_path, "motors", **figures)))
+    more = part_plots(own(tmp_path, "motors", **figures | {"torque_constant": "0.2 N*m/A"}))["speed-torque"]
+    assert "efficiency (%)" not in json.dumps(more) and more["title"].startswith("Speed, current over")
+    alone = part_plots(own(tmp_path, "motors", **{**figures, "no_load_current": "~"}))["speed-torque"]
+    assert "current (A)" not in json.dumps(alone)
+
+
+# -- gearheads
+
+
+def test_a_gearhead_has_its_printed_efficiency_at_its_rated_torque():
+    """Wittenstein NPT 045, 25:1: 95 % at full load, 0.39 N*m to turn it without load."""
+    (hit,) = find(open_all(["wittenstein"]), "NPT 045 MF/MA 25:1")
+    rated, idle, ratio = 350.0, 0.39, 25.0
+    found = gear_efficiency(hit, np.array([1e-6, rated / 2, rated]))
+    assert found[2] == pytest.approx(0.95) and found[0] < 1e-6
+    lost = rated / ratio / 0.95 - rated / ratio - idle  # of torque at the input beside the idle one, at rated load
+    half = rated / 2 / ratio
+    assert found[1] == pytest.approx(half / (half + lost / 2 + idle))
+    assert part_plots(hit)["efficiency"]["data"][0]["y"][-1] > 95.0  # at the intermittent torque
+
+
+def test_a_familys_torques_are_those_of_the_catalogue():
+    (hit,) = find(open_all(["maxon"]), "110313")
+    plot = part_plots(hit)["torque-ratio"]
+    table = hit.table
+    family = [row for row in range(len(table)) if table["family"][row] == hit["family"] and not table.excluded[row]]
+    x, y = trace(plot, "continuous")
+    assert sorted(x.tolist()) == pytest.approx(sorted(table["ratio"][family].tolist()), rel=1e-5)
+    assert set(y.tolist()) == {float(f"{torque:.6g}") for torque in table["continuous_torque"][family]}
+    assert trace(plot, "110313, continuous")[0][0] == pytest.approx(hit["ratio"])
+
+
+# -- steppers and batteries
+
+
+def test_a_printed_pull_out_curve_is_drawn_as_it_is():
+    catalog = load(["stepperonline"])
+    printed = catalog.pull_outs
+    hit = Hit("stepperonline", catalog, "steppers", int(printed.stepper[0]))
+    own = printed.on((printed.stepper == printed.stepper[0]) & (printed.curve == printed.curve[0]))
+    plot = part_plots(hit)["pull-out"]
+    assert plot["title"] == "Pull-out torque as printed"
+    assert plot["data"][0]["x"] == pytest.approx((own.speed * 30 / pi).tolist(), rel=1e-5)
+    assert len({len(own.torque), len(plot["data"][0]["y"])}) == 1
+
+
+def test_an_estimated_one_has_its_band_and_never_more_than_the_model():
+    hit = next(every(open_all(["oukeda"]), ["steppers"]))
+    plot = part_plots(hit)["pull-out"]
+    assert "estimated" in plot["title"]
+    _, torque = trace(plot, "24 V supply")
+    _, band = trace(plot, "5 to 95 % at 24 V")
+    low, high = band[: len(torque)], band[len(torque) :][::-1]
+    assert low == pytest.approx(torque / 1.5, rel=1e-4) and (high >= torque).all()
+    assert high.max() == pytest.approx(hit["holding_torque"] * 1e3, rel=1e-4)
+
+
+def test_run_times_are_the_printed_ones_else_those_of_the_rule():
+    (hit,) = find(open_all(["yuasa"]), "NP4-12")  # as Yuasa prints it: 0.2 A for 20 h ... 3.75 A for half an hour
+    assert trace(part_plots(hit)["discharge-current"], "down to 10.2 V")[0][[0, -1]].tolist() == [0.2, 3.75]
+    (cell,) = find(open_all(["samsung"]), "Samsung 25R")  # 2.5 A*h at any current
+    current, time = trace(part_plots(cell)["discharge"], "rated charge")
+    assert current * time == pytest.approx(np.full(len(current), 2.5), rel=1e-4) and current[-1] == 20.0
