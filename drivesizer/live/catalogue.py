@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from drivesizer.catalog.conditions import Condition
     from drivesizer.catalog.query import Hit
 
-__all__ = ["ALL", "PAGE", "catalogues", "hit_of", "listed_names", "named_by", "parts", "shelf"]
+__all__ = ["ALL", "PAGE", "catalogues", "counts", "hit_of", "listed_names", "named_by", "parts", "shelf"]
 
 PAGE = 200  # rows that are sent at once
 ALL = "all"  # of the shipped catalogues, as a spec names them
@@ -47,17 +47,23 @@ def catalogues(held: Held, request: Piece) -> Iterator[Piece]:
 
 
 def _described(held: Held, name: str, chosen: bool) -> Piece:
-    from drivesizer.catalog import DIRECT, PARTS
+    from drivesizer.catalog import PARTS
 
     found = {"name": name, "chosen": chosen, "own": name in held.own}
     try:
         catalog = shelf(held, [name])[name]
     except DrivesizerError as error:
         return found | {"wrong": str(error), "parts": {}, "makers": ""}
-    tables = {section: catalog.table(section) for section in PARTS}
-    counts = {section: int((table["part"] != DIRECT).sum()) for section, table in tables.items()}
-    makers = dict.fromkeys(maker for table in tables.values() for maker in table["manufacturer"].tolist() if maker)
-    return found | {"parts": {section: n for section, n in counts.items() if n}, "makers": ", ".join(makers)}
+    makers = {maker: None for section in PARTS for maker in catalog.table(section)["manufacturer"].tolist() if maker}
+    return found | {"parts": counts(catalog), "makers": ", ".join(makers)}
+
+
+def counts(catalog: Catalog) -> dict[str, int]:
+    """Number of parts of each section that a catalogue has."""
+    from drivesizer.catalog import DIRECT, PARTS
+
+    found = {section: int((catalog.table(section)["part"] != DIRECT).sum()) for section in PARTS}
+    return {section: number for section, number in found.items() if number}
 
 
 def _sections() -> list[Piece]:

@@ -1,4 +1,4 @@
-"""What is chosen in the catalogues as edits of the spec: a part, a family, the catalogues themselves."""
+"""Choices in the catalogues as edits of the spec: a part, a family, the catalogues themselves."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drivesizer.live.catalogue import counts
 from drivesizer.live.held import Held, Piece
 
 if TYPE_CHECKING:
@@ -96,13 +97,12 @@ def check(held: Held, request: Piece) -> Iterator[Piece]:
     Piece
         ``right`` or ``contradictory`` with parts by section and findings, a line each; else ``wrong``.
     """
-    from drivesizer.catalog import PARTS, of_text
+    from drivesizer.catalog import of_text
     from drivesizer.catalog.laws.check import check as findings
 
     catalog = of_text(Path(request["name"]), request["content"])
     held.go_on()
     found = findings(catalog)
     lines = [one.text() for one in found if one.unexplained]
-    parts = {section: len(catalog.table(section)) for section in PARTS if len(catalog.table(section))}
-    yield {"kind": "contradictory" if lines else "right", "name": request["name"], "parts": parts,
+    yield {"kind": "contradictory" if lines else "right", "name": request["name"], "parts": counts(catalog),
            "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0)}  # fmt: skip

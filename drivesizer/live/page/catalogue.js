@@ -52,19 +52,19 @@ async function renew(name = null, again = () => {}) {
   }
 }
 
-let asked = 0;
+let requested = 0;
 
 /** Lists the parts that meet the conditions; the newest request counts. */
 async function look(start = 0) {
-  const mine = ++asked, wanted = filter.wanted();
+  const mine = ++requested, wanted = filter.wanted();
   found.setAttribute("aria-busy", "true");
   try {
     const [piece] = await whole("parts", { text: state.text, ...wanted, sort: list.sort(wanted.section), start });
-    if (mine !== asked || piece.kind === "superseded") return;
+    if (mine !== requested || piece.kind === "superseded") return;
     filter.faults(piece.faults ?? []);
     if (piece.kind === "parts") list.show(found, piece);
   } catch (error) {
-    if (mine === asked) list.wrong(found, error);
+    if (mine === requested) list.wrong(found, error);
   }
   found.removeAttribute("aria-busy");
 }
@@ -79,17 +79,17 @@ async function compare(rows) {
 
 /** Another view in place of the list. */
 async function turned(job, body, show) {
-  const mine = ++asked;
+  const mine = ++requested;
   try {
     const [piece] = await whole(job, { text: state.text, ...body });
-    if (mine === asked) show(found, piece);
+    if (mine === requested) show(found, piece);
   } catch (error) {
-    if (mine === asked) list.wrong(found, error);
+    if (mine === requested) list.wrong(found, error);
   }
 }
 
 function back() {
-  asked += 1;
+  requested += 1;
   list.again(found);
 }
 

@@ -21,7 +21,7 @@ export function build(onLook, own) {
   seek.addEventListener("input", later);
   excluded.addEventListener("change", () => look());
   column.addEventListener("change", add);
-  const sift = element("div", { className: "sift" }, row("Parts", section), row("Containing", seek), options, conditions, element("p", {}, column),
+  const sift = element("div", { className: "sift" }, row("parts", section), row("containing", seek), options, conditions, element("p", {}, column),
     element("p", {}, element("label", {}, excluded, " also parts excluded from sizing")));
   const chosen = element("details", { className: "shelves" }, heads, element("p", {}, button("the spec's", () => take((one) => one.chosen)), " ", button("all", () => take(() => true)), " ", button("none", () => take(() => false))), boxes);
   const form = element("form", { autocomplete: "off", noValidate: true }, sift, chosen, own);
@@ -53,11 +53,16 @@ export function show(piece, added) {
   count();
 }
 
+/** Parts of each kind in words: 2 motors, 1 battery. */
+export function counted(parts) {
+  const one = (name) => words(name).replace(/ies$/, "y").replace(/s$/, "");
+  return Object.entries(parts).map(([name, number]) => `${number} ${number === 1 ? one(name) : words(name)}`).join(", ");
+}
+
 function entry(one, checked) {
   const box = element("input", { type: "checkbox", checked, value: one.name, disabled: Boolean(one.wrong) });
   box.addEventListener("change", () => { touched = true; count(); look(); });
-  const parts = Object.entries(one.parts).map(([name, number]) => `${number} ${words(name)}`).join(", ");
-  const label = element("label", { title: one.wrong ?? parts }, box, ` ${one.own || one.wrong ? one.name : one.makers || one.name}`);
+  const label = element("label", { title: one.wrong ?? counted(one.parts) }, box, ` ${one.own || one.wrong ? one.name : one.makers || one.name}`);
   const made = element("p", {}, label);
   if (one.wrong) made.append(element("span", { className: "error", textContent: one.wrong }));
   return made;

@@ -36,7 +36,7 @@ function summary(piece) {
   const some = piece.found === 1 ? "1 part" : `${piece.found.toLocaleString("en")} ${words(piece.section)}`;
   const lines = [`${some}${piece.note && piece.found ? `; ${piece.note}` : ""}.`];
   if (piece.undecided) lines.push(`${piece.undecided.toLocaleString("en")} more may fit: a required figure is unknown.`);
-  if (piece.excluded && !piece.rows.some((row) => row.excluded)) lines.push(`${piece.excluded.toLocaleString("en")} more are excluded from sizing by a note.`);
+  if (piece.excluded && !piece.rows.some((row) => row.excluded)) lines.push(`${piece.excluded.toLocaleString("en")} more ${piece.excluded === 1 ? "is" : "are"} excluded from sizing by a note.`);
   return element("p", { className: "summary", role: "status", textContent: lines.join(" ") });
 }
 

@@ -1,6 +1,7 @@
 // One's own catalogues: dropped in, checked, and known by their names until the server ends.
 
-import { button, element, words } from "./dom.js";
+import { counted } from "./catalogue_filter.js";
+import { button, element } from "./dom.js";
 import { post, whole } from "./requests.js";
 import { state, watch } from "./state.js";
 
@@ -73,7 +74,7 @@ function tell(file, found) {
   if (found.kind === "superseded") return;
   if (found.kind === "kept") {
     names.add(found.name);
-    say(`${found.name}: ${Object.entries(found.parts).map(([name, number]) => `${number} ${words(name)}`).join(", ")}.`, ...(found.lines.length ? [lines(found.lines)] : []));
+    say(`${found.name}: ${counted(found.parts)}.`, ...(found.lines.length ? [lines(found.lines)] : []));
     entries();
     act.changed(found.name);
   } else if (found.kind === "contradictory") {

@@ -74,7 +74,7 @@ def _motor(hit: Hit) -> Made:
     curves, reach = speed_torque(hit), reach_of(hit)
     if not curves or isnan(reach):
         return
-    unit, torque = torque_unit(reach), np.linspace(0.0, reach, _POINTS)
+    unit, torque = torque_unit(reach), reach * np.linspace(0.0, 1.0, _POINTS) ** 2  # dense where the efficiency rises
     _, current, efficiency = at_nominal_voltage(hit, torque)
     below = [("current", "A", "vermillion", current)]
     if np.nanmax(efficiency, initial=0.0) <= 1.0:  # else its figures contradict one another
