@@ -49,7 +49,7 @@ async function take(file, anyway = false) {
   say(`checking ${file.name} …`);
   try {
     const response = await post("catalogue", { name: file.name, content: await encoded(file), anyway });
-    tell(file, await response.json());
+    report(file, await response.json());
   } catch {
     say(`${file.name} was not checked: the server does not answer.`);
   }
@@ -70,7 +70,7 @@ function say(text, ...more) {
 
 const lines = (found) => element("ul", { className: "findings" }, ...found.map((text) => element("li", { textContent: text })));
 
-function tell(file, found) {
+function report(file, found) {
   if (found.kind === "superseded") return;
   if (found.kind === "kept") {
     names.add(found.name);
