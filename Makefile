@@ -5,11 +5,15 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 # One stamp per Python: another PYTHON makes the environment anew. What only developers need comes with the second.
-READY := $(VENV)/.ready-$(notdir $(PYTHON))
-TOOLS := $(VENV)/.tools-$(notdir $(PYTHON))
+# make CONSTRAINTS=constraints.txt test: in the versions of that file, in place of the newest that pyproject.toml allows.
+CONSTRAINTS ?=
+MADE_FOR := $(notdir $(PYTHON))$(addprefix -,$(notdir $(CONSTRAINTS)))
+READY := $(VENV)/.ready-$(MADE_FOR)
+TOOLS := $(VENV)/.tools-$(MADE_FOR)
+INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check --no-compile $(addprefix -c ,$(CONSTRAINTS))
 WHEEL := build/wheel
 
-.PHONY: run test test-all mutants lint docs wheel bench clean
+.PHONY: run test test-all mutants lint docs wheel constraints bench clean
 
 run: $(READY)
 	$(BIN)/drivesizer size examples/sps_robot.yaml
@@ -47,6 +51,10 @@ wheel: $(TOOLS)
 	"$$bin/drivesizer" report -o report.pdf -o report.html && test -s report.pdf && test -s report.html && \
 	"$$bin/drivesizer" doctor
 
+# The versions of the environment as it is now.
+constraints: $(TOOLS)
+	$(BIN)/python tests/tools/constraints.py > constraints.txt
+
 bench: $(TOOLS)
 	$(BIN)/python benchmarks/size_start.py
 	$(BIN)/python benchmarks/catalog_load.py
@@ -63,14 +71,14 @@ clean:
 	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-$(READY): pyproject.toml
+$(READY): pyproject.toml $(CONSTRAINTS)
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "drivesizer needs Python 3.11 or later; try make PYTHON=python3.12")'
 	@echo "installing drivesizer and its libraries into $(VENV) (about 800 MB, half a minute or more) ..."
 	$(PYTHON) -m venv --clear $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile -e .
+	$(INSTALL) -e .
 	touch $@
 
 $(TOOLS): $(READY)
 	@echo "installing the tools of developers into $(VENV) ..."
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile -e '.[dev]'
+	$(INSTALL) -e '.[dev]'
 	touch $@

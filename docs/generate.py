@@ -4,7 +4,8 @@
     python docs/generate.py figures       draws docs/figures anew
 
 A part stands between ``<!-- generated: NAME -->`` and ``<!-- end: NAME -->``; all else on a page is written by hand.
-Fields come from the schema, loads and equations from their declarations, commands from the command line itself.
+Fields come from the schema, loads and equations from their declarations, commands from the command line itself,
+licences from the installed packages.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ DOCS = Path(__file__).resolve().parent
 sys.path[:0] = [str(DOCS / "generated"), str(DOCS / "hooks")]
 PARTS = {  # name: module and function that make it
     "columns": ("catalog_page", "columns"), "commands": ("command_page", "commands"),
-    "equations": ("equation_page", "equations"),
+    "equations": ("equation_page", "equations"), "licences": ("licence_page", "licences"),
     "loads": ("load_page", "loads"), "machine": ("spec_tables", "machine_sections"),
     "platform_equations": ("platform_page", "platform_equations"),
     "sensitivities": ("following_page", "sensitivities"), "spec": ("spec_tables", "sections"),
