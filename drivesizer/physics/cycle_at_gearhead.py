@@ -199,13 +199,15 @@ class AtGearhead:
         Peak
             Of each candidate.
         """
-        high, low = (points * self.scale for points in (self.extremes.high, self.extremes.low))
-        values = np.concatenate([product(coefficients, high.T), -product(coefficients, low.T)], axis=1)
+        met = self.extremes
+        time = np.concatenate([met.high_time, met.low_time])
+        order = np.argsort(time, kind="stable")
+        points, time = np.concatenate([met.high, -met.low])[order] * self.scale, time[order]
+        values = product(coefficients, points.T)
         if left_out is not None and len(rows := np.flatnonzero(lacking(left_out))):
-            against = np.concatenate([high < 0.0, low > 0.0]).astype(float)
+            against = (points < 0.0).astype(float)
             values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
         value, place = first_largest(values)
-        time = np.concatenate([self.extremes.high_time, self.extremes.low_time])
         return bounded(value, time[place], left_out)
 
     @cached_property

@@ -22,6 +22,7 @@ __all__ = ["PROPOSAL", "CheckColumn", "at_least", "at_most", "between", "fits", 
 
 # what a check has of each candidate
 _COLUMNS = ("demand", "limit", "passed", "failed", "time", "case", "opened", "low", "high", "least_margin")
+_ALIKE = 1e-9  # by which margins differ through rounding alone
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -313,7 +314,7 @@ def over_band(middle: CheckColumn, ends: Sequence[CheckColumn], estimated: NDArr
 
 
 def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
-    """The same check in several load cases as one: where it fails, is unknown, or is tightest.
+    """The same check in several load cases as one: where it fails, is unknown, or is tightest; of equals the first.
 
     Parameters
     ----------
@@ -328,7 +329,8 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     worst = np.zeros(shape, np.int64)
     for number, check in enumerate(checks[1:], 1):
         its_order, its_margin = _precedence(check)
-        worse = (its_order < order) | ((its_order == order) & (its_margin < margin))
+        less = its_margin + _ALIKE * (1.0 + np.abs(its_margin)) < margin
+        worse = (its_order < order) | ((its_order == order) & less)
         if worse.any():
             worst = np.where(worse, number, worst)
             order, margin = np.where(worse, its_order, order), np.where(worse, its_margin, margin)

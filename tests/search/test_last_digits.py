@@ -8,6 +8,7 @@ from starters import starter
 
 from drivesizer.physics import cycle_at_gearhead, waveform
 from drivesizer.physics.products import product
+from drivesizer.results.check_columns import at_most, worst_case
 from drivesizer.search import ranking
 from drivesizer.search.columns import bus_bounds, waveform_bounds
 from drivesizer.search.columns.candidates import Candidates
@@ -51,3 +52,10 @@ def test_margins_and_objectives_that_differ_by_rounding_are_equal(catalog):
     assert ranking.order(catalog, sets, np.ones(3), none, margin=margin)[0] == by_part[2]
     energy = {"energy": mass, "winding_temperature": -margin}
     assert len(ranking.front(catalog, sets, energy, ["energy"])) == 1
+
+
+def test_of_load_cases_that_are_equal_but_for_rounding_the_first_counts():
+    """0.6 A of 1 A, then a last digit more, then a thousandth more."""
+    demands = np.array([[0.6, 0.6, 0.0], [0.6 + 2e-16, 0.6 + 2e-16, 0.6], [0.6, 0.601, 0.6 - 1e-16]])
+    found = worst_case([(n, at_most("controller_peak_current", demand, 1.0)) for n, demand in enumerate(demands)])
+    assert found.case is not None and found.case.tolist() == [0, 2, 1]
