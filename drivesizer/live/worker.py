@@ -98,6 +98,9 @@ class Worker:
         ------
         bytes
         """
+        if self.closed:
+            yield _wrong(_STOPPED)
+            return
         self.jobs += 1
         mine = _Job(self.jobs, name, request)
         if tab:
