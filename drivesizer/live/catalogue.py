@@ -125,7 +125,7 @@ def listed_names(names: Sequence[str]) -> list[str]:
 
 
 def shelf(held: Held, names: Sequence[str]) -> dict[str, Catalog]:
-    """Catalogues by name, each by itself.
+    """Catalogues by name, each by itself; a file is read as it is now.
 
     Parameters
     ----------
@@ -146,12 +146,12 @@ def shelf(held: Held, names: Sequence[str]) -> dict[str, Catalog]:
     CatalogError
         When it is wrong.
     """
-    from drivesizer.catalog import load
+    from drivesizer.catalog import load, shipped
 
-    for name in names:
-        if name not in held.shelf:
-            held.shelf[name] = load([name], beside=Path(held.name).parent)
-    return {name: held.shelf[name] for name in names}
+    if not held.shelf and set(names) & set(shipped()):  # all at once: a list mostly names many
+        held.shelf = {name: load([name]) for name in shipped()}
+    others = {name: load([name], beside=Path(held.name).parent) for name in names if name not in held.shelf}
+    return {name: held.shelf.get(name) or others[name] for name in names}
 
 
 def hit_of(held: Held, name: str, section: str, part: str) -> Hit:

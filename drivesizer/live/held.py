@@ -31,7 +31,7 @@ class Held:
     name: str  # of the file that the page edits, as messages call it
     stopped: Callable[[], bool] = lambda: False
     sized: OrderedDict[str, Any] = field(default_factory=OrderedDict)  # sizings by their spec's text
-    shelf: dict[str, Any] = field(default_factory=dict)  # catalogues by name, each by itself
+    shelf: dict[str, Any] = field(default_factory=dict)  # shipped catalogues by name, each by itself
     own: tuple[str, ...] = ()  # names of the user's catalogues
 
     def go_on(self, *_: int) -> None:
@@ -72,8 +72,6 @@ def take_over(held: Held, own: Mapping[str, bytes]) -> None:
     from drivesizer.catalog import load
 
     hand_over({Path(held.name).parent / name: content for name, content in own.items()})
-    for name in {*held.own, *own}:
-        held.shelf.pop(name, None)
     held.own = tuple(own)
     held.sized.clear()
     with suppress(DrivesizerError, MemoryError):  # said where it is used

@@ -258,3 +258,10 @@ def _until_ranked(pieces: Iterator[Any]) -> Iterator[Any]:
         yield piece
         if piece["kind"] in ("ranking", "wrong"):
             return
+
+
+def test_a_file_beside_the_spec_is_read_as_it_is_now(do, held):
+    path = Path(held.name).parent / "beside.yaml"
+    for part in ("FIRST", "SECOND"):
+        path.write_text(RIGHT.replace("OWN-1", part), encoding="utf-8")
+        assert parts_of(do("parts", section="motors", catalogues=["beside.yaml", "pololu"]))[:2] == [part, "OWN-2"]

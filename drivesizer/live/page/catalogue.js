@@ -8,7 +8,7 @@ import * as part from "./catalogue_part.js";
 import { whole } from "./requests.js";
 import { state } from "./state.js";
 
-const dialog = document.getElementById("browser"), opener = document.getElementById("parts");
+const dialog = document.getElementById("browser"), opener = document.getElementById("catalogues");
 const found = element("section", { className: "found", aria: { label: "parts" } });
 let act = () => {};
 let built = false;
@@ -100,6 +100,6 @@ async function choose(body) {
     dialog.close();
     act(edits);
   } catch (error) {
-    list.wrong(found, error);
+    list.refused(found, error);
   }
 }

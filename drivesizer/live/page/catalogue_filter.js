@@ -60,7 +60,7 @@ export function counted(parts) {
 }
 
 function entry(one, checked) {
-  const box = element("input", { type: "checkbox", checked, value: one.name, disabled: Boolean(one.wrong) });
+  const box = element("input", { type: "checkbox", checked: checked && !one.wrong, value: one.name, disabled: Boolean(one.wrong) });
   box.addEventListener("change", () => { touched = true; count(); look(); });
   const label = element("label", { title: one.wrong ?? counted(one.parts) }, box, ` ${one.own || one.wrong ? one.name : one.makers || one.name}`);
   const made = element("p", {}, label);

@@ -17,6 +17,14 @@ export function wrong(place, error) {
   place.replaceChildren(element("p", { className: "fault", role: "alert", textContent: error.message }));
 }
 
+/** Says above what is shown why something was not done. */
+export function refused(place, error) {
+  for (const old of place.querySelectorAll(":scope > .fault")) old.remove();
+  const said = element("p", { className: "fault", role: "alert", tabIndex: -1, textContent: error.message });
+  place.prepend(said);
+  said.focus();
+}
+
 export function again(place) {
   if (last) show(place, last);
   (place.querySelector(".opened") ?? place.querySelector("tbody button"))?.focus();

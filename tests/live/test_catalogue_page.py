@@ -1,0 +1,176 @@
+"""The catalogues on the live page in a browser: found, read, set side by side, dropped in, and put into the spec."""
+
+from __future__ import annotations
+
+import base64
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser_pages import Heard, launched, until
+from live_server import Serving, serving
+from own_catalogue import HOSTILE, RIGHT
+
+pytestmark = pytest.mark.slow
+SPEC = """\
+name: hoist
+load: {kind: hoist, mass: 1 kg, drum_diameter: 40 mm}
+motion: {profile: trapezoid, speed: 0.2 m/s, acceleration_time: 0.2 s, cruise_time: 1 s, there_and_back: true}
+transmission: [{kind: direct}]
+supply: {nominal: 24 V}
+select: {catalogs: [andymark]}  # for now
+"""
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Serving]:
+    path = tmp_path_factory.mktemp("served") / "robot.yaml"
+    path.write_text(SPEC, encoding="utf-8")
+    with serving(path) as found:
+        yield found
+    assert [one.name for one in path.parent.iterdir()] == ["robot.yaml"]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    yield from launched()
+
+
+@pytest.fixture(scope="module")
+def loaded(browser: Any, server: Serving) -> Iterator[Any]:
+    made = browser.new_page(viewport={"width": 1400, "height": 1000})
+    made.heard = Heard(made)
+    made.goto(f"http://{server.host}/{server.token}/")
+    made.wait_for_selector("html[data-ranked]", state="attached", timeout=60_000)
+    yield made
+    assert made.heard.console == []
+    made.close()
+
+
+@pytest.fixture
+def page(loaded: Any) -> Any:
+    """The page with its catalogues open."""
+    opened(loaded)
+    return loaded
+
+
+def opened(page: Any) -> None:
+    if not page.locator("#browser[open]").count():
+        page.locator("#catalogues").click()
+    page.locator("#parts-with").fill("")
+    page.locator("#browser .listed").wait_for()
+
+
+def listed(page: Any) -> list[str]:
+    return page.locator("#browser .listed tbody th button").all_inner_texts()
+
+
+def spec_of(page: Any) -> str:
+    return str(page.locator("#text").input_value())
+
+
+def dropped(page: Any, name: str, text: str) -> None:
+    """Drop a file on the page as a user does."""
+    make = """([name, text]) => { const moved = new DataTransfer();
+      moved.items.add(new File([text], name)); return moved; }"""
+    moved = page.evaluate_handle(make, [name, text])
+    page.dispatch_event("#browser .drop", "drop", {"dataTransfer": moved})
+
+
+def test_both_engines_know_what_was_dropped_also_afresh(server: Serving) -> None:
+    text = SPEC.replace("andymark", "dropped/mine.yaml")
+    sent = {"name": "mine.yaml", "content": base64.b64encode(RIGHT.encode()).decode()}
+    assert server.do("document", text)[-1]["kind"] == "wrong"
+    assert server.post("/catalogue", sent).pieces[0]["kind"] == "kept"
+    document = base64.b64decode(server.do("document", text)[0]["content"]).decode()
+    assert '"OWN-1"' in document and '"mine":' in document
+    for engine in server.processes():
+        os.kill(engine, signal.SIGKILL)
+    for job in ("answer", "document"):
+        pieces = server.do(job, text)
+        if pieces[0]["kind"] == "wrong":  # its process had not quite ended when the request came
+            pieces = server.do(job, text)
+        assert pieces[-1]["kind"] != "wrong"
+    assert server.post("/catalogue", sent | {"content": None}).pieces[0]["kind"] == "given up"
+    assert server.do("document", text)[-1]["kind"] == "wrong"
+
+
+def test_parts_are_found_sorted_read_and_set_side_by_side(page: Any) -> None:
+    assert "motors (" in page.locator("#parts-of option").first.inner_text()
+    page.locator("#browser summary", has_text="Catalogues:").click()
+    page.get_by_role("button", name="all", exact=True).click()
+    page.locator("#parts-power").fill(">=x")
+    page.locator("#parts-power-error").wait_for()
+    page.locator("#parts-power").fill("")
+    page.locator("#parts-with").fill("RE 25")
+    page.get_by_label("add a condition").select_option("nominal_torque")
+    page.keyboard.type("27")
+    until(page, lambda: "118743" in listed(page) and "118752" not in listed(page))  # 28.6 and 26.3 mN*m
+    page.get_by_role("button", name="remove the condition on nominal torque").click()
+    page.locator("#parts-with").fill("A-max")
+    page.get_by_role("button", name="price", exact=True).click()
+    until(page, lambda: page.locator("#browser th[aria-sort=ascending]").count() == 1)
+    prices = [float(text) for text in page.locator("#browser tbody td:last-child").all_inner_texts() if text != "–"]
+    assert len(prices) > 10 and prices == sorted(prices)
+    page.locator("#parts-with").fill("RE 25")
+    page.get_by_role("button", name="118752", exact=True).click()
+    page.locator("#browser .drawing .main-svg").first.wait_for()
+    assert "assigned power\t20 W\tsecondary\t[1]" in page.locator("#browser .sheets").inner_text()
+    page.get_by_role("button", name="Back to the list").click()
+    assert page.evaluate("document.activeElement.textContent") == "118752"
+    for part in ("118752", "118743"):
+        page.get_by_label(f"{part}: side by side").check()
+    page.get_by_role("button", name="Compare").click()
+    assert "≠\tnominal voltage\t" in page.locator("#browser .beside").inner_text()
+    page.keyboard.press("Escape")
+    until(page, lambda: page.evaluate("document.activeElement.id") == "catalogues")
+
+
+def test_a_catalogue_that_is_dropped_is_checked_ranked_with_and_never_markup(page: Any) -> None:
+    page.locator("#parts-with").fill("OWN-")
+    dropped(page, "mine.yaml", HOSTILE.replace("rotor_inertia", "<i>x</i>"))
+    until(page, lambda: 'unknown key "<i>x</i>"' in page.locator("#browser .checked").inner_text())
+    dropped(page, "mine.yaml", HOSTILE)
+    page.get_by_role("button", name="Search it alone").wait_for()
+    assert "must lie beside it in a folder dropped" in page.locator("#browser .own").inner_text()
+    until(page, lambda: "OWN-2" in listed(page))
+    assert page.locator("#browser img, #browser tbody b").count() == 0
+    page.get_by_role("button", name="OWN-2", exact=True).click()
+    page.locator("#browser .drawing .main-svg").first.wait_for()
+    assert page.locator("#browser h3").inner_text() == "<b>Any</b> <img src=x onerror=alert(1)> OWN-2"
+    page.get_by_role("button", name="Use this part").click()
+    until(page, lambda: "OWN-2" in page.locator("#headline").inner_text())
+    assert spec_of(page).startswith(SPEC.partition("select")[0]) and "dropped/mine.yaml" in spec_of(page)
+    opened(page)
+    page.get_by_role("button", name="Search it alone").click()
+    until(page, lambda: "andymark" not in spec_of(page))
+    page.locator("#undo").click()
+    until(page, lambda: "andymark" in spec_of(page))
+    opened(page)
+    page.get_by_role("button", name="give it up").click()
+    until(page, lambda: page.locator("#headline.wrong").count() == 1)
+
+
+def test_it_fits_a_telephone(page: Any) -> None:
+    too_wide = "one => one.scrollWidth - one.clientWidth"
+    for width in (390, 768):
+        page.set_viewport_size({"width": width, "height": 800})
+        assert page.locator("#browser").evaluate(too_wide) <= 0
+        page.locator("#browser .filter").evaluate("one => { one.open = true; }")
+        page.locator("#browser .listed tbody button").first.click()
+        page.locator("#browser .sheets").wait_for()
+        assert page.locator("#browser").evaluate(too_wide) <= 0
+        page.get_by_role("button", name="Back to the list").click()
+    page.set_viewport_size({"width": 1400, "height": 1000})
+
+
+def test_a_file_elsewhere_on_the_page_does_not_lead_away(page: Any, tmp_path: Path) -> None:
+    page.keyboard.press("Escape")
+    make = "text => { const moved = new DataTransfer(); moved.items.add(new File([text], 'a.yaml')); return moved; }"
+    page.dispatch_event("main", "drop", {"dataTransfer": page.evaluate_handle(make, "name: x\n")})
+    until(page, lambda: "a.yaml is no catalogue" in page.locator("#notices").inner_text())
+    page.dispatch_event("main", "drop", {"dataTransfer": page.evaluate_handle(make, RIGHT)})
+    page.locator("#browser .own strong", has_text="dropped/a.yaml").wait_for()
