@@ -39,12 +39,13 @@ def serve(
         listening.listen(128)
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)
-        address = f"http://{_LOCAL}:{port}/{token}/"
-        typer.echo(f"{spec}: {address}\nstop with Ctrl-C")
-        _run(spec, token, port, listening, address if browser else "")
+        typer.echo(f"{spec}: http://{_LOCAL}:{port}/{token}/\nstop with Ctrl-C")
+        _run(spec, token, port, listening, browser=browser)
 
 
-def _run(spec: Path, token: str, port: int, listening: socket.socket, address: str) -> None:
+def _run(spec: Path, token: str, port: int, listening: socket.socket, *, browser: bool) -> None:
+    import secrets
+
     from drivesizer.commands.starting import starter
     from drivesizer.live.connections import serve as served
     from drivesizer.live.server import application, engines
@@ -53,8 +54,9 @@ def _run(spec: Path, token: str, port: int, listening: socket.socket, address: s
     workers = engines(spec.absolute(), own)
     try:
         app = application(spec.absolute(), token, port, starter("wheeled_vehicle"), workers, own)
-        if address:
-            _opened(address)
+        if browser:  # others see with what it is started: an address that leads there once
+            app.once = f"/{secrets.token_urlsafe(24)}/"
+            _opened(f"http://{_LOCAL}:{port}{app.once}")
         served(app, app.headers, listening, workers.values())
     finally:
         for worker in workers.values():

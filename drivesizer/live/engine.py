@@ -24,7 +24,7 @@ from drivesizer.live.held import Held, Piece, StoppedError, take_over
 __all__ = ["INSIDE", "JOBS", "OWN", "done", "run"]
 
 _FAULT = "a fault of drivesizer itself"
-_MEMORY = 4 << 30  # bytes that the process may take: some ten times what a sizing with all its reports needs
+_MEMORY = 4 << 30  # bytes that the process may take: some six times what a sizing with all its reports needs
 
 OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
 
@@ -125,7 +125,7 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
                     pipe.send_bytes(_line(piece))
             pipe.send_bytes(b"")
     except (EOFError, OSError):  # the server has ended
-        return
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _is(unwanted: Any, number: int) -> bool:

@@ -45,6 +45,7 @@ class Guard:
         self.app, self.token = app, token
         digests = "".join(f" '{digest(style)}'" for style in styles)  # of styles that a library brings inside
         self.headers = {"content-security-policy": _POLICY.format(digests), **_HEADERS}  # of all responses
+        self.once = ""  # address that leads to the page, once
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         if port == 80:  # a browser leaves it out
             self.hosts |= {"127.0.0.1", "localhost"}
@@ -59,6 +60,9 @@ class Guard:
     async def _request(self, scope: Message, receive: Receive, send: Send) -> None:
         path = scope["path"][len(self.token) + 1 :]
         refused = self._refused(scope, _largest(path))
+        if refused and self._opens(scope, refused):
+            await _answer(send, 303, b"", [(b"location", f"/{self.token}/".encode())])
+            return
         body = b""
         if not refused and scope["method"] == "POST":
             refused, body = await _body(receive, _largest(path))
@@ -71,6 +75,13 @@ class Guard:
         except Exception as error:  # the page has its status 500; the terminal has a line
             found = printable(f"{type(error).__name__}: {error}"[:300]).replace(self.token, "...")
             print(f"drivesizer: a fault of drivesizer itself ({found}); please report it", file=sys.stderr, flush=True)
+
+    def _opens(self, scope: Message, refused: Refusal) -> bool:
+        """Whether a request comes by the address that a browser was started with, which others may see, for once."""
+        opens = bool(self.once) and refused[0] == 404 and compare_digest(scope["path"].encode(), self.once.encode())
+        if opens:
+            self.once = ""
+        return opens
 
     def _refused(self, scope: Message, largest: int) -> Refusal | None:
         """Status and reason of a refusal; None where the request may pass."""
@@ -158,7 +169,11 @@ def _uncached(send: Send) -> Send:
 
 async def _refuse(send: Send, status: int, reason: str) -> None:
     body = json.dumps({"kind": "refused", "lines": [reason]}).encode()
-    headers = [(b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())]
-    headers += [(b"connection", b"close")] + ([(b"allow", b"GET, HEAD, POST")] if status == 405 else [])
+    headers = [(b"content-type", b"application/json"), (b"connection", b"close")]
+    await _answer(send, status, body, headers + ([(b"allow", b"GET, HEAD, POST")] if status == 405 else []))
+
+
+async def _answer(send: Send, status: int, body: bytes, headers: list[tuple[bytes, bytes]]) -> None:
+    headers = [*headers, (b"content-length", str(len(body)).encode())]
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})

@@ -344,6 +344,26 @@ def test_whatever_a_request_holds_there_is_an_answer(server: Serving, job: str, 
     assert taken.status in (200, 400) and "\n" not in taken.body.decode().strip()
 
 
+def test_a_browser_is_started_with_an_address_that_leads_there_once() -> None:
+    """Other users of the machine see the command lines of processes."""
+    guarded, answered = Guard(_nowhere, "token", 5), []
+
+    async def heard(message: Any) -> None:
+        answered.append(message)
+
+    async def request(path: str, **headers: str) -> Any:
+        answered.clear()
+        named = [(b"host", b"localhost:5"), *((name.encode(), value.encode()) for name, value in headers.items())]
+        await guarded({"type": "http", "method": "GET", "path": path, "headers": named}, _nowhere, heard)
+        return answered[0]["status"], dict(answered[0]["headers"]).get(b"location")
+
+    guarded.once = "/once/"
+    assert asyncio.run(request("/onc/")) == asyncio.run(request("//")) == (404, None)
+    assert asyncio.run(request("/once/", origin="http://evil.example")) == (403, None)
+    assert asyncio.run(request("/once/")) == (303, b"/token/")
+    assert asyncio.run(request("/once/")) == asyncio.run(request("")) == (404, None)
+
+
 def test_what_fails_inside_is_a_line_and_not_the_token(capsys: pytest.CaptureFixture[str]) -> None:
     async def failing(*_: Any) -> None:
         raise KeyError("/secret/x")
