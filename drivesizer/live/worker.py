@@ -211,6 +211,9 @@ def _interruptions_elsewhere() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
+    from multiprocessing import resource_tracker  # of systems that have signals
+
+    resource_tracker.ensure_running()  # else the first process starts it, and that ends the mask
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -1,0 +1,186 @@
+"""The live page's server as a process: how it starts and ends, what it leaves behind, and two beside each other."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from live_server import Serving, serving
+
+pytestmark = pytest.mark.slow
+
+LONG = """\
+name: long
+supply: {nominal: 24 V, current: 20 A}
+load: {kind: wheeled_vehicle, mass: 45 kg, driven_wheels: 4, wheel_diameter: 152 mm, rolling_resistance: 0.02,
+  inertia: 0.004 kg*m^2}
+motion: {speed: 1.5 m/s, acceleration_time: 2 s, cruise_time: 20 s, rest_time: 5 s}
+select: {motor: {family: [RE 25, RE 30]}, gearhead: {family: [GP 26 A, GP 32 C]}}
+tolerances: {confidence: 95 %, samples: 1000000}
+"""  # minutes
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Of a spec, and of all temporary files."""
+    (tmp_path / "robot.yaml").write_text("name: small\n", encoding="utf-8")
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "temporary"))
+    return tmp_path
+
+
+def within(seconds: float, holds: Callable[[], bool]) -> bool:
+    until = time.monotonic() + seconds
+    while not holds() and time.monotonic() < until:
+        time.sleep(0.02)
+    return holds()
+
+
+def alive(pid: int) -> bool:
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+    except OSError:
+        return False
+
+
+def streaming(server: Serving) -> socket.socket:
+    """A request whose answer has begun and is computed for minutes."""
+    body = json.dumps({"text": LONG}).encode()
+    connection = server.connect()
+    connection.sendall(server.head("POST", "/do/answer", {"Content-Length": str(len(body))}) + body)
+    assert b'"spec"' in connection.recv(10_000) + connection.recv(10_000)
+    return connection
+
+
+@pytest.mark.parametrize(("sent", "status"), [(signal.SIGINT, 0), (signal.SIGTERM, -signal.SIGTERM)])
+def test_it_ends_at_once_and_leaves_nothing(folder: Path, sent: signal.Signals, status: int) -> None:
+    """Ctrl-C reaches all processes of a terminal; a service manager ends the first one."""
+    with serving(folder / "robot.yaml", start_new_session=True) as server:
+        connection, engines = streaming(server), server.processes()
+        assert len(engines) == 2 and list((folder / "temporary").glob("drivesizer-*"))
+        begun = time.monotonic()
+        if sent is signal.SIGINT:
+            os.killpg(server.process.pid, sent)
+        else:
+            server.process.send_signal(sent)
+        out, err = server.process.communicate(timeout=10)
+        assert time.monotonic() - begun < 4
+        with connection:
+            rest = b"".join(iter(lambda: connection.recv(10_000), b""))
+        assert b"drivesizer serve has been stopped" in rest
+    assert (server.process.returncode, err) == (status, "") and server.token not in out
+    assert within(5, lambda: not any(map(alive, engines)))
+    assert not list((folder / "temporary").iterdir())
+
+
+def test_ctrl_c_while_it_starts_is_quiet(folder: Path) -> None:
+    command = [sys.executable, "-m", "drivesizer", "serve", str(folder / "robot.yaml"), "--no-browser"]
+    for wait in (0.0, 0.05, 0.2):
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+        ) as process:
+            assert process.stdout and process.stdout.readline()
+            time.sleep(wait)
+            os.killpg(process.pid, signal.SIGINT)
+            _, err = process.communicate(timeout=10)
+            assert process.returncode in (0, 130, -signal.SIGINT) and err == b""  # 130 as a shell has the last
+    assert within(5, lambda: not list((folder / "temporary").iterdir()))
+
+
+def test_engines_end_with_a_server_that_is_killed(folder: Path) -> None:
+    with serving(folder / "robot.yaml") as server:
+        engines = server.processes()
+        with streaming(server):
+            server.process.kill()
+            assert within(5, lambda: not any(map(alive, engines)))
+        assert server.process.communicate()[1] == ""
+    assert within(2, lambda: not list((folder / "temporary").iterdir()))
+
+
+@pytest.fixture
+def server(folder: Path) -> Iterator[Serving]:
+    with serving(folder / "robot.yaml") as found:
+        yield found
+
+
+def test_an_engine_that_is_killed_is_said_and_replaced(server: Serving) -> None:
+    connection = streaming(server)
+    for engine in server.processes():
+        os.kill(engine, signal.SIGKILL)
+    with connection:
+        rest = b"".join(iter(lambda: connection.recv(10_000), b""))
+    assert b"the engine ended in the middle of this and has been started afresh" in rest
+    for job in ("answer", "loop"):
+        assert "a: unknown key" in server.do(job, "a: 1\n")[-1]["lines"][0]
+    assert within(2, lambda: len(server.processes()) == 2)
+
+
+def test_a_port_in_use_is_one_line(server: Serving, folder: Path) -> None:
+    command = [sys.executable, "-m", "drivesizer", "serve", str(folder / "robot.yaml"), "--no-browser"]
+    run = subprocess.run([*command, "--port", str(server.port)], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr == (
+        f"drivesizer: --port: {server.port} cannot be used (address already in use); expected another, or 0\n"
+    )
+
+
+def test_tabs_and_servers_do_not_disturb_each_other(server: Serving, folder: Path) -> None:
+    """A browser that goes away, a newer request of its tab, another tab; and a server of the same file."""
+    with serving(folder / "robot.yaml") as other:
+        assert other.token != server.token
+        assert server.get("/spec", token=other.token).status == 404
+        mark = json.loads(server.get("/spec").body)["mark"]
+        with streaming(server):
+            pass  # and gone
+        assert "a: unknown key" in server.do("answer", "a: 1\n", tab="one")[-1]["lines"][0]
+        begun = time.monotonic()
+        with streaming(server):
+            assert "b: unknown key" in other.do("answer", "b: 1\n", tab="one")[-1]["lines"][0]
+            assert "c: unknown key" in server.do("loop", "c: 1\n", tab="two")[-1]["lines"][0]
+        assert time.monotonic() - begun < 5
+        saved = {"text": "name: of one\n", "mark": mark}
+        assert [json.loads(one.post("/save", saved).body)["kind"] for one in (server, other)] == ["saved", "changed"]
+    assert (folder / "robot.yaml").read_text(encoding="utf-8") == "name: of one\n"
+
+
+def test_files_are_read_that_were_named_at_the_start_alone(folder: Path) -> None:
+    """Not those that a saved text names, nor after an engine has been started afresh."""
+    head, *_, select, _ = LONG.splitlines()
+    spec = f"{head}\nsupply: {{nominal: 24 V, current: 20 A}}\nload: {{kind: recorded, file: FILE}}\n{select}\n"
+    (folder / "robot.yaml").write_text(spec.replace("FILE", "mine.csv"), encoding="utf-8")
+    rows = "time,speed,torque\ns,rpm,N*m\n0,0,1\n1,10,1\n2,0,1\n"
+    for name in ("mine.csv", "other.csv"):
+        (folder / name).write_text(rows, encoding="utf-8")
+    (folder / "link.csv").symlink_to(folder / "other.csv")
+    with serving(folder / "robot.yaml") as server:
+
+        def said(name: str, field: str = "FILE", text: str = spec) -> str:
+            found = server.do("document", text.replace(field, json.dumps(name)))
+            return found[0]["kind"] if found[0]["kind"] == "file" else " ".join(found[0]["lines"])
+
+        away = ["other.csv", "link.csv", "../x.csv", "/etc/passwd", "/dev/zero", "//host/share/x.csv", "no.csv",
+                r"\\host\share\x.csv", str(folder / "other.csv")]  # fmt: skip
+        for name in away:
+            assert "is not read here" in said(name), name
+        catalogue = spec.replace("FILE", "mine.csv").replace("select: {", "select: {catalogs: [FILE], ")
+        for name in ("/etc/passwd.yaml", "../mine.yaml", "robot.yaml", "no.yaml", "//host/share/x.yml"):
+            assert "is not read here" in said(name, text=catalogue), name
+        assert said("mine.csv") == "file"
+        mark = json.loads(server.get("/spec").body)["mark"]
+        text = spec.replace("FILE", "other.csv")
+        assert json.loads(server.post("/save", {"text": text, "mark": mark}).body)["kind"] == "saved"
+        engines = server.processes()
+        for engine in engines:
+            os.kill(engine, signal.SIGKILL)
+        within(2, lambda: not any(map(alive, engines)))
+        assert "is not read here" in said("other.csv") and said("mine.csv") == "file"
+        (folder / "mine.csv").write_text(rows.replace("10,1", "1e9,1"), encoding="utf-8")
+        assert "mine.csv" in said("mine.csv")  # as it is now, not as it was
