@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.back_emf import ELECTRONICS, back_emf_constant
 from drivesizer.physics.motor_demand import gear_loss
 from drivesizer.physics.overload import State, cold, overload_time, steady_state
 from drivesizer.physics.stress import housing_loss
@@ -100,7 +100,8 @@ def at_nominal_voltage(hit: PartFigures, torque: NDArray[np.float64]) -> tuple[N
 
     .. math:: w = w_0 \left(1 - \frac{M}{M_H}\right), \qquad I = I_0 + \frac{M}{k_t}, \qquad \eta = \frac{M w}{V I}
 
-    Above the permitted speed, where the voltage must be lower, all three are unknown.
+    Above the permitted speed, where the voltage must be lower, all three are unknown. Of a motor with its controller
+    inside, which limits the no-load speed, current and efficiency are unknown.
 
     Parameters
     ----------
@@ -117,7 +118,8 @@ def at_nominal_voltage(hit: PartFigures, torque: NDArray[np.float64]) -> tuple[N
     ends = line(hit)
     speed = ends.speed * (1.0 - torque / ends.torque)
     speed = np.where(speed > hit["max_speed"], np.nan, speed)
-    current = hit["no_load_current"] + torque / _torque_constant(hit) + 0.0 * speed
+    own = hit["no_load_current"] if hit.section == "actuators" or hit["commutation"] != ELECTRONICS else np.nan
+    current = own + torque / _torque_constant(hit) + 0.0 * speed
     return speed, current, torque * speed / (hit["nominal_voltage"] * current)
 
 

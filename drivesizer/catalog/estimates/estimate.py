@@ -212,7 +212,7 @@ def in_words(fit: Fit) -> str:
     """
     terms = ", ".join(term.replace("_", " ") for term in fit.law.terms)
     if fit.source:
-        return f"{terms}; assumed: {fit.source}"
+        return f"{terms}; assumed: {fit.source}".removeprefix("; ")
     peers = f"{fit.parts} {fit.law.of} {fit.law.section}".replace("  ", " ")
     return f"{terms or 'all alike'}; {peers}, {fit.families} families"
 

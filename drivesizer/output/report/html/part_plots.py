@@ -26,6 +26,7 @@ __all__ = ["part_plots"]
 Array = NDArray[np.float64]
 _POINTS = 121
 _SUPPLIES = (24.0, 48.0)  # V, of a stepper without a printed curve
+_USEFUL = 0.15  # of its torque at rest
 _LOOKS: dict[str, Any] = {  # of a curve of speed over torque: colour, dashes, mark
     "line": ("blue", "solid", ""), "continuous": ("green", dashes((0, (5, 2))), ""),
     "peak": ("vermillion", dashes((0, (1, 1.5))), ""), "nominal": ("green", "solid", "circle"),
@@ -52,6 +53,11 @@ def part_plots(hit: Hit) -> dict[str, Plot]:
 
 
 Made = Iterator[tuple[str, str, Plot]]  # name, title, figure
+
+
+def _of_one(data: Sequence[Plot]) -> str:
+    """Name of a line that has no legend, for it is alone."""
+    return f": {data[0]['legendgroup']}" if len(data) == 1 else ""
 
 
 def _marks(x: Sequence[float], y: Sequence[float], label: str, colour: str, symbol: str, **more: Any) -> Plot:
@@ -165,7 +171,7 @@ def _stepper(hit: Hit) -> Made:
         data.append(line(from_si(one.speed, "rpm", "rotary_speed"), from_si(one.torque, unit, "torque"),
                          pull_out_conditions(one), *look, mode="lines+markers", hovertemplate=over,
                          marker={"size": 6, "color": look[0]}))  # fmt: skip
-    title = "Pull-out torque as printed"
+    title = f"Pull-out torque as printed{_of_one(data)}"
     if not data:
         data, title = list(_modelled(hit, unit, over)), "Pull-out torque, estimated: no curve is printed"
     if data:
@@ -194,10 +200,10 @@ def _modelled(hit: Hit, unit: str, over: str) -> Iterator[Plot]:
 
 
 def _last_speed(voltage: float, known: dict[str, float], teeth: float) -> float:
-    """Speed from which less than a twentieth of the torque at rest is left [rad/s]."""
+    """Speed up to which enough of the torque at rest is left to be of use [rad/s]."""
     speed = np.geomspace(1.0, 1e4, 400)
     torque = pull_out_torque(speed, voltage, teeth=teeth, **known)
-    left = np.flatnonzero(torque > 0.05 * torque[0])
+    left = np.flatnonzero(torque > _USEFUL * torque[0])
     return float(speed[left[-1]]) if len(left) else float(speed[-1])
 
 
@@ -213,7 +219,7 @@ def _battery(hit: Hit) -> Made:
                 for number, end in enumerate(np.unique(known.cutoff_voltage))]  # fmt: skip
         if data:
             layout = _axes(f"constant {held} ({unit})", "run time (h)", x=_LOG, y=_LOG)
-            yield f"discharge-{held}", f"Run time at constant {held} as printed", figure(data, layout)
+            yield f"discharge-{held}", f"Run time at constant {held} as printed{_of_one(data)}", figure(data, layout)
     if not len(own.time):
         yield from _by_rule(hit)
 
