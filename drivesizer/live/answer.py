@@ -10,7 +10,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import faults, text_of, whole
 
-__all__ = ["answer", "of_result"]
+__all__ = ["answer", "of_result", "price_text"]
 
 _LATER = "data:,"  # address of a still figure until it is drawn
 _PAUSE = 0.12  # s without a newer request, after which the whole report is computed
@@ -70,12 +70,20 @@ def of_result(held: Held, result: Any, proofs: Any = None) -> Iterator[Piece]:
     printed = [one for one in document["sections"] if one["name"] not in _NOT_LIVE]
     made = section_html(printed, figures, dict.fromkeys(still, _LATER))
     heads = ({name: one[name] for name in ("name", "title", "level")} for one in printed)
-    yield {"kind": "sections", "sections": [head | {"html": html} for head, html in zip(heads, made, strict=True)]}
+    sections = [head | {"html": html} for head, html in zip(heads, made, strict=True)]
+    yield {"kind": "sections", "sections": sections, "drives": _listed(result)}
     held.go_on()
     yield {"kind": "figures", "figures": _finite(figures)}
     for name, draw in still.items():
         held.go_on()
         yield {"kind": "still", "name": name, "address": image(draw("svg"))}
+
+
+def _listed(result: Any) -> list[Piece]:
+    """Drives of the table of candidates, of which some can be compared; those of a machine are of several searches."""
+    if hasattr(result, "axes"):
+        return []
+    return [_named(one) for one in (*result.sets, *result.unsure, *result.misses)]
 
 
 def _parts(result: Any, proofs: Any) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
@@ -113,10 +121,45 @@ def _set(one: Any) -> Piece:
     from drivesizer.results.objectives import objective_figure
 
     return {
-        "rank": one.rank, "label": one.label, "motor": one.motor.part, "gearhead": one.gearhead.part,
-        "status": one.status, "mass": number(one.mass), "price": number(one.price),
+        **_named(one), "status": one.status, "mass": number(one.mass), "price": number(one.price),
         "energy": number(objective_figure(one, "energy").value), "tight": _tight(worst(one.deciding)),
+        "figures": list(_figures(one)),
     }  # fmt: skip
+
+
+def _named(one: Any) -> Piece:
+    return {"rank": one.rank, "label": one.label, "motor": one.motor.part, "gearhead": one.gearhead.part}
+
+
+def _figures(one: Any) -> Iterator[tuple[str, str]]:
+    """The figures that a reader wants first of a drive; unknown ones are left out."""
+    from drivesizer.results.objectives import objective_figure
+    from drivesizer.units import show
+
+    energy = objective_figure(one, "energy").value
+    each = [show(one.mass, "g", "mass")] if one.mass == one.mass else []
+    each += [price_text(one)] if one.price_of else []
+    if each:
+        yield "a drive", ", ".join(each)
+    if energy == energy:
+        yield "energy per cycle", show(energy, "J", "energy")
+
+
+def price_text(one: Any) -> str:
+    """Price of a drive as a text.
+
+    Parameters
+    ----------
+    one
+        A drive.
+
+    Returns
+    -------
+    str
+        At least that much, where the price of some part is not known.
+    """
+    least = "" if len(one.price_of) == len(one.parts) else "at least "
+    return f"{least}{one.price:.2f} EUR" if one.price_of else "unknown"
 
 
 def _tight(check: Any) -> Piece | None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.live.answer import price_text
 from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import text_of
 
@@ -51,18 +52,15 @@ def _parts(sets: list[Any]) -> Iterator[Piece]:
 
 
 def _named(part: Any) -> str:
-    return f"{part.manufacturer} {part.family} {part.part}".strip() if part else "none"
+    named = dict.fromkeys((part.manufacturer, part.family, part.part)) if part else ["none"]  # some are named by family
+    return " ".join(filter(None, named))
 
 
 def _figures(sets: list[Any]) -> Iterator[Piece]:
     from drivesizer.units import show
 
-    def price(one: Any) -> str:
-        least = "" if len(one.price_of) == len(one.parts) else "at least "
-        return f"{least}{one.price:.2f} EUR" if one.price_of else "unknown"
-
     yield {"title": "mass of a drive", "group": "figures", "cells": [show(one.mass, "g", "mass") for one in sets]}
-    yield {"title": "price of a drive", "group": "figures", "cells": [price(one) for one in sets]}
+    yield {"title": "price of a drive", "group": "figures", "cells": [price_text(one) for one in sets]}
     named = dict.fromkeys(figure.name for one in sets for figure in one.figures)
     for name in named:
         each = [{figure.name: figure for figure in one.figures}.get(name) for one in sets]

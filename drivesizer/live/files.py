@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 import tempfile
 import zipfile
 from collections.abc import Iterator
@@ -22,6 +23,8 @@ _SUFFIXES = {"mjcf": ".xml", "urdf": ".urdf", "sdf": ".sdf", "ros2_control": ".u
 
 def document(held: Held, request: Piece) -> Iterator[Piece]:
     """The JSON document of ``drivesizer size --json --top 10 --pareto mass,price,energy``, byte for byte.
+
+    A spec of which the page shows no front, or one of mass and price, is one without ``--pareto``, or with those.
 
     Parameters
     ----------
@@ -134,8 +137,12 @@ def _proven(held: Held, request: Piece) -> tuple[Any, Any]:
     """The sizing, and the closed loop of the best drive, or of each axis."""
     from drivesizer.commands.proving import proven, proven_axes
 
-    result = whole(held, text_of(held, request), front=True)
-    return proven_axes(result) if hasattr(result, "axes") else proven(result)
+    text = text_of(held, request)
+    result = whole(held, text, front=True)
+    found: tuple[Any, Any] = held.keep(
+        json.dumps(["proven", text]), lambda: proven_axes(result) if hasattr(result, "axes") else proven(result)
+    )
+    return found
 
 
 def _together(folder: Path, path: Path) -> Piece:

@@ -56,7 +56,8 @@ def whole(held: Held, text: str, *, top: int = TOP, front: bool = False, brief: 
     top
         Drives.
     front
-        Also those that no other beats in mass, price and energy, and those to choose from by weights, of one axis.
+        Also those to choose from by weights, and those that no other beats in mass, price and energy, of a spec of one
+        axis without platform or battery; by the paper's method, which computes no energy, in mass and price.
     brief
         The drives alone, without alternatives and further searches.
 
@@ -81,8 +82,7 @@ def whole(held: Held, text: str, *, top: int = TOP, front: bool = False, brief: 
             return size_machine(spec, top=top, brief=brief, progress=held.go_on)
         from drivesizer.sizing import size
 
-        known = tuple(one for one in FRONT if one != "energy" or spec.method == "physics")
-        more = (known, _CHOICES) if front else ((), 0)
+        more = (_front(spec), _CHOICES) if front else ((), 0)
         return size(spec, top=top, pareto=more[0], choices=more[1], brief=brief, progress=held.go_on)
 
     return held.keep(json.dumps([top, front, brief, text]), sized)
@@ -118,6 +118,13 @@ def _texts(data: Any) -> Iterator[str]:
         yield data
 
 
+def _front(spec: Any) -> tuple[str, ...]:
+    """Objectives of the front; none where each of its drives would be weighed in the whole machine, for minutes."""
+    if spec.platform or spec.battery or spec.budget or spec.limits_the_bus:
+        return ()
+    return FRONT if spec.method == "physics" else tuple(name for name in FRONT if name != "energy")
+
+
 def faults(error: InputError, name: str) -> list[Piece]:
     """Each line of an error with the place that it names.
 
@@ -131,9 +138,10 @@ def faults(error: InputError, name: str) -> list[Piece]:
     Returns
     -------
     list of Piece
-        ``text`` without the file's name, ``line`` and ``path``; None and nothing where none is named.
+        ``said`` as the command line prints it, ``text`` without the place, ``line`` and ``path``; None and nothing
+        where none is named.
     """
-    return [_fault(line, name) for line in error.lines]
+    return [{"said": line.replace(name, Path(name).name), **_fault(line, name)} for line in error.lines]
 
 
 def _fault(text: str, name: str) -> Piece:

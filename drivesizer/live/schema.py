@@ -13,7 +13,7 @@ __all__ = ["form_schema"]
 
 
 def form_schema() -> str:
-    """JSON with the schema of a spec and of a machine, by these names."""
+    """JSON with the schemas of spec and machine, along or about which axis a kind of load moves, and how one begins."""
     path = folder() / f"schema-{_sources()}.json"
     found = kept(path)
     if found is None:
@@ -31,7 +31,14 @@ def _sources() -> str:
 
 
 def _made() -> str:
+    from drivesizer.commands.starting import KINDS, starter
+    from drivesizer.files.yaml_source import YamlSource
+    from drivesizer.loads.kinds import AXES
     from drivesizer.spec.robot import RobotSpec
     from drivesizer.spec.several_axes.machine_schema import machine_schema
 
-    return json.dumps({"spec": RobotSpec.model_json_schema(), "machine": machine_schema()}, ensure_ascii=False)
+    axes = AXES | {"recorded": None}  # which brings its own motion
+    starts = {kind: YamlSource(starter(kind), kind).data for kind in AXES if kind in KINDS}
+    begin = {kind: {name: data.get(name) for name in ("load", "motion")} for kind, data in starts.items()}
+    found = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin}
+    return json.dumps(found, ensure_ascii=False)

@@ -80,11 +80,11 @@ def _changed(data: Any, at: Path_, path: Path_) -> bool:
 def _path(fault: dict[str, Any], data: Any) -> Path_:
     """The fault's place in the file: pydantic's location without the names of union members."""
     path: list[str | int] = []
-    for step in fault["loc"]:
+    for n, step in enumerate(fault["loc"], 1):
         try:
             data = data[step]
         except (TypeError, KeyError, IndexError):
-            absent = fault["type"] in ("missing", "extra_forbidden") and step == fault["loc"][-1]
+            absent = fault["type"] in ("missing", "extra_forbidden") and n == len(fault["loc"])
             if not absent:
                 continue
         path.append(step)

@@ -1,51 +1,14 @@
-// The answer: its headline at once, then the sections of the report, then their figures.
+// The answer below its headline: the sections of the report, then their figures.
 
-const headline = document.getElementById("headline");
+import { element } from "./dom.js";
+
 const report = document.getElementById("report");
+const QUIET = 1500; // ms without a newer answer, after which figures out of sight are drawn too
 let figures = {};
 let library = null; // plotly.js, which loads with the first figure
+let later = 0;
 
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
-
-const GROUPED = new Intl.NumberFormat("en", { maximumSignificantDigits: 4 });
-const unit = (value, factor, name) => (value === null || value === undefined ? "" : `${GROUPED.format(value * factor)} ${name}`);
-
-export function busy() {
-  headline.classList.add("stale");
-}
-
-/** What to buy, in three lines. */
-export function rank(piece) {
-  headline.className = piece.status;
-  const best = piece.sets[0];
-  if (piece.machine) {
-    const rows = piece.axes.map((one) => element("p", { textContent: `${one.axis}: ${one.label ?? "no drive meets all limits"}` }));
-    headline.replaceChildren(element("p", { className: "best", textContent: `Machine of ${piece.axes.length} axes: ${piece.status}` }), ...rows);
-    return;
-  }
-  if (!best) {
-    headline.replaceChildren(element("p", { className: "best", textContent: "No drive meets all limits." }), element("p", { className: "figures-of", textContent: `${piece.considered.toLocaleString("en")} drives considered; what would let one pass follows.` }));
-    return;
-  }
-  const head = piece.found ? best.label : `No drive meets all limits. The closest: ${best.label}`;
-  const figuresOf = [unit(best.mass, 1e3, "g"), unit(best.price, 1, "EUR"), unit(best.energy, 1, "J per cycle")].filter(Boolean).join(" · ");
-  const tight = best.tight ? `${best.status}: ${best.tight.title} ${best.tight.said}` : best.status;
-  headline.replaceChildren(
-    element("p", { className: "best", textContent: head }),
-    element("p", { className: "figures-of", textContent: [figuresOf, tight].filter(Boolean).join(" · ") }),
-    element("p", { className: "figures-of", textContent: `${piece.considered.toLocaleString("en")} drives considered, ${piece.feasible.toLocaleString("en")} meet all limits, ranked by ${piece.objective.replaceAll("_", " ")}.` }),
-  );
-}
-
-export function wrong(lines) {
-  headline.className = "wrong";
-  headline.replaceChildren(...lines.map((line) => element("p", { textContent: line })));
-  report.classList.add("stale");
-}
+export function stale() { report.classList.add("stale"); }
 
 /** The sections; one that has not changed stays as it is, and figures keep their drawings. */
 export function sections(list) {
@@ -62,10 +25,8 @@ export function sections(list) {
 }
 
 function opened(one) {
-  const head = element(one.level === 1 ? "h2" : "h3", {});
-  const made = element("section", {}, head, element("div", { className: "part-body" }));
-  made.dataset.name = one.name;
-  return made;
+  const head = element(one.level === 1 ? "h2" : "h3", { tabIndex: -1 });
+  return element("section", { dataset: { name: one.name } }, head, element("div", { className: "part-body" }));
 }
 
 function filled(made, one) {
@@ -94,29 +55,45 @@ const seen = new IntersectionObserver((entries) => {
   for (const { target, isIntersecting } of entries) if (isIntersecting) current(target);
 }, { rootMargin: "300px" });
 
+const drawings = () => [...report.querySelectorAll(".drawing")];
+
 export function plots(given) {
   figures = given;
-  for (const drawing of report.querySelectorAll(".drawing")) {
+  for (const drawing of drawings()) {
     drawing.outdated = true;
     seen.unobserve(drawing);
     seen.observe(drawing); // reports once whether it is in sight
   }
+  clearTimeout(later);
+  later = setTimeout(others, QUIET);
 }
 
-/** Draws a figure that is in sight, or brings it up to date. */
-async function current(drawing) {
-  const plot = figures[drawing.dataset.plot];
-  if (!plot || !drawing.outdated) return;
-  drawing.outdated = false;
-  await plotly();
-  if (!drawing.isConnected) return;
-  if (drawing.data) {
-    drawing.plot = plot;
-    const { data, layout } = dressed(plot, false);
-    await Plotly.react(drawing, data, layout, CONFIG);
-  } else {
-    await draw(drawing, plot);
+/** Draws what is out of sight, one after the other while nothing else happens: a print shows them all. */
+async function others() {
+  const next = drawings().find((one) => one.outdated && figures[one.dataset.plot] && one.checkVisibility());
+  if (!next) {
+    report.dataset.drawn = "all";
+    return;
   }
+  await current(next).catch(() => { next.outdated = false; });
+  clearTimeout(later);
+  later = setTimeout(others, 30);
+}
+
+/** Draws a figure, or brings it up to date. */
+async function current(drawing) {
+  if (!figures[drawing.dataset.plot] || !drawing.outdated) return;
+  await plotly();
+  if (drawing.isConnected && drawing.outdated) await drawn(drawing);
+}
+
+function drawn(drawing) {
+  const plot = figures[drawing.dataset.plot];
+  drawing.outdated = false;
+  if (!drawing.data) return draw(drawing, plot);
+  drawing.plot = plot;
+  const { data, layout } = dressed(plot, false);
+  return Plotly.react(drawing, data, layout, CONFIG);
 }
 
 export function still(name, address) {
@@ -124,6 +101,9 @@ export function still(name, address) {
   if (image) image.src = address;
 }
 
-addEventListener("beforeprint", () => redress([...report.querySelectorAll(".drawing")], true));
-addEventListener("afterprint", () => redress([...report.querySelectorAll(".drawing")], false));
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => redress([...report.querySelectorAll(".drawing")], false));
+addEventListener("beforeprint", () => {
+  if (window.Plotly) for (const one of drawings()) if (one.outdated && figures[one.dataset.plot]) drawn(one);
+  redress(drawings(), true);
+});
+addEventListener("afterprint", () => redress(drawings(), false));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => redress(drawings(), false));

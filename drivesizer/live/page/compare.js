@@ -1,50 +1,40 @@
 // Two or more drives side by side.
 
+import { button, element } from "./dom.js";
 import { whole } from "./requests.js";
 import { state } from "./state.js";
 
 const panel = document.getElementById("compared");
 const MOST = 4;
 let chosen = []; // {motor, gearhead, label}
-let listed = [];
 
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
+const same = (a, b) => a.motor === b.motor && a.gearhead === b.gearhead;
+const boxesShown = () => [...document.querySelectorAll("#sets td input, #sets th input")];
 
-const keyOf = (one) => `${one.motor} ${one.gearhead}`;
-
-export function rank(piece) {
-  listed = piece.sets;
-}
-
-/** Gives every drive of the table a box by which it is chosen. */
-export function boxes() {
+/** Gives every drive of the table a box by which it is chosen; a machine's drives have none. */
+export function boxes(drives) {
   for (const row of document.querySelectorAll("#sets tr[data-rank]")) {
-    const one = listed.find((each) => String(each.rank) === row.dataset.rank);
+    const one = drives.find((each) => String(each.rank) === row.dataset.rank);
     const cell = row.cells[0];
     if (!one || cell.querySelector("input")) continue;
-    const box = element("input", { type: "checkbox", checked: chosen.some((each) => keyOf(each) === keyOf(one)) });
-    box.setAttribute("aria-label", `compare ${one.label}`);
+    const box = element("input", { type: "checkbox", checked: chosen.some((each) => same(each, one)), aria: { label: `compare ${one.label}` } });
+    box.one = one;
     box.addEventListener("change", () => take(one, box.checked));
     cell.prepend(box);
   }
 }
 
 function take(one, wanted) {
-  chosen = chosen.filter((each) => keyOf(each) !== keyOf(one));
+  chosen = chosen.filter((each) => !same(each, one));
   if (wanted) chosen = [...chosen, one].slice(-MOST);
-  for (const box of document.querySelectorAll("#sets input")) box.remove();
-  boxes();
-  renew();
+  for (const box of boxesShown()) box.checked = chosen.some((each) => same(each, box.one));
+  renew(true);
 }
 
-/** The comparison for the spec as it is now. */
-export async function renew() {
+/** The comparison for the spec as it is now; shown where it has just been chosen. */
+export async function renew(now = false) {
   if (chosen.length < 2) {
-    panel.replaceChildren();
+    panel.replaceChildren(...(now && chosen.length ? [element("p", { className: "note", textContent: "Choose a second drive to see both side by side." })] : []));
     return;
   }
   const text = state.text;
@@ -57,15 +47,20 @@ export async function renew() {
 }
 
 function drawn(found) {
-  const close = element("button", { type: "button", textContent: "close" });
-  close.addEventListener("click", () => { chosen = []; for (const box of document.querySelectorAll("#sets input")) box.checked = false; panel.replaceChildren(); });
+  const close = button("close", () => {
+    const first = boxesShown().find((box) => box.checked);
+    chosen = [];
+    for (const box of boxesShown()) box.checked = false;
+    panel.replaceChildren();
+    first?.focus();
+  });
   const heads = found.heads.map((head, n) => element("th", { scope: "col" }, head, " ", element("span", { className: `pill ${found.status[n]}`, textContent: found.status[n] })));
-  const table = element("table", { className: "compared" }, element("caption", { textContent: "Margins are of each drive's worst case." }), element("thead", {}, element("tr", {}, element("th", { scope: "col" }), ...heads)), element("tbody", {}, ...rows(found)));
-  const box = element("div", { className: "scroll", tabIndex: 0, role: "region", ariaLabel: "drives side by side" }, table);
-  const head = element("div", { className: "head" }, element("h2", { textContent: "Side by side" }), close);
-  const whole = element("section", {}, head, element("div", { className: "framed" }, box));
-  tabled(whole);
-  return [whole];
+  const caption = element("caption", { textContent: "Margins are of each drive's worst case; rows in which the drives differ are in full colour." });
+  const table = element("table", { className: "compared" }, caption, element("thead", {}, element("tr", {}, element("td"), ...heads)), element("tbody", {}, ...rows(found)));
+  const box = element("div", { className: "scroll", tabIndex: 0, role: "region", aria: { label: "drives side by side" } }, table);
+  const section = element("section", {}, element("div", { className: "head" }, element("h2", { textContent: "Side by side" }), close), element("div", { className: "framed" }, box));
+  tabled(section);
+  return [section];
 }
 
 function rows(found) {
@@ -76,8 +71,16 @@ function rows(found) {
       group = row.group;
       made.push(element("tr", { className: "part" }, element("th", { colSpan: found.heads.length + 1, scope: "colgroup", textContent: group })));
     }
-    const cells = row.cells.map((cell, n) => element("td", {}, row.status?.[n] === "fail" ? element("span", { className: "pill fail", textContent: cell || "fail" }) : cell));
-    made.push(element("tr", {}, element("th", { scope: "row", textContent: row.title }), ...cells));
+    const differs = new Set(row.cells.map((cell, n) => `${cell} ${row.status?.[n] ?? ""}`)).size > 1;
+    made.push(element("tr", { className: differs ? "" : "alike" }, element("th", { scope: "row", textContent: row.title }), ...row.cells.map((cell, n) => element("td", {}, ...shown(cell, row.status?.[n])))));
   }
   return made;
+}
+
+/** A margin with how it ends, where that is not a plain pass. */
+function shown(cell, status) {
+  if (status === undefined) return [cell || "–"];
+  if (status === "") return ["–"];
+  if (status === "pass") return [cell || "pass"];
+  return [cell, cell ? " " : "", element("span", { className: `pill ${status}`, textContent: status })];
 }

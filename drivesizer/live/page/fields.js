@@ -1,6 +1,8 @@
 // The schema of a spec as fields: which there are at a place, and what each may be.
 
-/** A schema with its references followed and null left out. */
+const KINDS = ["kind", "profile"]; // fields that say of which kind a group is
+
+/** A schema with its references followed and null left out; `kinds` or `choices` where it may be several things. */
 export function resolved(schema, root) {
   let found = schema ?? {};
   for (let depth = 0; depth < 20; depth += 1) {
@@ -10,13 +12,22 @@ export function resolved(schema, root) {
       continue;
     }
     const choices = found.anyOf ?? found.oneOf;
-    if (!choices || found.discriminator) return found;
+    if (!choices) return found;
     const real = choices.filter((one) => one.type !== "null");
-    if (real.length !== 1) return { ...found, choices: real };
-    const { anyOf, oneOf, ...beside } = found;
+    const { anyOf, oneOf, discriminator, ...beside } = found;
+    if (real.length !== 1) return several(beside, real.map((one) => resolved(one, root)));
     found = { ...real[0], ...beside, ...(real[0].description && !beside.description ? { description: real[0].description } : {}) };
   }
   return found;
+}
+
+/** A group that may be of several kinds, where each says which it is; else simply several things. */
+function several(beside, options) {
+  const key = KINDS.find((name) => options.every((one) => one.properties?.[name]));
+  if (!key) return { ...beside, choices: options };
+  const groups = {};
+  for (const one of options) for (const name of one.properties[key].enum ?? [one.properties[key].const]) groups[name] = one;
+  return { ...beside, kinds: { key, groups } };
 }
 
 /** Of several things that a field may be, the one that its value is; the plainest where there is none. */
@@ -24,64 +35,91 @@ export function branch(schema, value, root) {
   const found = resolved(schema, root);
   if (!found.choices) return found;
   const kind = Array.isArray(value) ? "array" : value === null || typeof value !== "object" ? "scalar" : "object";
-  const options = found.choices.map((one) => resolved(one, root));
-  const fits = options.find((one) => kindOf(one) === kind) ?? options.find((one) => kindOf(one) === "scalar") ?? options[0];
+  const fits = found.choices.find((one) => kindOf(one) === kind) ?? found.choices.find((one) => kindOf(one) === "scalar") ?? found.choices[0];
   const { choices, ...beside } = found;
-  return { ...beside, ...fits, description: found.description ?? fits.description };
+  return { ...fits, ...beside, description: found.description ?? fits.description };
 }
 
 function kindOf(schema) {
-  if (schema.discriminator || schema.type === "object" || schema.properties) return "object";
+  if (schema.kinds || schema.type === "object" || schema.properties) return "object";
   return schema.type === "array" ? "array" : "scalar";
 }
 
-/** The group of fields that a value of several kinds has, by its `kind` or `profile`. */
-export function chosen(schema, value, root) {
-  if (!schema.discriminator) return { group: schema };
-  const { propertyName: key, mapping } = schema.discriminator;
-  const names = Object.keys(mapping);
-  const first = resolved(schema.oneOf[0], root).properties?.[key]?.default;
-  const name = value?.[key] ?? first ?? names[0];
-  return { key, names, name, group: resolved({ $ref: mapping[name] ?? mapping[names[0]] }, root) };
+/** The fields of a group that has several kinds, by what its value says, or by the fields that it has. */
+export function chosen(schema, value) {
+  const { key, groups } = schema.kinds, names = Object.keys(groups);
+  const given = Object.keys(value ?? {});
+  const holds = (name) => given.every((one) => one in groups[name].properties) && (groups[name].required ?? []).every((one) => one === key || given.includes(one));
+  const implied = names.filter((name) => groups[name].properties[key].default === name);
+  const name = value?.[key] ?? implied.find(holds) ?? implied[0] ?? names.find(holds) ?? names[0];
+  return { key, names: names.sort(), name, group: groups[name] ?? groups[names[0]] };
 }
 
-/** Edits that make a group one of another kind: what both have stays, what is required gets an example. */
-export function turnedInto(path, schema, value, name, root) {
-  const { key } = chosen(schema, value, root);
-  const { group } = chosen(schema, { [key]: name }, root);
-  const edits = Object.keys(value ?? {}).filter((one) => one !== key && !(one in group.properties)).map((one) => [[...path, one], null, false]);
-  edits.unshift([[...path, key], name, true]);
-  for (const one of group.required ?? []) {
-    if (one === key || (value && one in value)) continue;
-    edits.push([[...path, one], example(group.properties[one], root), false]);
+const BEGIN = { ratio: 2, efficiency: 0.95 }; // numbers of which the schema has no example
+const ONE_OF = { belt: ["ratio"] }; // what a kind needs one of, beside what it requires
+const BODY = ["inertia", "cylinders"]; // of another body in another kind of load
+const FOLLOWS = { arm: ["inertia"] }; // what follows from other fields where it is not given
+const had = new Map(); // fields of a group when it was of another kind, by place and kind
+let axis = "linear"; // along which or about which the load moves for which an example is wanted
+
+/** Says for what kind of axis examples are. */
+export function moving(how) { axis = how ?? "linear"; }
+
+export function forget() { had.clear(); }
+
+/** Edits that make a group one of another kind: what both have stays, what it needs is as it was before, or an example. */
+export function turnedInto(path, schema, value, name, root, { needed = [], start = {} } = {}) {
+  const { key, name: before, group: old } = chosen(schema, value);
+  const { group } = chosen(schema, { [key]: name });
+  const another = old.title !== group.title;
+  had.set(`${path} ${before}`, value ?? {});
+  const kept = had.get(`${path} ${name}`) ?? {};
+  const essence = (one) => key === "profile" && old.required?.includes(one) && !group.required?.includes(one);
+  const lost = (one) => !(one in group.properties) || (another && (BODY.includes(one) || essence(one)));
+  const edits = [[[...path, key], name, true]];
+  for (const one of Object.keys(value ?? {})) if (one !== key && lost(one)) edits.push([[...path, one], null, false]);
+  const musts = [...(group.required ?? []), ...needed, ...(ONE_OF[name] ?? [])];
+  const offered = another ? Object.keys(start).filter((one) => !FOLLOWS[name]?.includes(one)) : [];
+  for (const one of new Set([...Object.keys(kept), ...musts, ...offered])) {
+    if (one === key || (value && one in value && !lost(one)) || !(one in group.properties)) continue;
+    const begin = kept[one] ?? start[one] ?? example(group.properties[one], root, one);
+    if (begin !== "") edits.push([[...path, one], begin, isText(resolved(group.properties[one], root))]);
   }
   return edits;
 }
 
-/** A value with which a field can begin. */
-export function example(schema, root) {
+/** A value with which a field can begin; an empty text where only its user can know it. */
+export function example(schema, root, name = "") {
   const found = branch(schema, undefined, root);
-  if (found.discriminator) {
-    const { key, name, group } = chosen(found, undefined, root);
-    return { [key]: name, ...required(group, root, key) };
+  if (found.kinds) {
+    const { key, name: kind, group } = chosen(found, undefined);
+    return { [key]: kind, ...required(group, root, key) };
   }
-  if (found.examples?.length) return found.examples[0];
+  if (found.examples?.length) return found.examples[axis === "rotary" && found.examples.length === 2 ? 1 : 0];
   if (found.const !== undefined) return found.const;
   if (found.enum) return found.enum[0];
   if (found.default !== undefined && found.default !== null) return found.default;
   if (found.properties) return required(found, root);
-  if (found.type === "array") return [example(found.items, root)];
+  if (found.type === "array") return Array.from({ length: found.minItems ?? 1 }, () => example(found.items, root));
   if (found.type === "boolean") return true;
   if (found.type === "integer") return found.minimum ?? 1;
-  return Array.isArray(found.type) ? 0.9 : "";
+  return [found.type].flat().includes("number") ? BEGIN[name] ?? 0.9 : "";
 }
 
 function required(group, root, but) {
   const names = (group.required ?? []).filter((name) => name !== but);
-  return Object.fromEntries(names.map((name) => [name, example(group.properties[name], root)]));
+  return Object.fromEntries(names.map((name) => [name, example(group.properties[name], root, name)]));
 }
 
 /** Whether a field is a text, in which a number is no number. */
 export function isText(schema) {
   return schema.type === "string" && !schema.examples && !/with unit/.test(schema.description ?? "") && !schema.enum;
+}
+
+/** Whether a field is a figure, which a slider can move: no name and no part number. */
+export function isFigure(schema) {
+  const types = [schema.type].flat();
+  if (types.includes("number")) return true;
+  if (types.includes("integer")) return types.length === 1;
+  return types.includes("string") && !schema.enum && !isText(schema);
 }

@@ -1,55 +1,58 @@
 // Files: the spec's own, those that the page makes, and whether the server is still there.
 
+import { able, button, element } from "./dom.js";
+import { open as openMenu } from "./menu.js";
 import { get, post, whole } from "./requests.js";
 import { changed, packed, state } from "./state.js";
 
 const notices = document.getElementById("notices");
 const REPORTS = { pdf: "Report, PDF", html: "Report, HTML", xlsx: "Report, XLSX", csv: "Report, CSV", json: "Report, JSON" };
-const EXPORTS = { mjcf: "MuJoCo", urdf: "URDF", sdf: "Gazebo SDF", ros2_control: "ros2_control", fmu: "FMU", json: "drive as JSON" };
+const EXPORTS = { mjcf: "MuJoCo", urdf: "URDF", sdf: "Gazebo SDF", ros2_control: "ros2_control", fmu: "FMU", json: "Drive, JSON" };
+const ALSO = { wheeled_vehicle: " (AGV)" }; // what a kind is called as well
 const AGAIN = 2000; // ms
-let restart = () => {};
-
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
+let page = { restart: () => {}, again: () => {}, settled: async () => {}, turn: () => {} };
 
 /** Says something above the page, until it is closed; buttons are pairs of words and what they do. */
 export function notice(text, buttons = [], kind = "", name = text) {
   if ([...notices.children].some((one) => one.name === name)) return;
   const made = element("p", { className: `notice ${kind}` }, element("span", { textContent: text }));
   made.name = name;
-  for (const [words, does] of [...buttons, ["close", () => {}]]) {
-    const button = element("button", { type: "button", textContent: words });
-    button.addEventListener("click", () => { made.remove(); does(); });
-    made.append(button);
-  }
+  for (const [words, does] of [...buttons, ["close", () => {}]]) made.append(button(words, () => { leave(made); does(); }));
   notices.append(made);
 }
 
+/** Takes a notice away; the keyboard goes on at the next one, or at the tools. */
+function leave(made) {
+  const had = made.contains(document.activeElement);
+  made.remove();
+  if (had) (notices.querySelector("button") ?? document.getElementById("save")).focus();
+}
+
 function withdraw(name) {
-  for (const one of [...notices.children]) if (one.name === name) one.remove();
+  for (const one of [...notices.children]) if (one.name === name) leave(one);
 }
 
 // -- the server
 
-let gone = false;
+let away = false;
+
+export const gone = () => away;
 
 export function reachable(there) {
   if (there) {
-    if (gone) withdraw("gone");
-    gone = false;
+    if (away) withdraw("gone");
+    away = false;
     return;
   }
-  if (gone) return;
-  gone = true;
+  if (away) return;
+  away = true;
   notice("The server does not answer. Nothing is lost: this tab keeps the spec, and Download, Spec saves it. Start drivesizer serve again to go on.", [], "", "gone");
   const retry = async () => {
     try {
       await get("spec");
       reachable(true);
-      restart(state.text);
+      if (state.text) page.again();
+      else location.reload(); // it was away from the start
     } catch {
       setTimeout(retry, AGAIN);
     }
@@ -61,6 +64,7 @@ export function reachable(there) {
 
 async function save(anyway = false) {
   let found;
+  await page.settled();
   try {
     const text = state.text;
     found = await (await post("save", { text, mark: state.mark, anyway })).json();
@@ -79,7 +83,8 @@ async function save(anyway = false) {
   else notice(`not saved: ${found.lines.join("; ")}`);
 }
 
-function differs() {
+/** Another program has written the file: the user decides. */
+export function differs() {
   withdraw("changed");
   notice(`${state.name} has been changed by another program.`, [["load it", load], ["write mine over it", () => save(true)]], "", "changed");
 }
@@ -87,12 +92,12 @@ function differs() {
 async function load() {
   const file = await get("spec");
   Object.assign(state, { saved: file.text, mark: file.mark });
-  restart(file.text);
+  page.restart(file.text);
 }
 
 /** Looks whether another program has written the file. */
 async function look() {
-  if (gone || document.hidden) return;
+  if (away || document.hidden) return;
   try {
     const file = await get("spec");
     if (file.mark !== null && file.mark !== state.mark) differs();
@@ -115,9 +120,9 @@ function handed(name, content, kind = "application/octet-stream") {
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
-async function download(what) {
-  if (what === "spec") return handed(state.name, state.text, "application/yaml");
-  const [job, form] = what.split(":");
+async function download(job, form) {
+  await page.settled();
+  if (job === "spec") return handed(state.name, state.text, "application/yaml");
   notice("making the file …", [], "said", "making");
   try {
     const [file] = await whole(job, { text: state.text, form });
@@ -127,42 +132,63 @@ async function download(what) {
   } catch (error) {
     notice(`no file: ${error.message}`);
   }
-  withdraw("making");
+  return withdraw("making");
 }
 
-export function prepare(onText) {
-  restart = onText;
-  const by = (id) => document.getElementById(id);
-  const list = by("download");
-  list.append(element("option", { value: "spec", textContent: "Spec, YAML" }));
-  for (const [form, words] of Object.entries(REPORTS)) list.append(element("option", { value: `report:${form}`, textContent: words }));
-  for (const [form, words] of Object.entries(EXPORTS)) list.append(element("option", { value: `export:${form}`, textContent: words }));
-  list.addEventListener("change", () => { const what = list.value; list.value = ""; if (what) download(what); });
+const by = (id) => document.getElementById(id);
+
+/** Makes the buttons of the page's head work. */
+export function prepare(given) {
+  page = given;
+  by("download").addEventListener("click", () => openMenu(by("download"), "download", downloads()));
   by("save").addEventListener("click", () => save());
   by("open").addEventListener("click", () => by("opened").click());
-  by("opened").addEventListener("change", async () => {
-    const [file] = by("opened").files;
-    if (file && file.size < 2_000_000) restart(await file.text());
-    else if (file) notice(`${file.name} is larger than 2 MB`);
-    by("opened").value = "";
-  });
-  by("link").addEventListener("click", async () => {
-    const address = `${location.href.split("#")[0]}#${await packed()}`;
-    await navigator.clipboard.writeText(address).then(() => notice("The link holds the spec and the sliders, for a browser on this machine.", [], "said"), () => notice(address));
-  });
+  by("opened").addEventListener("change", opened);
+  by("link").addEventListener("click", link);
   starters(by("new"));
   addEventListener("focus", look);
-  addEventListener("keydown", (event) => {
-    if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
-    const typing = /^(INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range";
-    if (event.key === "s") { event.preventDefault(); save(); }
-    else if (event.key === "z" && !typing) { event.preventDefault(); by(event.shiftKey ? "redo" : "undo").click(); }
-  });
-  addEventListener("beforeunload", (event) => { if (gone && state.text !== state.saved) event.preventDefault(); });
+  addEventListener("keydown", keyed);
+  addEventListener("beforeunload", (event) => { if (away && state.text !== state.saved) event.preventDefault(); });
 }
 
+function downloads() {
+  const entry = (job) => ([form, name]) => ({ name, does: () => download(job, form) });
+  return [{ name: "Spec, YAML", does: () => download("spec") }, { head: "with the closed loop" }, ...Object.entries(REPORTS).map(entry("report")),
+    { head: "the drive for other programs" }, ...Object.entries(EXPORTS).map(entry("export"))];
+}
+
+async function opened() {
+  const [file] = by("opened").files;
+  if (file && file.size < 2_000_000) page.restart(await file.text());
+  else if (file) notice(`${file.name} is larger than 2 MB`);
+  by("opened").value = "";
+}
+
+async function link() {
+  await page.settled();
+  const address = `${location.href.split("#")[0]}#${await packed()}`;
+  await navigator.clipboard.writeText(address).then(() => notice("The link holds the spec and the sliders, for a browser on this machine.", [], "said"), () => notice(address));
+}
+
+function keyed(event) {
+  if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+  const typing = /^(INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range";
+  const key = event.key.toLowerCase();
+  if (key === "s") {
+    event.preventDefault();
+    save();
+  } else if (!typing && (key === "z" || key === "y")) {
+    event.preventDefault();
+    const wanted = by(key === "y" || event.shiftKey ? "redo" : "undo");
+    if (able(wanted)) wanted.click();
+  }
+}
+
+/** Specs to start with, each with the first line of what it says about itself. */
 async function starters(list) {
   const { kinds } = await get("starters.json");
-  for (const name of Object.keys(kinds)) list.append(element("option", { value: name, textContent: name.replaceAll("_", " ") }));
-  list.addEventListener("change", () => { const name = list.value; list.value = ""; if (name) restart(kinds[name]); });
+  const choices = Object.entries(kinds).map(([name, text]) => ({
+    name: name.replaceAll("_", " ") + (ALSO[name] ?? ""), help: /^# (.*?)\.?$/m.exec(text)?.[1], does: () => { page.turn("machine"); page.restart(text); },
+  }));
+  list.addEventListener("click", () => openMenu(list, "new spec", choices));
 }

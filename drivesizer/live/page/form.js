@@ -1,211 +1,217 @@
 // The form: a field for each figure of the spec, out of its schema.
 
+import { button, element, keyOf, words } from "./dom.js";
+import * as fields from "./fields.js";
 import { branch, chosen, example, isText, resolved, turnedInto } from "./fields.js";
+import { Focus } from "./focus.js";
+import { open as openMenu } from "./menu.js";
+import { row, single, small } from "./rows.js";
 
 const form = document.getElementById("form");
+const OPEN = new Set(["load", "motion", "transmission", "supply", "axes", "robot"]); // sections that are open at first
+const SHORT = 3; // items of a list that are open at first
 const added = new Set(); // paths of fields that were added and have no value yet
-const closed = new Map(); // groups that the user opened or closed
-let act = () => {}; // what is done with edits
-let slide = () => {};
-let schemas = null;
+const opened = new Map(); // groups that the user opened or closed
+const focused = new Focus(form);
+let context = null; // of the form as it is drawn
+let drawn = ""; // what is shown
+const resting = new Map(); // the motion that a load had along a line, and about an axis
 
-export function prepare(given, onEdits, onSlide) {
-  schemas = given;
-  act = onEdits;
-  slide = onSlide;
+/** Takes the schemas, and what is done with edits and for sliders. */
+export function prepare(schemas, act, slide) {
+  drawn = "";
+  context = { schemas, act, slide, filled: (path) => added.delete(keyOf(path)) };
   form.addEventListener("submit", (event) => event.preventDefault());
 }
 
-/** Draws the form anew; the field that has the keyboard keeps it, and what is typed in it. */
+/** Draws the form anew where it changes; the field that has the keyboard keeps it, and what is typed in it. */
 export function show(data, faults) {
-  const active = form.contains(document.activeElement) ? document.activeElement : null;
-  const place = active?.dataset.key, typed = active?.value, from = active?.selectionStart;
+  const now = JSON.stringify([data, faults, [...added]]);
+  if (now === drawn) return;
+  drawn = now;
   const several = data && typeof data === "object" && ("axes" in data || "robot" in data);
-  const root = schemas[several ? "machine" : "spec"];
-  const context = { root, faults: [...faults] };
-  form.replaceChildren(...fieldsOf(root, data ?? {}, [], context));
-  if (place === undefined) return;
-  const again = form.querySelector(`[data-key="${CSS.escape(place)}"]`);
-  if (!again) return;
-  if (again.tagName === "INPUT" && document.activeElement !== again) again.value = typed;
-  again.focus({ preventScroll: true });
-  if (again.type === "text" && from !== null) again.setSelectionRange(from, from);
+  Object.assign(context, { root: context.schemas[several ? "machine" : "spec"], data: data ?? {}, faults: faults.map((one) => ({ ...one })), count: 0 });
+  const inside = fieldsOf(context.root, context.data, []);
+  focused.kept(() => form.replaceChildren(...elsewhere([]), ...inside));
 }
 
-/** Shows a field and gives it the keyboard. */
-export function focus(path) {
-  for (let length = path.length; length > 0; length -= 1) {
-    const found = form.querySelector(`[data-key="${CSS.escape(keyOfPath(path.slice(0, length)))}"]`);
-    if (!found) continue;
-    for (let group = found.closest("details"); group; group = group.parentElement.closest("details")) group.open = true;
-    found.scrollIntoView({ block: "center" });
-    found.focus();
-    return true;
-  }
-  return false;
+/** Forgets fields that were added and groups that were opened: another spec follows. */
+export function forget() {
+  added.clear();
+  opened.clear();
+  resting.clear();
+  fields.forget();
 }
 
-const keyOfPath = (path) => path.join("\u001f");
-const PLAIN = / with unit$|^a plain number or percent$/; // says what the value says itself
-const words = (name) => String(name).replaceAll("_", " ");
+/** Shows a field, or the group that it would be in, and gives it the keyboard. */
+export const focus = (path) => focused.to(path);
 
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
-
-/** Fields of a group that are given or required, and a list of those that may be added. */
-function fieldsOf(schema, value, path, context, but) {
-  const known = Object.keys(schema.properties ?? {});
-  const given = value && typeof value === "object" ? Object.keys(value) : [];
-  const free = schema.additionalProperties && typeof schema.additionalProperties === "object" ? given.filter((one) => !known.includes(one)) : [];
-  const required = new Set(schema.required ?? []);
-  const shown = known.filter((one) => one !== but && (given.includes(one) || required.has(one) || added.has(keyOfPath([...path, one]))));
-  const made = [...shown, ...free].map((one) => field(schema.properties?.[one] ?? schema.additionalProperties, value?.[one], [...path, one], context, required.has(one)));
-  const rest = known.filter((one) => one !== but && !shown.includes(one));
-  if (rest.length) made.push(adder(schema, rest, path, context));
-  return made;
-}
-
-function adder(schema, names, path, context) {
-  const list = element("select", { ariaLabel: `add a field${path.length ? ` to ${words(path.at(-1))}` : ""}` }, element("option", { value: "", textContent: path.length ? "add a field …" : "add a section …" }));
-  for (const name of names) list.append(element("option", { value: name, textContent: words(name), title: resolved(schema.properties[name], context.root).description ?? "" }));
-  list.dataset.key = keyOfPath([...path, "+"]);
-  list.addEventListener("change", () => {
-    const name = list.value, place = [...path, name];
-    const found = branch(schema.properties[name], undefined, context.root);
-    const compound = found.discriminator || found.properties || found.type === "array";
-    if (compound && Object.keys(found.properties ?? {}).length && !(found.required ?? []).length) {
-      added.add(keyOfPath(place)); // a group without a field that it must have begins empty
-      closed.set(keyOfPath(place), true);
-      act([]);
-    } else if (compound || found.enum || found.type === "boolean") {
-      act([[place, example(schema.properties[name], context.root), isText(found)]]);
-    } else {
-      added.add(keyOfPath(place));
-      act([]);
-    }
-    requestAnimationFrame(() => focus(place));
+/** What is wrong at a place and has no field there. */
+function elsewhere(path) {
+  const here = context.faults.filter((one) => !one.shown && one.path.length && path.every((step, n) => one.path[n] === step));
+  return here.map((one) => {
+    one.shown = true;
+    return element("p", { className: "error", textContent: one.path.length > path.length ? `${one.path.slice(path.length).map(words).join(" · ")}: ${one.text}` : one.text });
   });
-  return element("p", { className: "add" }, list);
 }
 
-function field(schema, value, path, context, required) {
-  const found = branch(schema, value, context.root);
-  if (found.discriminator) return kinds(found, value, path, context, required);
-  if (found.type === "array" && (value === undefined || Array.isArray(value))) return list(found, value ?? [], path, context, required);
-  const groups = found.properties || (found.additionalProperties && typeof found.additionalProperties === "object");
-  if (groups && (value === undefined || value === null || typeof value === "object")) {
-    return group(path, fieldsOf(found, value, path, context), found, value, context, required);
+/** Fields of a group that are given or required, and a button for those that may be added. */
+function fieldsOf(schema, value, path, but, removable = false) {
+  const known = Object.keys(schema.properties ?? {}), given = value && typeof value === "object" ? Object.keys(value) : [];
+  const required = new Set(schema.required ?? []);
+  const shown = known.filter((one) => one !== but && (given.includes(one) || required.has(one) || added.has(keyOf([...path, one]))));
+  const further = given.filter((one) => one !== but && !known.includes(one));
+  const made = [...shown, ...further].map((one) => field(schema.properties?.[one] ?? schema.additionalProperties ?? {}, value?.[one], [...path, one], required.has(one)));
+  const rest = known.filter((one) => one !== but && !shown.includes(one));
+  const tools = [];
+  if (rest.length) tools.push(adder(schema, rest, path));
+  if (schema.additionalProperties && typeof schema.additionalProperties === "object") tools.push(namer(schema, value ?? {}, path));
+  if (removable) tools.push(remover(path));
+  if (tools.length) made.push(element("p", { className: "add" }, ...tools));
+  return made;
+}
+
+function adder(schema, names, path) {
+  const label = path.length ? "add a field" : "add a section";
+  const made = button(`${label} …`, () => openMenu(made, label, names.map(choice)), { dataset: { key: keyOf([...path, "+"]) }, aria: { haspopup: "true" } });
+  if (path.length) made.setAttribute("aria-label", `add a field to ${path.map(words).join(" ")}`);
+  const choice = (name) => ({ name: words(name), help: resolved(schema.properties[name], context.root).description?.split("\n\n")[0], does: () => add(schema, path, name) });
+  return made;
+}
+
+/** A field without a value is shown empty; one of several choices, or a group, begins with an example. */
+function add(schema, path, name) {
+  fields.moving(axisOf(path));
+  const place = [...path, name], found = branch(substituted(schema.properties[name], place), undefined, context.root);
+  const compound = found.kinds || found.properties || found.type === "array";
+  opened.set(keyOf(place), true);
+  focused.next(place);
+  if ((compound && !isEmpty(found)) || found.enum || found.type === "boolean") {
+    context.act([[place, example(found, context.root), isText(found)]]);
+  } else {
+    added.add(keyOf(place));
+    context.act([]);
+  }
+}
+
+const isEmpty = (found) => found.properties && !found.kinds && !(found.required ?? []).length;
+
+/** Adds an entry of a group whose names are the user's own: a copy of the last one. */
+function namer(schema, value, path) {
+  const name = element("input", { type: "text", placeholder: "name", autocomplete: "off", spellcheck: false, aria: { label: `name of another of ${words(path.at(-1))}` }, dataset: { key: keyOf([...path, "name"]) } });
+  const made = button("add", () => {
+    const wanted = name.value.trim();
+    if (!wanted || wanted in value) return name.focus();
+    opened.set(keyOf([...path, wanted]), true);
+    focused.next([...path, wanted]);
+    return context.act([[[...path, wanted], Object.values(value).at(-1) ?? example(schema.additionalProperties, context.root), false]]);
+  }, { dataset: { key: keyOf([...path, "+name"]) }, aria: { label: `add another of ${words(path.at(-1))}` } });
+  return element("span", { className: "namer" }, name, made);
+}
+
+/** A load case says what differs from a section of the spec: its fields are those of that section, none required. */
+function substituted(schema, path) {
+  if (path.at(-3) !== "cases" || schema.additionalProperties !== true) return schema;
+  const section = path.at(-1), own = [...path.slice(0, -3), section].reduce((at, step) => at?.[step], context.data);
+  const found = branch(context.root.properties[section], own ?? context.data[section], context.root);
+  const group = found.kinds ? chosen(found, own ?? context.data[section]).group : found;
+  return { ...group, required: [], kinds: undefined };
+}
+
+function field(given, value, path, required) {
+  const schema = substituted(given, path), found = branch(schema, value, context.root);
+  const grouped = value === undefined || value === null || (typeof value === "object" && !Array.isArray(value));
+  if (found.kinds && grouped) return kinds(found, value, path, required);
+  if (found.type === "array" && (value === undefined || Array.isArray(value))) return list(found, value ?? [], path, required);
+  if (grouped && (found.properties || (found.additionalProperties && typeof found.additionalProperties === "object"))) {
+    return group(path, fieldsOf(found, value, path, undefined, removable(value, path, required)), found, value);
   }
   return single(found, value, path, context, required);
 }
 
 /** A group that may be of several kinds. */
-function kinds(schema, value, path, context, required) {
-  const { key, names, name, group: own } = chosen(schema, value, context.root);
+function kinds(schema, value, path, required) {
+  const { key, names, name, group: own } = chosen(schema, value);
   const pick = element("select", {}, ...names.map((one) => element("option", { value: one, textContent: words(one), selected: one === name })));
-  const line = row(pick, key, [...path, key], { description: own.description }, context);
-  pick.addEventListener("change", () => act(turnedInto(path, schema, value, pick.value, context.root)));
-  return group(path, [line, ...fieldsOf(own, value, path, context, key)], schema, value, context, required);
+  if (value?.[key] !== undefined && !names.includes(value[key])) pick.prepend(element("option", { value: "", textContent: String(value[key]), selected: true }));
+  pick.addEventListener("change", () => context.act(turned(path, schema, value, pick.value)));
+  const line = row(pick, [...path, key], own.description, context);
+  return group(path, [line, ...fieldsOf(own, value, path, key, removable(value, path, required))], schema, value);
 }
 
-function group(path, inside, schema, value, context, required) {
-  const key = keyOfPath(path);
+const removable = (value, path, required) => !required && (value !== undefined || added.has(keyOf(path)));
+
+/** Edits that make a group one of another kind; a load that moves otherwise takes its motion along. */
+function turned(path, schema, value, name) {
+  const load = path.at(-1) === "load", start = (load && context.schemas.starts?.[name]) || {};
+  fields.moving(axisOf(path, load ? name : undefined));
+  const edits = turnedInto(path, schema, value, name, context.root, { needed: needed(schema, name), start: start.load ?? {} });
+  return load ? [...edits, ...moved(path, value?.kind, name)] : edits;
+}
+
+/** What a kind needs; the fields of an axis may as well be the machine's, so that its schema requires none. */
+function needed(schema, name) {
+  const { group } = chosen(schema, { [schema.kinds.key]: name });
+  return context.schemas.spec.$defs[group.title]?.required ?? [];
+}
+
+const at = (path) => path.reduce((value, step) => value?.[step], context.data);
+
+/** Along a line or about an axis: how the load of a place moves. */
+function axisOf(path, kind) {
+  const own = path[0] === "axes" ? at([path[0], path[1], "load", "kind"]) : undefined;
+  return context.schemas.axes?.[kind ?? own ?? context.data.load?.kind];
+}
+
+/** Edits of the motion where a load turned from one along a line to one about an axis, or brings its own motion. */
+function moved(path, from, to) {
+  const axes = context.schemas.axes ?? {}, place = [...path.slice(0, -1), "motion"], motion = at(place);
+  if (axes[from] === axes[to]) return [];
+  if (motion) resting.set(`${place} ${axes[from]}`, motion);
+  if (!axes[to]) return [[place, null, false]];
+  return [[place, resting.get(`${place} ${axes[to]}`) ?? context.schemas.starts?.[to]?.motion ?? null, false]];
+}
+
+function list(schema, value, path, required) {
+  const inside = value.map((one, n) => field(schema.items, one, [...path, n], false));
+  const more = small(value.length ? "add another" : "add one", `add to ${words(path.at(-1))}`, () => {
+    fields.moving(axisOf(path));
+    const place = [...path, value.length], items = resolved(schema.items, context.root);
+    opened.set(keyOf(place), true);
+    focused.next(place);
+    context.act([[place, example(schema.items, context.root), isText(items)]]);
+  }, [...path, "+"]);
+  const tools = removable(value.length ? value : undefined, path, required) ? [more, remover(path)] : [more];
+  return group(path, [...inside, element("p", { className: "add" }, ...tools)], schema, value.length ? value : undefined);
+}
+
+function group(path, inside, schema, value) {
+  const key = keyOf(path), name = path.at(-1);
   const wrong = context.faults.some((one) => path.every((step, n) => one.path[n] === step));
-  const given = value !== undefined && value !== null;
-  const made = element("details", { open: wrong || (closed.get(key) ?? (given || added.has(key)) ) });
-  made.addEventListener("toggle", () => closed.set(key, made.open));
-  const summary = element("summary", {}, words(typeof path.at(-1) === "number" ? `${path.at(-1) + 1}` : path.at(-1)));
-  if (schema.title !== undefined && schema.description) summary.title = schema.description;
-  const body = element("div", { className: "group" }, ...inside);
-  if (given && !required) body.append(element("p", { className: "add" }, remover(path)));
-  made.append(summary, body);
+  const made = element("details", { open: wrong || (opened.get(key) ?? (added.has(key) || openAtFirst(path))) });
+  made.addEventListener("toggle", () => opened.set(key, made.open));
+  const head = element("span", { textContent: typeof name === "number" && value ? [name + 1, value.name ?? words(value.kind ?? "")].filter(Boolean).join(" · ") : words(name) });
+  const summary = element("summary", { dataset: { key: keyOf([...path, "="]) }, title: schema.description?.split("\n\n")[0] ?? "" }, head, element("small", { textContent: digest(value) }));
+  made.append(summary, element("div", { className: "group" }, ...elsewhere(path), ...inside));
   return made;
+}
+
+function openAtFirst(path) {
+  const name = path.at(-1), above = path.slice(0, -1);
+  const beside = above.reduce((at, step) => at?.[step], context.data);
+  if (typeof name === "number") return beside?.length <= SHORT && path[0] !== "cases";
+  if (above.length === 1 && above[0] === "axes") return Object.keys(beside ?? {}).length <= 1;
+  return above.length === 0 || above[0] === "axes" ? OPEN.has(name) : true;
+}
+
+/** What is in a group, in a line: shown where it is closed. */
+function digest(value) {
+  if (value === null || typeof value !== "object") return "";
+  const parts = Object.entries(value).filter(([name]) => name !== "name").map(([, one]) => (typeof one === "object" ? words(one?.kind ?? "") : String(one)));
+  if (Array.isArray(value) && value.every((one) => typeof one === "object")) return value.map((one) => one?.name ?? one?.kind ?? "").filter(Boolean).map(words).join(" · ") || `${value.length}`;
+  return parts.filter(Boolean).join(" · ");
 }
 
 function remover(path) {
-  const made = element("button", { type: "button", textContent: "remove", ariaLabel: `remove ${words(path.at(-1))}` });
-  made.dataset.key = keyOfPath([...path, "-"]);
-  made.addEventListener("click", () => { added.delete(keyOfPath(path)); act([[path, null, false]]); });
-  return made;
-}
-
-function list(schema, value, path, context, required) {
-  const inside = value.map((one, n) => {
-    const item = field(schema.items, one, [...path, n], context, false);
-    return item;
-  });
-  const more = element("button", { type: "button", textContent: `add ${value.length ? "another" : "one"}` });
-  more.dataset.key = keyOfPath([...path, "+"]);
-  more.addEventListener("click", () => act([[[...path, value.length], example(schema.items, context.root), isText(resolved(schema.items, context.root))]]));
-  return group(path, [...inside, element("p", { className: "add" }, more)], schema, value.length ? value : undefined, context, required);
-}
-
-function single(schema, value, path, context, required) {
-  const plain = value === undefined || value === null ? "" : typeof value === "object" ? JSON.stringify(value) : String(value);
-  let input;
-  if (schema.enum || schema.type === "boolean" || schema.const !== undefined) {
-    const options = schema.enum ?? (schema.type === "boolean" ? [true, false] : [schema.const]);
-    input = element("select", {}, ...options.map((one) => element("option", { value: String(one), textContent: one === true ? "yes" : one === false ? "no" : words(one), selected: String(one) === (plain || String(schema.default ?? options[0])) })));
-    input.addEventListener("change", () => act([[path, schema.type === "boolean" ? input.value === "true" : input.value, isText(schema)]]));
-  } else {
-    input = element("input", { type: "text", value: plain, placeholder: hint(schema, required) });
-    input.addEventListener("change", () => {
-      const text = input.value.trim();
-      added.delete(keyOfPath(path));
-      if (text === plain) return;
-      act([[path, text === "" ? null : text, isText(schema)]]);
-    });
-  }
-  return row(input, path.at(-1), path, schema, context, { value: plain, required });
-}
-
-function hint(schema, required) {
-  if (schema.default !== undefined && schema.default !== null) return String(schema.default);
-  return schema.examples?.length ? `e.g. ${schema.examples[0]}` : required ? "required" : "";
-}
-
-/** A label, the input, its help, what is wrong with it, and what else may be done with it. */
-function row(input, name, path, schema, context, { value = "", required = true } = {}) {
-  const key = keyOfPath(path), id = `f-${[...key].map((one) => one.codePointAt(0).toString(36)).join("")}`;
-  input.id = id;
-  input.dataset.key = key;
-  const label = element("label", { htmlFor: id, textContent: words(typeof name === "number" ? `${name + 1}` : name) });
-  const made = element("div", { className: "field" }, label, input);
-  const beside = element("span", { className: "beside" });
-  if (/^[-+]?\d/.test(value) && input.tagName === "INPUT") beside.append(slider(path, value));
-  if (value !== "" && !required) beside.append(small("×", `remove ${words(name)}`, () => act([[path, null, false]]), [...path, "-"]));
-  made.append(beside);
-  describe(made, input, schema.description, context.faults.filter((one) => keyOfPath(one.path) === key));
-  return made;
-}
-
-function describe(made, input, description, wrong) {
-  const ids = [];
-  if (description && !PLAIN.test(description)) {
-    const help = element("p", { className: "help", id: `${input.id}-help`, textContent: description });
-    made.append(help);
-    ids.push(help.id);
-  }
-  for (const [n, one] of wrong.entries()) {
-    const error = element("p", { className: "error", id: `${input.id}-error${n}`, textContent: one.text });
-    made.append(error);
-    ids.push(error.id);
-    input.setAttribute("aria-invalid", "true");
-  }
-  if (ids.length) input.setAttribute("aria-describedby", ids.join(" "));
-}
-
-function slider(path, value) {
-  return small("⇔", `slider for ${words(path.filter((step) => typeof step === "string").join(" "))}`, () => slide(path, value), [...path, "~"]);
-}
-
-function small(text, label, does, path) {
-  const made = element("button", { type: "button", textContent: text, title: label });
-  made.setAttribute("aria-label", label);
-  made.dataset.key = keyOfPath(path);
-  made.addEventListener("click", does);
-  return made;
+  return small("remove", `remove ${words(path.at(-1))}`, () => { added.delete(keyOf(path)); context.act([[path, null, false]]); }, [...path, "-"]);
 }

@@ -2,26 +2,31 @@
 
 import * as answer from "./answer.js";
 import * as catalogue from "./catalogue.js";
-import { get, pieces } from "./requests.js";
 import * as compare from "./compare.js";
+import { able, enable } from "./dom.js";
 import * as files from "./files.js";
 import * as form from "./form.js";
+import * as headline from "./headline.js";
+import { reveal, turn } from "./panes.js";
+import { get, pieces } from "./requests.js";
 import * as sliders from "./sliders.js";
 import { packed, put, redo, state, undo, unpacked, watch } from "./state.js";
 
 const LONGEST_WAIT = 600; // ms, after which a newer request stops one that has not answered
-const area = document.getElementById("text");
+const TYPING = 350; // ms without a key, after which a text is read
+const area = document.getElementById("text"), more = document.getElementById("more"), loop = document.getElementById("loop");
 let running = null; // the request under way
 let pending = null; // edits that wait for it
+let waiting = []; // those who wait until all edits are in the text
 
 // -- changes
 
-/** Makes edits of fields; the newest answer is that of the newest text. */
+/** Makes edits of fields; places of one slider follow one another, other edits are all made. */
 function edit(edits, what = "") {
   if (!edits.length) return show();
-  if (pending) pending = { edits: [...pending.edits.filter(([path]) => !edits.some(([other]) => String(other) === String(path))), ...edits], what };
-  else pending = { edits, what };
-  next();
+  const before = pending && (what && what === pending.what ? [] : pending.edits);
+  pending = { edits: [...(before ?? []), ...edits], what };
+  return next();
 }
 
 /** Sends what waits, as soon as the ranking that is under way has come; one that is slow is stopped. */
@@ -29,121 +34,142 @@ function next() {
   if (!running || running.ranked) return send();
   clearTimeout(running.stop);
   running.stop = setTimeout(send, Math.max(0, LONGEST_WAIT - (performance.now() - running.since)));
+  return undefined;
+}
+
+/** Reads another text in place of the spec, whatever waits. */
+function restart(text) {
+  form.forget();
+  replace(text);
+}
+
+function replace(text) {
+  if (text !== state.text) put(text);
+  area.value = text;
+  pending = null;
+  if (running) running.read = true; // its edits were of another text
+  send();
 }
 
 async function send() {
   running?.control.abort();
   clearTimeout(running?.stop);
-  const mine = running = { control: new AbortController(), since: performance.now(), ranked: false, what: pending?.what ?? "" };
-  const body = { text: state.text, edits: pending?.edits ?? [] };
+  const unread = running && !running.read ? running.edits : []; // stopped before they were in the text
+  const mine = { control: new AbortController(), since: performance.now(), ranked: false, read: false, what: pending?.what ?? "", edits: [...unread, ...(pending?.edits ?? [])] };
+  running = mine;
   pending = null;
-  answer.busy();
+  headline.busy();
   try {
-    for await (const piece of pieces("answer", body, mine.control.signal)) {
+    for await (const piece of pieces("answer", { text: state.text, edits: mine.edits }, mine.control.signal)) {
       if (running !== mine) return;
       take(piece, mine);
     }
     files.reachable(true);
+    if (running === mine && !pending && document.documentElement.dataset.state === "ranked") document.documentElement.dataset.state = "whole";
   } catch (error) {
-    if (error.name !== "AbortError") files.reachable(false);
+    if (error.name === "AbortError") return;
+    if (running === mine && !mine.read) pending = { edits: [...mine.edits, ...(pending?.edits ?? [])], what: "" };
+    lost(mine);
   } finally {
-    if (running === mine) running.ranked = true;
-    if (pending && running === mine) send();
+    if (running === mine) ended(mine);
   }
+}
+
+/** The request is over: its number is that of the texts that were answered. */
+function ended(mine) {
+  const page = document.documentElement.dataset;
+  page.answers = String(Number(page.answers ?? 0) + 1);
+  mine.ranked = true;
+  mine.read = true;
+  if (pending && !files.gone()) send();
+  else wake();
+}
+
+/** The server does not answer: what was to be changed waits for it. */
+function lost(mine) {
+  if (running === mine) files.reachable(false);
 }
 
 function take(piece, mine) {
   if (piece.kind === "spec") {
     state.data = piece.data;
     state.faults = [];
-    put(piece.text, mine.what);
-    show();
+    read(piece.text, mine);
   } else if (piece.kind === "wrong") {
-    state.faults = piece.faults ?? piece.lines.map((text) => ({ text, line: null, path: [] }));
-    if (piece.text !== undefined) put(piece.text, mine.what);
-    answer.wrong(state.faults.map(said));
-    show();
+    state.faults = piece.faults ?? piece.lines.map((text) => ({ said: text, text, line: null, path: [] }));
     mine.ranked = true;
+    answer.stale();
+    headline.wrong(state.faults, reveal);
+    read(piece.text ?? state.text, mine);
   } else if (piece.kind === "ranking") {
-    document.documentElement.dataset.ranked = String(Number(document.documentElement.dataset.ranked ?? 0) + 1);
+    const page = document.documentElement.dataset;
+    page.ranked = String(Number(page.ranked ?? 0) + 1);
     mine.ranked = true;
-    answer.rank(piece);
-    compare.rank(piece);
+    headline.rank(piece);
     sliders.renew();
-    document.getElementById("more").hidden = false;
+    more.hidden = false;
     if (pending) send();
   } else found(piece);
+}
+
+function read(text, mine) {
+  put(text, mine.what);
+  mine.read = true;
+  show();
+  wake();
 }
 
 /** Pieces of a report, of an answer or of a closed loop. */
 function found(piece) {
   if (piece.kind === "sections") {
     answer.sections(piece.sections);
-    compare.boxes();
+    compare.boxes(piece.drives ?? []);
     compare.renew();
   } else if (piece.kind === "figures") answer.plots(piece.figures);
   else if (piece.kind === "still") answer.still(piece.name, piece.address);
 }
 
-const said = (fault) => [fault.line ? `line ${fault.line}` : "", fault.path.map((step) => (typeof step === "number" ? `${step + 1}` : step)).join("."), fault.text].filter(Boolean).join(": ");
-
-// -- what is shown
-
 function show() {
   form.show(state.data, state.faults);
   if (document.activeElement !== area) area.value = state.text;
-  const box = document.getElementById("faults");
-  box.replaceChildren(...state.faults.map((fault) => {
-    const made = document.createElement("p");
-    made.className = "fault";
-    made.append(said(fault));
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = "show";
-    button.addEventListener("click", () => reveal(fault));
-    if (fault.line || fault.path.length) made.append(button);
-    return made;
-  }));
 }
 
-/** Shows the field of a fault, or its line. */
-function reveal(fault) {
-  if (!document.getElementById("form").hidden && form.focus(fault.path)) return;
-  choose("yaml");
-  const lines = area.value.split("\n"), start = lines.slice(0, (fault.line ?? 1) - 1).join("\n").length + (fault.line > 1 ? 1 : 0);
-  area.focus();
-  area.setSelectionRange(start, start + (lines[(fault.line ?? 1) - 1] ?? "").length);
-}
+// -- what is typed as YAML
 
-let wait = 0;
+let typing = 0;
+function typed() {
+  clearTimeout(typing);
+  typing = 0;
+  if (area.value === state.text) return;
+  put(area.value, "yaml");
+  pending = null;
+  if (running) running.read = true;
+  send();
+}
 area.addEventListener("input", () => {
-  clearTimeout(wait);
-  wait = setTimeout(() => { put(area.value, "yaml"); pending = null; send(); }, 350);
+  clearTimeout(typing);
+  typing = setTimeout(typed, TYPING);
 });
-area.addEventListener("blur", () => { if (area.value === state.text) area.value = state.text; });
+area.addEventListener("blur", () => { if (typing) typed(); });
 
-function choose(name) {
-  for (const tab of document.querySelectorAll('[role="tab"]')) {
-    const here = tab.id === `tab-${name}`;
-    tab.setAttribute("aria-selected", here);
-    tab.tabIndex = here ? 0 : -1;
-    document.getElementById(tab.getAttribute("aria-controls")).hidden = !here;
-  }
+/** Waits until all that is typed is in the text of the spec. */
+async function settled() {
+  if (typing) typed();
+  if (document.activeElement?.closest("#form")) document.activeElement.dispatchEvent(new Event("change"));
+  while (!files.gone() && (pending || (running && !running.read))) await new Promise((done) => { waiting.push(done); });
 }
 
-for (const tab of document.querySelectorAll('[role="tab"]')) {
-  tab.addEventListener("click", () => choose(tab.id.slice(4)));
-  tab.addEventListener("keydown", (event) => {
-    if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
-    const other = tab.id === "tab-form" ? "yaml" : "form";
-    choose(other);
-    document.getElementById(`tab-${other}`).focus();
-  });
+function wake() {
+  for (const done of waiting.splice(0)) done();
 }
 
-document.getElementById("loop").addEventListener("click", async ({ currentTarget }) => {
-  currentTarget.disabled = true;
-  currentTarget.textContent = "simulating …";
+// -- the closed loop
+
+loop.addEventListener("click", async () => {
+  if (!able(loop)) return;
+  enable(loop, false);
+  loop.textContent = "simulating …";
+  await settled();
   const text = state.text;
   try {
     for await (const piece of pieces("loop", { text })) {
@@ -154,60 +180,65 @@ document.getElementById("loop").addEventListener("click", async ({ currentTarget
   } catch {
     files.reachable(false);
   }
-  currentTarget.disabled = false;
-  currentTarget.textContent = "Simulate in closed loop";
-  document.querySelector('[data-name="loop"], [data-name="closed_loop"]')?.scrollIntoView();
+  enable(loop, true);
+  loop.textContent = "Simulate in closed loop";
+  const head = document.querySelector('[data-name="loop"] > *, [data-name="closed_loop"] > *');
+  if (text !== state.text) files.notice("The spec was changed in the meantime: the closed loop was not shown.", [], "said");
+  else head?.focus({ preventScroll: true });
+  head?.scrollIntoView();
 });
 
 // -- from the start
 
+let keeping = 0;
 watch(() => {
-  document.getElementById("undo").disabled = !state.past.length;
-  document.getElementById("redo").disabled = !state.future.length;
+  enable(document.getElementById("undo"), state.past.length);
+  enable(document.getElementById("redo"), state.future.length);
   document.getElementById("unsaved").hidden = state.text === state.saved && state.mark !== null;
   document.title = `${state.text === state.saved ? "" : "• "}${state.name} – drivesizer`;
   clearTimeout(keeping);
   keeping = setTimeout(async () => history.replaceState(null, "", `#${await packed()}`), 300);
 });
-let keeping = 0;
 
-function again(step) {
-  step();
-  area.value = state.text;
-  pending = null;
-  send();
-}
-document.getElementById("undo").addEventListener("click", () => again(undo));
-document.getElementById("redo").addEventListener("click", () => again(redo));
-
-function restart(text) {
-  put(text);
-  area.value = text;
-  pending = null;
-  send();
+for (const [name, step] of [["undo", undo], ["redo", redo]]) {
+  document.getElementById(name).addEventListener("click", async (event) => {
+    if (!able(event.currentTarget)) return;
+    await settled();
+    step();
+    replace(state.text);
+  });
 }
 
 async function start() {
   form.prepare(await get("schema.json"), edit, sliders.open);
   sliders.prepare(edit);
-  catalogue.prepare({ edit, again: () => restart(state.text), notice: files.notice });
-  files.prepare(restart);
+  catalogue.prepare({ edit, again: () => send(), notice: files.notice });
+  files.prepare({ restart, again: () => send(), settled, turn });
   const file = await get("spec");
   Object.assign(state, { text: file.text, saved: file.text, mark: file.mark, name: file.name });
   document.getElementById("file").textContent = file.name;
-  let opened = [];
-  if (location.hash.length > 1) {
-    try {
-      const kept = await unpacked(location.hash.slice(1));
-      state.text = kept.text;
-      opened = kept.sliders;
-    } catch {
-      files.notice("the link was damaged: the file is shown");
-    }
-  }
   if (file.wrong) files.notice(`${file.name}: cannot be read (${file.wrong}); the page starts with another spec`);
+  const opened = await kept(file);
+  area.value = state.text;
   await send();
-  for (const path of opened) if (Array.isArray(path)) sliders.open(path);
+  for (const one of opened) if (Array.isArray(one?.path)) sliders.open(one, false);
+}
+
+/** What the address holds: text and sliders; the file may be another by now. */
+async function kept(file) {
+  if (location.hash.length < 2) return [];
+  try {
+    const found = await unpacked(location.hash.slice(1));
+    state.text = found.text;
+    if (found.mark !== undefined && found.mark !== file.mark && found.text !== file.text) {
+      state.mark = found.mark;
+      files.differs();
+    }
+    return found.sliders;
+  } catch {
+    files.notice("the link was damaged: the file is shown");
+    return [];
+  }
 }
 
 start().catch(() => files.reachable(false));

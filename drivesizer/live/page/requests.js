@@ -14,8 +14,27 @@ export async function post(name, body) {
   return fetch(new URL(name, address), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
 }
 
+const FIRST = new Set(["loop", "report", "export", "compare"]); // before them what is computed ahead gives way
+const ahead = [];
+
+/** What is done before a job that the user waits for, and after it. */
+export function whenFree(stop, goOn) { ahead.push({ stop, goOn }); }
+
 /** Pieces of the answer to a job, each as soon as it has come. */
 export async function* pieces(job, body, signal) {
+  if (!FIRST.has(job)) {
+    yield* answered(job, body, signal);
+    return;
+  }
+  for (const each of ahead) each.stop();
+  try {
+    yield* answered(job, body, signal);
+  } finally {
+    for (const each of ahead) each.goOn();
+  }
+}
+
+async function* answered(job, body, signal) {
   const response = await fetch(new URL(`do/${job}`, address), {
     method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ ...body, tab }), signal,
   });
@@ -36,9 +55,9 @@ export async function* pieces(job, body, signal) {
 }
 
 /** All pieces of a job at once; an error where something is wrong. */
-export async function whole(job, body) {
+export async function whole(job, body, signal) {
   const found = [];
-  for await (const piece of pieces(job, body)) {
+  for await (const piece of pieces(job, body, signal)) {
     if (piece.kind === "wrong") throw new Error(piece.lines.join("; "));
     found.push(piece);
   }

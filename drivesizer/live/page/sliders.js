@@ -1,223 +1,158 @@
 // Sliders: a figure of the spec over a range, with the best drive at each place of it.
 
-import { pieces, whole } from "./requests.js";
+import { button, element, keyOf, words } from "./dom.js";
 import { changed, state } from "./state.js";
+import { draw, here } from "./stretches.js";
+import * as sweeps from "./sweeps.js";
 
 const panel = document.getElementById("sliders");
-const POINTS = 25, FINER = 4, COLOURS = 6, STEPS = 400;
+const STEPS = 300, STILL = 400; // about so many places; ms after which a slider no longer moves
 const FIGURE = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)$/;
 let act = () => {};
 
 export function prepare(onEdits) { act = onEdits; }
 
-const keyOf = (path) => path.join("\u001f");
-const named = (path) => path.map((step) => (typeof step === "number" ? `${step + 1}` : step.replaceAll("_", " "))).join(" · ");
-
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
-
-/** A number of four digits, as one would type it. */
-const written = (value) => String(Number(value.toPrecision(4)));
-
 /** The text of the spec at a place, if it is a figure. */
 function figureAt(path) {
   const value = path.reduce((at, step) => at?.[step], state.data);
   const found = typeof value === "string" || typeof value === "number" ? FIGURE.exec(String(value)) : null;
-  return found ? { number: Number(found[1]), unit: found[2].replace(/\s*[±].*$/, "") } : null;
+  return found ? { number: Number(found[1]), unit: found[2] } : null;
 }
 
-/** Opens the slider of a figure; a second time it gets the keyboard. */
-export function open(path) {
-  const there = state.sliders.find((one) => keyOf(one.path) === keyOf(path));
+/** Opens the slider of a figure and gives it the keyboard, unless it is one of a link; a second time the same. */
+export function open(given, keyboard = true) {
+  const { path } = given, there = state.sliders.find((one) => keyOf(one.path) === keyOf(path));
   const figure = figureAt(path);
-  if (there || !figure) {
-    there?.range.focus();
-    return;
-  }
-  const whole = Number.isInteger(figure.number) && !figure.unit;
-  const reach = Math.abs(figure.number) || 10;
-  const low = figure.number >= 0 ? (whole ? 1 : reach === figure.number ? reach / 4 : 0) : -2 * reach;
-  const high = figure.number > 0 ? 2 * reach : figure.number < 0 ? 0 : reach;
-  const one = { path, unit: figure.unit, whole, low, high: whole ? Math.max(high, low + 1) : high, points: new Map(), fell: new Map(), control: null };
+  if (there || !figure) return there && shown(there);
+  const one = { path, whole: Boolean(given.whole), points: new Map(), rejected: new Map() };
+  one.text = (value) => `${Number(value.toPrecision(8))}${one.unit ? ` ${one.unit}` : ""}`;
+  Object.assign(one, figure, Number.isFinite(given.low) && given.low < given.high ? { low: given.low, high: given.high } : around(figure.number, one.whole));
   build(one);
   state.sliders.push(one);
   changed();
-  sweep(one);
+  sweeps.want(one);
+  return keyboard && shown(one);
 }
 
+function shown(one) {
+  one.range.focus({ preventScroll: true });
+  requestAnimationFrame(() => one.box.scrollIntoView({ block: "nearest", behavior: "instant" }));
+}
+
+/** Bounds of a slider at first. */
+function around(value, whole) {
+  if (whole) return { low: Math.min(1, value), high: Math.max(2 * value, 2) };
+  if (value === 0) return { low: 0, high: 10 };
+  const near = value / 4, far = 2 * value;
+  return value > 0 ? { low: near, high: far } : { low: far, high: 0 };
+}
+
+/** A step that one would choose: 1, 2 or 5 of a power of ten. */
+function stepOf(one) {
+  if (one.whole) return 1;
+  const least = (one.high - one.low) / STEPS, power = 10 ** Math.floor(Math.log10(least));
+  return power * ([1, 2, 5].find((each) => each * power >= least * 0.8) ?? 10);
+}
+
+// -- how it looks
+
 function build(one) {
-  const label = named(one.path);
-  one.range = element("input", { type: "range", min: 0, max: one.whole ? one.high - one.low : STEPS, step: 1 });
-  one.range.setAttribute("aria-label", label);
-  one.output = element("output");
-  one.band = element("div", { className: "band", ariaHidden: "true" });
+  const label = one.path.map(words).join(" · ");
+  one.range = element("input", { type: "range", min: 0, step: 1, aria: { label } });
+  one.value = element("span", { className: "value" });
+  one.band = element("div", { className: "band", aria: { hidden: "true" } });
   one.list = element("ul", { className: "stretches" });
-  const close = element("button", { type: "button", textContent: "×", title: "close the slider" });
-  close.setAttribute("aria-label", `close the slider for ${label}`);
-  close.addEventListener("click", () => {
-    one.control?.abort();
-    one.box.remove();
-    state.sliders = state.sliders.filter((other) => other !== one);
-    changed();
-  });
-  one.bounds = element("p", { className: "bounds" }, element("span", { textContent: text(one, one.low) }), element("span", { textContent: text(one, one.high) }));
-  one.box = element("div", { className: "slider" }, element("div", { className: "top" }, element("span", { textContent: label }), one.output, close), one.range, one.band, one.bounds, one.list);
-  one.range.addEventListener("input", () => {
-    const value = text(one, valueOf(one));
-    one.range.setAttribute("aria-valuetext", value);
-    one.output.textContent = value;
-    here(one);
-    act([[one.path, value, false]], keyOf(one.path));
-  });
+  one.all = element("summary", { textContent: "best drives over the range" });
+  const wide = matchMedia("(min-width: 62rem)").matches;
+  const close = button("×", () => shut(one), { className: "small", title: "close the slider", aria: { label: `close the slider for ${label}` } });
+  const top = element("div", { className: "top" }, element("span", { textContent: label }), one.value, close);
+  one.ends = ["low", "high"].map((end) => bound(one, end, label));
+  one.far = element("span", { className: "far" });
+  one.box = element("div", { className: "slider" }, top, one.range, one.band, element("p", { className: "bounds" }, one.ends[0], one.far, one.ends[1]), element("details", { open: wide }, one.all, one.list));
+  one.range.addEventListener("input", () => moved(one));
   panel.append(one.box);
+  ranged(one);
+}
+
+/** A bound of the range, which may be typed over. */
+function bound(one, end, label) {
+  const made = element("input", { type: "text", autocomplete: "off", spellcheck: false, aria: { label: `${end === "low" ? "from" : "to"}, slider for ${label}` } });
+  made.addEventListener("change", () => {
+    const found = FIGURE.exec(made.value), next = { low: one.low, high: one.high, [end]: Number(found?.[1]) };
+    if (found && next.low < next.high && (found[2] === "" || found[2] === one.unit)) {
+      Object.assign(one, next);
+      changed();
+      sweeps.want(one);
+    }
+    ranged(one);
+  });
+  return made;
+}
+
+/** Sets range and bounds, with places at round figures. */
+function ranged(one) {
+  one.step = stepOf(one);
+  one.first = Math.ceil(one.low / one.step - 1e-9);
+  one.range.max = String(Math.floor(one.high / one.step + 1e-9) - one.first);
+  for (const [n, value] of [one.low, one.high].entries()) one.ends[n].value = one.text(value);
   follow(one);
 }
 
-function valueOf(one) {
-  const share = Number(one.range.value) / Number(one.range.max);
-  return one.low + share * (one.high - one.low);
+function shut(one) {
+  sweeps.drop(one);
+  one.box.remove();
+  state.sliders = state.sliders.filter((other) => other !== one);
+  changed();
+  const opener = document.querySelector(`#form [data-key="${CSS.escape(keyOf([...one.path, "~"]))}"]`);
+  (opener?.checkVisibility() ? opener : panel.querySelector("input") ?? document.getElementById("tab-form")).focus({ preventScroll: true });
 }
 
-const text = (one, value) => `${one.whole ? Math.round(value) : written(value)}${one.unit ? ` ${one.unit}` : ""}`;
+// -- how it moves
 
-/** Sets a slider to what the spec says. */
+const valueOf = (one) => Number(((one.first + Number(one.range.value)) * one.step).toPrecision(8));
+
+function moved(one) {
+  const value = valueOf(one), text = one.text(value);
+  one.moving = performance.now();
+  one.number = value;
+  said(one, text);
+  act([[one.path, text, false]], keyOf(one.path));
+}
+
+function said(one, text) {
+  one.range.setAttribute("aria-valuetext", text);
+  one.value.textContent = text;
+  here(one.list, one.number);
+}
+
+/** Sets a slider to what the spec says; where it has no such figure now, it is not shown. */
 function follow(one) {
   const figure = figureAt(one.path);
-  if (!figure) return;
-  const share = (figure.number - one.low) / (one.high - one.low);
-  if (document.activeElement !== one.range) one.range.value = String(Math.round(share * Number(one.range.max)));
-  one.output.textContent = `${written(figure.number)}${figure.unit ? ` ${figure.unit}` : ""}`;
-  one.range.setAttribute("aria-valuetext", one.output.textContent);
-  here(one);
+  one.box.hidden = !figure;
+  if (!figure || performance.now() - (one.moving ?? -Infinity) < STILL) return;
+  if (figure.unit !== one.unit) {
+    one.text = (value) => `${Number(value.toPrecision(8))}${one.unit ? ` ${one.unit}` : ""}`;
+  Object.assign(one, figure, around(figure.number, one.whole));
+    ranged(one);
+    return;
+  }
+  one.number = figure.number;
+  one.range.value = String(Math.round(figure.number / one.step) - one.first);
+  said(one, one.text(figure.number));
 }
 
 /** The spec has changed: sliders follow, and what hangs on other figures is computed anew. */
 export function renew() {
   for (const one of state.sliders) {
     follow(one);
-    const others = rest(one);
-    if (one.others === others) continue;
-    one.others = others;
-    clearTimeout(one.wait);
-    one.wait = setTimeout(() => sweep(one), 500);
+    if (!one.box.hidden) sweeps.renew(one);
   }
 }
 
-/** The spec without the figure of a slider. */
-function rest(one) {
-  const copy = structuredClone(state.data ?? {});
-  const place = one.path.slice(0, -1).reduce((at, step) => at?.[step], copy);
-  if (place) place[one.path.at(-1)] = null;
-  return JSON.stringify(copy);
-}
-
-// -- the best drive at each place
-
-async function sweep(one) {
-  one.control?.abort();
-  const control = one.control = new AbortController();
-  one.others = rest(one);
-  one.points.clear();
-  one.fell.clear();
-  const count = one.whole ? Math.min(POINTS, one.high - one.low + 1) : POINTS;
-  const values = Array.from({ length: count }, (_, n) => one.low + (n / Math.max(count - 1, 1)) * (one.high - one.low));
-  try {
-    await look(one, values, control.signal);
-    if (!one.whole) await look(one, between(one), control.signal);
-    await reasons(one, control.signal);
-  } catch (error) {
-    if (error.name !== "AbortError") one.list.replaceChildren(element("li", { textContent: "not computed: the server does not answer" }));
-  }
-}
-
-async function look(one, values, signal) {
-  if (!values.length) return;
-  const body = { text: state.text, path: one.path, values: values.map((value) => text(one, value)) };
-  for await (const piece of pieces("sweep", { ...body, slider: keyOf(one.path) }, signal)) {
-    if (piece.kind !== "point") continue;
-    one.points.set(values[piece.number], piece);
-    draw(one);
-  }
-}
-
-const same = (a, b) => a.status === b.status && a.label === b.label;
-
-function ordered(one) {
-  return [...one.points].sort(([a], [b]) => a - b).map(([value, point]) => ({ ...point, value }));
-}
-
-/** Places between two of which the best drive differs. */
-function between(one) {
-  const points = ordered(one), found = [];
-  for (let n = 1; n < points.length; n += 1) {
-    if (same(points[n - 1], points[n])) continue;
-    const step = (points[n].value - points[n - 1].value) / (FINER + 1);
-    for (let k = 1; k <= FINER; k += 1) found.push(points[n - 1].value + k * step);
-  }
-  return found;
-}
-
-/** Why the best drive of a stretch is not that of the next. */
-async function reasons(one, signal) {
-  const list = stretches(one);
-  for (let n = 0; n + 1 < list.length && n < 12; n += 1) {
-    if (signal.aborted) return;
-    const before = list[n], parts = before.parts;
-    if (before.status === "wrong" || !parts?.length || Array.isArray(parts[0])) continue;
-    const edits = [[one.path, text(one, list[n + 1].from), false]];
-    const [found] = await whole("rejected", { text: state.text, edits, motor: parts[0], gearhead: parts[1] }).catch(() => []);
-    if (found) one.fell.set(before.to, found);
-    draw(one);
-  }
-}
-
-/** Neighbouring places with the same best drive. */
-function stretches(one) {
-  const list = [];
-  for (const point of ordered(one)) {
-    const last = list.at(-1);
-    if (last && same(last, point)) last.to = point.value;
-    else list.push({ ...point, from: point.value, to: point.value });
-  }
-  return list;
-}
-
-function draw(one) {
-  const list = stretches(one), span = one.high - one.low, names = [...new Set(list.filter(passes).map((each) => each.label))];
-  const colour = (each) => (passes(each) ? `s${names.indexOf(each.label) % COLOURS}` : each.status === "wrong" ? "wait" : "none");
-  one.band.replaceChildren(...list.map((each, n) => {
-    const start = n ? (list[n - 1].to + each.from) / 2 : one.low, end = n + 1 < list.length ? (each.to + list[n + 1].from) / 2 : each.to;
-    const piece = element("i", { className: colour(each) });
-    piece.style.width = `${(100 * (end - start)) / span}%`;
-    return piece;
-  }));
-  one.list.replaceChildren(...list.map((each, n) => line(one, each, colour(each), list[n + 1])));
-  here(one);
-}
-
-const passes = (each) => each.status !== "fail" && each.status !== "wrong";
-
-function line(one, each, colour, next) {
-  const fell = one.fell.get(each.to);
-  const reach = each.from === each.to ? text(one, each.from) : `${text(one, each.from)} to ${text(one, each.to)}`;
-  const best = passes(each) ? each.label : each.status === "wrong" ? each.said : "no drive meets all limits";
-  const why = !next || !fell ? "" : fell.status === "fail" ? `; beyond it ${fell.tight} ${fell.said}` : "; beyond it another is better";
-  const made = element("li", {}, element("i", { className: colour }), element("span", { textContent: `${reach}: ${best}${why}` }));
-  made.from = each.from;
-  made.to = each.to;
-  return made;
-}
-
-/** Marks the stretch in which the slider stands. */
-function here(one) {
-  const value = valueOf(one);
-  let nearest = null, least = Infinity;
-  for (const item of one.list.children) {
-    const off = Math.max(item.from - value, value - item.to, 0);
-    if (off < least) [nearest, least] = [item, off];
-  }
-  for (const item of one.list.children) item.classList.toggle("here", item === nearest);
-}
+/** Draws what is known of a slider's range by now. */
+sweeps.watch((one, left) => {
+  const count = draw(one);
+  here(one.list, one.number);
+  one.far.textContent = left ? `${left} places to compute …` : "";
+  one.all.textContent = count === 1 ? "one best drive over the range" : `best drives over the range: ${count} stretches`;
+});

@@ -44,7 +44,7 @@ async function through(stream, bytes) {
 }
 
 export async function packed() {
-  const whole = JSON.stringify({ text: state.text, sliders: state.sliders.map((one) => one.path) });
+  const whole = JSON.stringify({ text: state.text, mark: state.mark, sliders: state.sliders.map(({ path, whole, low, high }) => ({ path, whole, low, high })) });
   const bytes = await through(new CompressionStream("deflate-raw"), new TextEncoder().encode(whole));
   let letters = "";
   for (const byte of bytes) letters += String.fromCharCode(byte);

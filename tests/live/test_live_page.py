@@ -1,0 +1,512 @@
+"""The live page in a browser, as its user walks through it: one server, one browser, a catalogue of few drives."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+from browser_pages import findings, launched, until
+from live_pages import SMALL, answered, field, live, opening
+from live_server import serving
+from playwright.sync_api import expect
+
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_edit import Edit, edited
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.sizing import size
+from drivesizer.spec.robot import load_spec
+
+pytestmark = pytest.mark.slow
+WIDTHS = (390, 768, 1400)
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("live") / "robot.yaml"
+    made.write_text(SMALL, encoding="utf-8")
+    return made
+
+
+@pytest.fixture(scope="module")
+def address(path: Path) -> Iterator[str]:
+    with serving(path) as found:
+        yield f"http://{found.host}/{found.token}/"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    yield from launched()
+
+
+@pytest.fixture(scope="module")
+def tab(browser: Any, address: str) -> Iterator[Any]:
+    """A tab with the page; in the end, what it said and requested is held against what it may."""
+    made = live(browser, address)
+    yield made
+    made.context.close()
+    assert made.heard.console == []
+    requested = {urlsplit(url).netloc for url in made.heard.requests if not url.startswith(("data:", "blob:"))}
+    assert requested == {urlsplit(address).netloc}
+
+
+@pytest.fixture
+def page(tab: Any, address: str, path: Path) -> Any:
+    """The tab with the file as it was."""
+    path.write_text(SMALL, encoding="utf-8")
+    tab.goto("about:blank")
+    tab.goto(address)
+    return answered(tab)
+
+
+def typed(page: Any, *path: str | int, value: str) -> None:
+    """Type into a field and leave it."""
+    field(page, *path).fill(value)
+    field(page, *path).press("Enter")
+
+
+def choose(page: Any, name: str) -> None:
+    page.locator(".menu").get_by_role("button", name=re.compile(f"^{name}")).click()
+
+
+def text_of(page: Any) -> str:
+    return str(page.locator("#text").input_value())
+
+
+def test_headline_is_the_first_screen_of_the_command(page: Any, path: Path) -> None:
+    best = size(load_spec(path)).sets[0]
+    expect(page.locator("#headline .best")).to_have_text(f"{best.status} {best.label}")
+    expect(page.locator("#headline dl")).to_contain_text(
+        f"a drive{best.mass * 1e3:.4g} g, at least {best.price:.2f} EUR"
+    )
+    expect(page.locator("#report h2").first).to_have_text("Summary")
+
+
+def test_new_spec_from_a_starter(page: Any) -> None:
+    page.get_by_role("button", name="New …").click()
+    page.get_by_role("button", name=re.compile(r"wheeled vehicle \(AGV\)")).click()
+    expect(field(page, "load", "mass")).to_have_value("30 kg")
+    answered(page)
+    assert "# casters carry the rest" not in text_of(page) and "# uphill positive" in text_of(page)
+    page.get_by_role("button", name="Undo").click()
+    expect(field(page, "load", "mass")).to_have_value("45 kg")
+
+
+def test_a_wrong_unit_stands_at_its_field_until_it_is_put_right(page: Any, tmp_path: Path) -> None:
+    typed(page, "load", "mass", value="45 V")
+    answered(page, "wrong")
+    mass = field(page, "load", "mass")
+    expect(mass).to_have_attribute("aria-invalid", "true")
+    wrong = tmp_path / "robot.yaml"
+    wrong.write_text(text_of(page), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        load_spec(wrong)
+    line = str(error.value).replace(str(wrong), "robot.yaml")
+    expect(page.locator("#headline .fault")).to_contain_text(line)
+    said = page.locator(f"#{mass.get_attribute('aria-describedby').split()[-1]}").inner_text()
+    assert line.endswith(said)
+    page.get_by_role("tab", name="YAML").click()
+    chosen = page.evaluate("(area => area.value.slice(area.selectionStart, area.selectionEnd))(document.activeElement)")
+    assert chosen == "  mass: 45 V  # with payload"
+    page.get_by_role("tab", name="Form").click()
+    page.locator("#headline").get_by_role("button", name="show").click()
+    expect(mass).to_be_focused()
+    typed(page, "load", "mass", value="46 kg")
+    answered(page)
+    expect(mass).not_to_have_attribute("aria-invalid", "true")
+    assert text_of(page) == SMALL.replace("45 kg", "46 kg")
+
+
+def test_fields_and_items_come_and_go_with_the_keyboard_at_their_place(page: Any) -> None:
+    page.get_by_role("button", name="add a field to load").click()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowUp")
+    choose(page, "slope")
+    expect(field(page, "load", "slope")).to_be_focused()
+    page.keyboard.type("2 deg")
+    page.keyboard.press("Tab")
+    until(page, lambda: "  slope: 2 deg\n" in text_of(page))
+    assert page.evaluate("document.activeElement.dataset.key")
+    field(page, "load", "slope", "-").press("Enter")
+    expect(field(page, "load", "slope")).to_have_count(0)
+    assert page.evaluate("document.activeElement.dataset.key")
+    field(page, "transmission", "+").click()
+    expect(field(page, "transmission", 1, "kind")).to_be_focused()
+    field(page, "transmission", 1, "kind").select_option("belt")
+    answered(page)
+    assert {"ratio": 2, "efficiency": 0.95}.items() <= load_spec_of(page)["transmission"][1].items()
+    page.get_by_role("button", name="add a section …").click()
+    page.get_by_role("textbox", name="find").fill("cases")
+    page.keyboard.press("Enter")
+    expect(field(page, "cases", 0, "name")).to_be_focused()
+    page.keyboard.type("ramp")
+    page.keyboard.press("Enter")
+    answered(page)
+    page.get_by_role("button", name="add a field to cases 1", exact=True).click()
+    choose(page, "load")
+    page.get_by_role("button", name="add a field to cases 1 load").click()
+    choose(page, "slope")
+    page.keyboard.type("3 deg")
+    page.keyboard.press("Enter")
+    answered(page)
+    assert load_spec_of(page)["cases"] == [{"name": "ramp", "load": {"slope": "3 deg"}}]
+
+
+def test_what_is_typed_while_the_form_is_drawn_anew_is_kept(page: Any) -> None:
+    """The next field is typed in while the answer to the last one comes; Save takes what stands in the field."""
+    page.evaluate("""() => { const real = fetch; window.fetch = async (...given) => {
+        if (String(given[0]).endsWith("do/answer")) await new Promise((go) => { setTimeout(go, 300); });
+        return real(...given); }; }""")
+    field(page, "load", "mass").fill("50 kg")
+    page.keyboard.press("Tab")
+    field(page, "load", "wheel_diameter").click()
+    page.keyboard.press("ControlOrMeta+A")
+    page.keyboard.type("2", delay=50)
+    until(page, lambda: "mass: 50 kg" in text_of(page))
+    expect(field(page, "load", "wheel_diameter")).to_be_focused()
+    page.keyboard.type("00 mm")
+    page.keyboard.press("ControlOrMeta+S")
+    expect(page.locator("#unsaved")).to_be_hidden()
+    assert "wheel_diameter: 200 mm" in text_of(page)
+
+
+def test_load_turned_into_another_kind_and_back(page: Any) -> None:
+    field(page, "load", "kind").select_option("rotary_table")
+    answered(page)
+    found = load_spec(load_spec_of(page))
+    assert found.load.kind == "rotary_table" and found.motion
+    field(page, "load", "kind").select_option("wheeled_vehicle")
+    answered(page)
+    assert load_spec_of(page) == load_spec_in(SMALL)
+    page.get_by_role("button", name="Undo").click()
+    expect(field(page, "load", "kind")).to_have_value("rotary_table")
+    page.get_by_role("button", name="Redo").click()
+    expect(field(page, "load", "kind")).to_have_value("wheeled_vehicle")
+
+
+def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
+    page.get_by_label("slider for load mass").click()
+    slider = page.get_by_role("slider", name="load · mass")
+    expect(slider).to_be_focused()
+    page.get_by_role("textbox", name="to, slider for load · mass").fill("200 kg")
+    page.keyboard.press("Enter")
+    lines = page.locator(".stretches li")
+    expect(lines.filter(has_text="no drive meets all limits")).to_have_count(1, timeout=20_000)
+    expect(lines.filter(has_text="beyond:").first).to_contain_text(re.compile(r"beyond: .+ −\d"), timeout=20_000)
+    first = page.locator("#headline .best").inner_text()
+    slider.focus()
+    for _ in range(3):
+        page.keyboard.press("PageUp")
+    expect(page.locator("#headline .best")).not_to_have_text(first)
+    here = page.locator(".stretches li.here")
+    best = here.locator("span").nth(1).inner_text()
+    expect(page.locator("#headline .best")).to_contain_text(re.compile(re.escape(best), re.IGNORECASE))
+    box = slider.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 8, box["y"] + box["height"] / 2, steps=5)
+    page.mouse.up()
+    expect(field(page, "load", "mass")).to_have_value(re.compile(r"^1[12][. ]"))
+    answered(page)
+    assert "# with payload" in text_of(page)
+    expect(here).to_contain_text(page.locator("#headline .best").inner_text().split(" ", 1)[1])
+    page.keyboard.press("ControlOrMeta+Z")
+    expect(slider).not_to_have_attribute("aria-valuetext", re.compile(r"^1[12][. ]"))
+    page.get_by_label("close the slider for load · mass").click()
+    expect(page.get_by_label("slider for load mass")).to_be_focused()
+
+
+def test_new_best_drive_is_said_once(page: Any) -> None:
+    until(page, lambda: bool(page.locator("#said").inner_text()))
+    page.evaluate("""() => { const said = document.getElementById("said"); window.heard = [];
+        new MutationObserver(() => heard.push(said.textContent)).observe(said, { childList: true }); }""")
+    page.get_by_label("slider for motion speed").click()
+    for _ in range(4):
+        page.keyboard.press("PageUp")
+    answered(page)
+    until(page, lambda: len(page.evaluate("heard")) > 0)
+    page.wait_for_timeout(300)
+    heard, (status, label) = page.evaluate("heard"), page.locator("#headline .best").inner_text().split(maxsplit=1)
+    assert heard[-1] == f"{status}: {label}" and len(heard) <= 2
+
+
+def test_drives_side_by_side(page: Any) -> None:
+    boxes = page.locator("#sets input")
+    boxes.nth(0).check()
+    boxes.nth(1).press("Space")
+    expect(boxes.nth(1)).to_be_focused()
+    table = page.locator("#compared table")
+    expect(table.locator("thead th")).to_have_count(2)
+    expect(table.locator("tbody tr").first).to_contain_text("parts")
+    typed(page, "load", "mass", value="47 kg")
+    answered(page)
+    expect(page.locator("#sets input:checked")).to_have_count(2)
+    expect(table).to_be_visible()
+    page.locator("#compared").get_by_role("button", name="close").click()
+    expect(boxes.nth(0)).to_be_focused()
+    expect(boxes.nth(0)).not_to_be_checked()
+
+
+def test_files_arrive(page: Any) -> None:
+    for name, stem, begins in (
+        ("Spec, YAML", "robot.yaml", b"name: AGV"),
+        ("Report, PDF", "robot-report.pdf", b"%PDF-"),
+        ("Report, HTML", "robot-report.html", b"<!DOCTYPE html>"),
+        ("Report, XLSX", "robot-report.xlsx", b"PK"),
+        ("URDF", "robot-drive.zip", b"PK"),
+    ):
+        page.get_by_role("button", name="Download …").click()
+        with page.expect_download(timeout=60_000) as found:
+            page.get_by_role("button", name=name, exact=True).click()
+        assert found.value.suggested_filename in (stem, stem.replace(".zip", ".urdf"))
+        assert Path(found.value.path()).read_bytes().startswith((begins, b"<?xml"))
+    expect(page.locator("#notices p")).to_have_count(0)
+
+
+def test_closed_loop(page: Any) -> None:
+    page.get_by_role("button", name="Simulate in closed loop").click()
+    expect(page.locator("#report > section", has_text="Closed loop").first).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("button", name="Simulate in closed loop")).to_be_visible()
+    assert page.evaluate("document.activeElement.tagName") in ("H2", "H3", "BUTTON")
+
+
+def test_file_is_written_and_another_programs_change_is_seen(page: Any, path: Path) -> None:
+    typed(page, "load", "mass", value="48 kg")
+    page.get_by_role("button", name="Save").click()
+    until(page, lambda: path.read_text(encoding="utf-8") == SMALL.replace("45 kg", "48 kg"))
+    expect(page.locator("#unsaved")).to_be_hidden()
+    path.write_text(SMALL.replace("45 kg", "60 kg"), encoding="utf-8")
+    typed(page, "load", "mass", value="49 kg")
+    page.get_by_role("button", name="Save").click()
+    page.get_by_role("button", name="load it").click()
+    expect(field(page, "load", "mass")).to_have_value("60 kg")
+
+
+def test_reload_and_link_keep_what_is_not_saved(page: Any, browser: Any, path: Path) -> None:
+    typed(page, "load", "mass", value="51 kg")
+    page.get_by_label("slider for motion speed").click()
+    answered(page)
+    page.wait_for_timeout(500)
+    page.reload()
+    answered(page)
+    expect(field(page, "load", "mass")).to_have_value("51 kg")
+    expect(page.get_by_role("slider", name="motion · speed")).to_be_visible()
+    other = live(browser, page.url)
+    expect(field(other, "load", "mass")).to_have_value("51 kg")
+    expect(other.locator("#unsaved")).to_be_visible()
+    path.write_text(SMALL.replace("45 kg", "61 kg"), encoding="utf-8")
+    other.reload()
+    expect(other.get_by_text("has been changed by another program")).to_be_visible()
+    other.context.close()
+    assert path.read_text(encoding="utf-8") == SMALL.replace("45 kg", "61 kg")
+
+
+# -- how it looks
+
+
+LONG = "[data-name=derivation], [data-name=datasheets], [data-name=assumptions], [data-name=heat], [data-name=energy]"
+"""Sections in which axe-core takes long, and which the test of the report's own page has looked at."""
+
+
+def test_nothing_lies_beyond_an_edge_and_axe_finds_nothing_serious(page: Any) -> None:
+    """With slider, comparison and report; the two parts of a narrow page at once, as no user sees them."""
+    page.get_by_label("slider for load mass").click()
+    page.locator("#sets input").nth(0).check()
+    page.locator("#sets input").nth(1).check()
+    expect(page.locator("#compared table")).to_be_visible()
+    page.evaluate(f"for (const one of document.querySelectorAll({LONG!r})) one.remove()")
+    for width in WIDTHS:
+        page.set_viewport_size({"width": width, "height": 900})
+        page.evaluate("document.body.dataset.pane = ''; dispatchEvent(new Event('resize'))")
+        until(page, lambda: page.evaluate("document.documentElement.scrollWidth - innerWidth") == 0)
+        assert page.evaluate(BEYOND) == []
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            assert findings(page) == []
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.get_by_role("button", name="Machine", exact=True).click()
+    typed(page, "load", "mass", value="45")
+    answered(page, "wrong")
+    page.get_by_role("button", name="add a field to load").click()
+    page.evaluate("document.getElementById('answer').hidden = true")  # it has been looked at
+    assert findings(page) == []
+    page.emulate_media(color_scheme="light")
+    page.set_viewport_size({"width": 1400, "height": 1000})
+
+
+BEYOND = """() => [...document.querySelectorAll("body *")].filter((one) => one.checkVisibility()
+    && !one.closest(".scroll, .step dd, .lines, svg, .skip, .hidden, pre")
+    && one.getBoundingClientRect().right > innerWidth + 1).map((one) => one.outerHTML.slice(0, 120))"""
+
+
+def test_headline_stays_in_sight_of_a_slider_on_a_phone(browser: Any, address: str) -> None:
+    page = live(browser, address, 390, 844, has_touch=True, is_mobile=True)
+    expect(page.locator("#answer")).to_be_hidden()
+    page.get_by_label("slider for supply current").click()
+    slider = page.get_by_role("slider", name="supply · current")
+    expect(slider).to_be_in_viewport(ratio=1)
+    front, box = page.locator("#front").bounding_box(), slider.bounding_box()
+    assert front["y"] >= 0 and front["y"] + front["height"] <= box["y"] and front["height"] < 844 / 3
+    page.get_by_role("button", name="Answer", exact=True).click()
+    expect(page.locator("#form")).to_be_hidden()
+    expect(page.locator("#headline .best")).to_be_in_viewport(ratio=1)
+    small = """() => [...document.querySelectorAll("#top button, #form button, #form input, #form select")]
+        .filter((one) => one.checkVisibility() && Math.min(one.offsetWidth, one.offsetHeight) < 32)
+        .map((one) => one.outerHTML)"""
+    assert page.evaluate(small) == []
+    page.context.close()
+
+
+def test_everything_is_reached_and_seen_by_keyboard(page: Any) -> None:
+    page.locator(".skip").focus()
+    seen: list[str] = []
+    for _ in range(90):
+        seen.append(page.evaluate(FOCUSED))
+        if seen[-1].startswith("slider for supply"):
+            break
+        page.keyboard.press("Tab")
+    text = "\n".join(seen)
+    for wanted in (
+        "To the answer",
+        "New …",
+        "Save",
+        "Download …",
+        "Form",
+        "mass",
+        "slider for load mass",
+        "add a field to load",
+    ):
+        assert wanted in text
+    assert "hidden" not in text and "body" not in text
+    page.get_by_role("tab", name="Form").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#text")).to_be_visible()
+    page.keyboard.press("ArrowLeft")
+    page.locator("#new").press("Enter")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Escape")
+    expect(page.locator("#new")).to_be_focused()
+
+
+# what has the keyboard: whether it is seen, with an outline, and not below what stays at the top
+FOCUSED = """() => {
+  const one = document.activeElement, box = one.getBoundingClientRect(), top = document.getElementById("top");
+  if (one === document.body) return "body";
+  const outlined = getComputedStyle(one).outlineStyle !== "none";
+  const below = !one.closest("#top, .skip") && box.top < top.getBoundingClientRect().bottom - 1;
+  const name = one.getAttribute("aria-label") ?? (one.labels?.[0]?.textContent || one.textContent.trim());
+  return name + (outlined && !below && box.bottom > 0 && box.top < innerHeight ? "" : ` hidden: ${one.outerHTML}`);
+}"""
+
+
+def test_paper_has_every_figure(page: Any) -> None:
+    until(page, lambda: page.locator('#report[data-drawn="all"]').count() == 1)
+    assert page.locator("#report .drawing:not(:has(svg))").count() == 0
+    page.emulate_media(media="print")
+    expect(page.locator("#machine")).to_be_hidden()
+    expect(page.locator("#report")).to_be_visible()
+    page.emulate_media(media="screen")
+
+
+# -- machines, and every kind of load and motion
+
+
+def test_machine_of_several_axes(page: Any, tmp_path: Path) -> None:
+    opening(page, two_axes_text())
+    expect(page.locator("#headline .best")).to_contain_text("Machine of 2 axes")
+    expect(page.locator("#headline dt")).to_have_text(["lift", "turn"])
+    assert page.locator("#report h2").all_inner_texts()[0] == "Summary"
+    assert page.locator("#sets input").count() == 0
+    page.locator("#form summary", has_text="lift").click()
+    expect(field(page, "axes", "lift", "load", "kind")).to_have_value("hoist")
+    typed(page, "axes", "lift", "load", "mass", value="2.5 kg")
+    until(page, lambda: "mass: 2.5 kg" in text_of(page))
+    answered(page)
+    page.get_by_label("slider for axes lift load mass").click()
+    expect(page.locator(".stretches li").first).to_contain_text("lift: ", timeout=30_000)
+    page.get_by_role("textbox", name="name of another of axes").fill("second")
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="add another of axes").click()
+    expect(page.locator("#headline .best")).to_contain_text("Machine of 3 axes", timeout=30_000)
+
+
+def two_axes_text() -> str:
+    return """\
+name: two
+supply: {nominal: 24 V}
+select: {motor: {family: RE 25}, gearhead: {family: GP 26 A}}
+axes:
+  lift:
+    load: {kind: hoist, mass: 2 kg, drum_diameter: 40 mm}
+    motion: {speed: 0.2 m/s, acceleration_time: 0.2 s, cruise_time: 1 s, rest_time: 2 s}
+  turn:
+    load: {kind: rotary_table, inertia: 0.02 kg*m^2}
+    motion: {speed: 60 rpm, acceleration_time: 0.3 s, cruise_time: 1 s, rest_time: 2 s}
+"""
+
+
+# turns the group at a path of a spec, drawn by the form itself, into each other kind: the edits of each
+TURNED = """async ([data, path]) => {
+  const form = await import(new URL("page/form.js", location.href.split("#")[0]));
+  const schemas = await (await fetch("schema.json")).json(), found = {};
+  let edits = null;
+  const pick = () => document.querySelector(`#form [data-key="${CSS.escape(path.join("\\u001f"))}"]`);
+  form.prepare(schemas, (made) => { edits = made; }, () => {});
+  form.show(data, []);
+  for (const { value } of [...pick().options]) {
+    form.forget();
+    if (pick().value === value) continue;
+    const kept = pick().value;
+    pick().value = value;
+    pick().dispatchEvent(new Event("change"));
+    pick().value = kept;
+    found[value] = edits;
+  }
+  return found;
+}"""
+LINEAR = dict(YamlSource(SMALL, "robot.yaml").data) | {
+    "transmission": [{"kind": "gearhead"}, {"kind": "belt", "ratio": 2, "efficiency": 0.95}]
+}
+TABLE = LINEAR | {"load": {"kind": "rotary_table", "inertia": "0.1 kg*m^2"},
+                  "motion": {"speed": "60 rpm", "acceleration_time": "1 s", "cruise_time": "2 s"}}  # fmt: skip
+NEEDS = {
+    "csv",
+    "cam",
+    "trajectory",
+    "waypoints",
+    "direct",
+    "gearhead",
+}  # a file or a platform; no second of these stages
+
+
+def test_every_kind_turned_into_any_other_reads(page: Any) -> None:
+    """From the form's own select; what only the user can know is missing, by name."""
+    groups = (["load", "kind"], ["motion", "profile"], ["transmission", 1, "kind"])
+    read = 0
+    for data in (LINEAR, TABLE):
+        for place in groups:
+            turned = page.evaluate(TURNED, [data, place])
+            assert len(turned) > 5
+            for name, edits in turned.items():
+                text = edited(json.dumps(data), [Edit(tuple(path), value, bool(plain)) for path, value, plain in edits])
+                if name in NEEDS:
+                    with pytest.raises(InputError, match=r"missing|platform|transmission"):
+                        load_spec(load_spec_in(text))
+                    continue
+                assert load_spec(load_spec_in(text))
+                read += 1
+    assert read > 40
+
+
+def load_spec_in(text: str) -> dict[str, Any]:
+    """A text as data, by the strict reader."""
+    return dict(YamlSource(text, "robot.yaml").data)
+
+
+def load_spec_of(page: Any) -> dict[str, Any]:
+    """The text of the page as data."""
+    return load_spec_in(text_of(page))
