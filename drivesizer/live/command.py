@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivesizer.commands.common import DEFAULT, Spec
+from drivesizer.commands.ends import STOPPED
 from drivesizer.errors import InputError, reason_of
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ def serve(
     import secrets
     import socket
 
+    _end_on_ctrl_c()
     # With its protocol named: only then are answers sent without waiting for acknowledgements, 40 ms each.
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP) as listening:
         if os.name == "posix":  # a port that was in use a moment ago is free; elsewhere this would share one in use
@@ -61,6 +63,16 @@ def _run(spec: Path, token: str, port: int, listening: socket.socket, *, browser
     finally:
         for worker in workers.values():
             worker.close()
+
+
+def _end_on_ctrl_c() -> None:
+    """Let Ctrl-C end this process at once until it serves, and with it what it has started: a library that is being
+    loaded may swallow an exception."""
+    import os
+    import signal
+
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, lambda *_: os._exit(STOPPED))
 
 
 def _opened(address: str) -> None:

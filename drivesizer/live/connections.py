@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 import socket
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from types import FrameType
 
 import h11
 import uvicorn
@@ -39,8 +41,10 @@ def serve(app: App, headers: Mapping[str, str], listening: socket.socket, worker
         headers=list(headers.items()), server_header=False, date_header=False, access_log=False,
         log_level="critical", limit_concurrency=_MOST, timeout_keep_alive=5, timeout_graceful_shutdown=1,
     )  # fmt: skip
-    with suppress(KeyboardInterrupt):  # the way in which it ends
-        asyncio.run(_Server(config, workers).serve(sockets=[listening]))
+    server = _Server(config, workers)
+    asyncio.run(server.serve(sockets=[listening]))
+    if server.terminated:
+        signal.raise_signal(signal.SIGTERM)  # the status is that of the system
 
 
 class _Server(uvicorn.Server):
@@ -49,6 +53,21 @@ class _Server(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, workers: Iterable[Worker]) -> None:
         super().__init__(config)
         self.workers = workers
+        self.terminated = False
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Take Ctrl-C and a request to end as the way in which it ends, and raise neither again."""
+        before = {one: signal.signal(one, self.handle_exit) for one in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for one, handler in before.items():
+                signal.signal(one, handler)
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        self.terminated = self.terminated or sig == signal.SIGTERM
+        super().handle_exit(sig, frame)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         for worker in self.workers:

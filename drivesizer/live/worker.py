@@ -77,7 +77,8 @@ class Worker:
         self.unwanted: Any = self.context.Value("Q", 0, lock=False)  # job under way that is to be stopped
         self._start(first=True)
         self.thread = threading.Thread(target=self._work, daemon=True, name="drivesizer worker")
-        self.thread.start()
+        with _interruptions_elsewhere():  # nor in the thread, else one would come through while it starts a process
+            self.thread.start()
 
     @property
     def full(self) -> bool:
@@ -182,11 +183,11 @@ class Worker:
 
     def _start(self, *, first: bool = False) -> None:
         self.ready, self.has = False, {}
-        self.folder = TemporaryDirectory(prefix="drivesizer-", ignore_cleanup_errors=True)
         self.pipe, theirs = self.context.Pipe()
-        arguments = theirs, self.unwanted, self.file, self.spec, first, self.folder.name
-        self.process = self.context.Process(target=run, args=arguments, daemon=True, name="drivesizer engine")
         with _interruptions_elsewhere():
+            self.folder = TemporaryDirectory(prefix="drivesizer-", ignore_cleanup_errors=True)
+            arguments = theirs, self.unwanted, self.file, self.spec, first, self.folder.name
+            self.process = self.context.Process(target=run, args=arguments, daemon=True, name="drivesizer engine")
             self.process.start()
         theirs.close()
         if self.closed:  # in the meantime

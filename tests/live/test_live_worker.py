@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,6 @@ from typing import Any
 import pytest
 
 from drivesizer.live import worker as module
-from drivesizer.live.engine import JOBS
-from drivesizer.live.requests import REQUESTS
 from drivesizer.live.worker import Worker
 
 pytestmark = pytest.mark.slow
@@ -33,10 +30,6 @@ motion: {speed: 1.5 m/s, acceleration_time: 2 s, cruise_time: 20 s, rest_time: 5
 select: {motor: {family: [RE 25, RE 30]}, gearhead: {family: [GP 26 A, GP 32 C]}}
 tolerances: {confidence: 95 %, samples: 1000000}
 """  # minutes
-
-
-def test_every_job_has_its_request() -> None:
-    assert REQUESTS.keys() == JOBS.keys()
 
 
 @pytest.fixture(scope="module")
@@ -74,11 +67,9 @@ def test_what_takes_too_long_is_ended_and_the_next_answer_is_right(
 ) -> None:
     before, folder = worker.process.pid, worker.folder.name
     monkeypatch.setattr(worker, "longest", 1.5)
-    begun = time.monotonic()
     found = asyncio.run(pieces(worker, LONG))
     assert [piece["kind"] for piece in found] == ["spec", "wrong"]
     assert found[-1]["lines"] == ["it took longer than 1.5 s and was stopped"]
-    assert time.monotonic() - begun < 10
     monkeypatch.undo()
     assert answered(worker) == ["spec", "wrong"]
     assert worker.process.pid != before and not Path(folder).exists()
@@ -156,9 +147,7 @@ def test_the_end_is_said_to_who_waits() -> None:
     async def ended() -> list[Any]:
         both = [asyncio.create_task(pieces(closing, LONG, tab)) for tab in ("one", "two")]
         await asyncio.sleep(0.1)
-        begun = time.monotonic()
         closing.close()
-        assert time.monotonic() - begun < 3
         return [*await asyncio.gather(*both), await pieces(closing, SMALL)]
 
     for one in asyncio.run(ended()):
