@@ -55,7 +55,7 @@ export function chosen(schema, value) {
   return { key, names: names.sort(), name, group: groups[name] ?? groups[names[0]] };
 }
 
-const BEGIN = { ratio: 2, efficiency: 0.95 }; // numbers of which the schema has no example
+const BEGIN = { ratio: 2, efficiency: 0.95, name: "new" }; // where the schema has no example
 const ONE_OF = { belt: ["ratio"] }; // what a kind needs one of, beside what it requires
 const BODY = ["inertia", "cylinders"]; // of another body in another kind of load
 const FOLLOWS = { arm: ["inertia"] }; // what follows from other fields where it is not given
@@ -103,7 +103,7 @@ export function example(schema, root, name = "") {
   if (found.type === "array") return Array.from({ length: found.minItems ?? 1 }, () => example(found.items, root));
   if (found.type === "boolean") return true;
   if (found.type === "integer") return found.minimum ?? 1;
-  return [found.type].flat().includes("number") ? BEGIN[name] ?? 0.9 : "";
+  return BEGIN[name] ?? ([found.type].flat().includes("number") ? 0.9 : "");
 }
 
 function required(group, root, but) {

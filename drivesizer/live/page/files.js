@@ -46,7 +46,7 @@ export function reachable(there) {
   }
   if (away) return;
   away = true;
-  notice("The server does not answer. Nothing is lost: this tab keeps the spec, and Download, Spec saves it. Start drivesizer serve again to go on.", [], "", "gone");
+  notice("The server does not answer. Nothing is lost: this tab keeps the spec, which Download, Spec saves, and what is typed in the form since. Start drivesizer serve again to go on.", [], "", "gone");
   const retry = async () => {
     try {
       await get("spec");

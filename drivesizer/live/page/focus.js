@@ -28,6 +28,7 @@ export class Focus {
       if (!found) continue;
       for (let group = found.closest("details"); group; group = group.parentElement.closest("details")) group.open = true;
       found.focus({ preventScroll: true });
+      if (found.type === "text") found.select();
       found.scrollIntoView({ block: "center" });
       return true;
     }

@@ -73,7 +73,7 @@ function fieldsOf(schema, value, path, but, removable = false) {
 
 function adder(schema, names, path) {
   const label = path.length ? "add a field" : "add a section";
-  const made = button(`${label} …`, () => openMenu(made, label, names.map(choice)), { dataset: { key: keyOf([...path, "+"]) }, aria: { haspopup: "true" } });
+  const made = button(`${label} …`, () => openMenu(made, label, names.map(choice)), { dataset: { key: keyOf([...path, "+"]) }, aria: { haspopup: "dialog" } });
   if (path.length) made.setAttribute("aria-label", `add a field to ${path.map(words).join(" ")}`);
   const choice = (name) => ({ name: words(name), help: resolved(schema.properties[name], context.root).description?.split("\n\n")[0], does: () => add(schema, path, name) });
   return made;

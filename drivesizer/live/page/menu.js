@@ -2,7 +2,7 @@
 
 import { button, element } from "./dom.js";
 
-const panel = element("div", { className: "menu", popover: "auto" });
+const panel = element("div", { className: "menu", popover: "auto", role: "dialog" });
 const seek = element("input", { type: "text", placeholder: "find …", aria: { label: "find" }, autocomplete: "off", spellcheck: false });
 const list = element("div", { className: "choices" });
 const FEW = 8; // choices without a field to find them by

@@ -153,6 +153,6 @@ export function renew() {
 sweeps.watch((one, left) => {
   const count = draw(one);
   here(one.list, one.number);
-  one.far.textContent = left ? `${left} places to compute …` : "";
+  one.far.textContent = left ? `computing, ${left} left …` : "";
   one.all.textContent = count === 1 ? "one best drive over the range" : `best drives over the range: ${count} stretches`;
 });

@@ -4,7 +4,7 @@ import { element } from "./dom.js";
 
 const COLOURS = 6;
 
-export const same = (a, b) => a.status === b.status && a.label === b.label;
+export const same = (a, b) => a.status === b.status && (a.label === b.label || a.status === "fail");
 export const passes = (each) => each.status !== "fail" && each.status !== "wrong";
 
 /** Neighbouring places with the same best drive, of points by their value. */
@@ -37,8 +37,8 @@ const best = (each) => (passes(each) ? each.label : each.status === "wrong" ? ea
 const said = (each, text) => `${reach(each, text)}: ${best(each)}`;
 
 function line(each, colour, more, why, text) {
-  const beyond = !more || !why ? "" : why.status === "fail" ? `beyond: ${why.tight} ${why.said}` : "beyond: another is better";
-  const made = element("li", {}, element("i", { className: colour }), element("span", { textContent: reach(each, text) }), element("span", { textContent: best(each) }), element("small", { textContent: beyond }));
+  const beyond = !more || !why ? "" : why.status === "fail" ? `beyond it fails: ${why.tight} ${why.said}` : "beyond it another is better";
+  const made = element("li", {}, element("i", { className: colour }), element("span", { textContent: reach(each, text) }), element("div", {}, element("span", { textContent: best(each) }), " ", element("small", { textContent: beyond })));
   return Object.assign(made, { from: each.from, to: each.to });
 }
 
