@@ -29,7 +29,7 @@ __all__ = ["application", "engines"]
 _PAGE = resources.files("drivesizer.live") / "page"
 _KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json"}
 _OF_THE_REPORT = ("style.css", "tables.js", "plots.js", "weights.js", "weights_view.js")
-_QUICK, _SLOW = 30.0, 180.0  # s that a ranking may take, and a report
+_QUICK, _SLOW = 60.0, 180.0  # s that a ranking may take, and a report
 _AT_ONCE = {"answer", "catalogues", "parts", "part", "beside", "choose"}  # jobs of the process for what is short
 _NEWEST = {"answer", "sweep", "compare", "loop", "parts"}  # jobs of which a tab wants the newest alone
 

@@ -177,6 +177,7 @@ def test_files_are_read_that_were_named_at_the_start_alone(folder: Path) -> None
         for engine in engines:
             os.kill(engine, signal.SIGKILL)
         within(2, lambda: not any(map(alive, engines)))
+        within(20, lambda: "afresh" not in said("mine.csv"))  # said once, where it ended while it was waited for
         assert "is not read here" in said("other.csv") and said("mine.csv") == "file"
         (folder / "mine.csv").write_text(rows.replace("10,1", "1e9,1"), encoding="utf-8")
         assert "mine.csv" in said("mine.csv")  # as it is now, not as it was
