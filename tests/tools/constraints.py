@@ -50,7 +50,8 @@ def text() -> str:
     """The file: a package a line, by name."""
     versions = pinned(one for group in declared().values() for one in group)
     head = (
-        "# Versions of an environment of developers: make constraints writes them, make CONSTRAINTS=constraints.txt test\n"
+        "# Versions of an environment of developers: make constraints writes them, "
+        "make CONSTRAINTS=constraints.txt test\n"
         f"# installs them. Python {platform.python_version()}, {platform.system()}: another one may need others.\n"
     )
     return head + "".join(f"{name}=={versions[name]}\n" for name in sorted(versions))
