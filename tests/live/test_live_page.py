@@ -121,6 +121,21 @@ def test_a_wrong_unit_stands_at_its_field_until_it_is_put_right(page: Any, tmp_p
     assert text_of(page) == SMALL.replace("45 kg", "46 kg")
 
 
+def test_text_that_is_no_yaml_is_put_right_as_such_and_an_empty_one_by_the_form(page: Any) -> None:
+    page.get_by_role("tab", name="YAML").click()
+    page.locator("#text").fill(SMALL.replace("load:", "load"))
+    answered(page, "wrong")
+    page.get_by_role("tab", name="Form").click()
+    assert page.locator("#form").evaluate("form => form.inert")
+    page.locator("#headline").get_by_role("button", name="show").click()
+    expect(page.locator("#text")).to_be_focused()
+    page.locator("#text").fill("# nothing yet\n")
+    expect(page.locator("#headline .fault")).to_contain_text("expected fields such as")
+    page.get_by_role("tab", name="Form").click()
+    typed(page, "name", value="AGV")
+    until(page, lambda: text_of(page) == "# nothing yet\nname: AGV\n")
+
+
 def test_fields_and_items_come_and_go_with_the_keyboard_at_their_place(page: Any) -> None:
     page.get_by_role("button", name="add a field to load").click()
     page.keyboard.press("ArrowDown")
@@ -310,7 +325,7 @@ def test_reload_and_link_keep_what_is_not_saved(page: Any, browser: Any, path: P
 # -- how it looks
 
 
-LONG = "[data-name=derivation], [data-name=datasheets], [data-name=assumptions], [data-name=heat], [data-name=energy]"
+LONG = "#report > section:not([data-name=summary], [data-name=candidates])"
 """Sections in which axe-core takes long, and which the test of the report's own page has looked at."""
 
 

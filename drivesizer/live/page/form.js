@@ -43,6 +43,9 @@ export function forget() {
   fields.forget();
 }
 
+/** Whether the form can be used: not beside a text that cannot be read. */
+export function use(able) { form.inert = !able; }
+
 /** Shows a field, or the group that it would be in, and gives it the keyboard. */
 export const focus = (path) => focused.to(path);
 

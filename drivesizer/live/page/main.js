@@ -94,10 +94,13 @@ function take(piece, mine) {
   if (piece.kind === "spec") {
     state.data = piece.data;
     state.faults = [];
+    mine.yaml = true;
+    form.use(true);
     read(piece.text, mine);
   } else if (piece.kind === "wrong") {
     state.faults = piece.faults ?? piece.lines.map((text) => ({ said: text, text, line: null, path: [] }));
     mine.ranked = true;
+    if (!mine.yaml && !mine.edits.length) unread(piece.text ?? state.text);
     answer.stale();
     headline.wrong(state.faults, reveal);
     read(piece.text ?? state.text, mine);
@@ -110,6 +113,13 @@ function take(piece, mine) {
     more.hidden = false;
     if (pending) send();
   } else found(piece);
+}
+
+/** A text that is no YAML is put right as such; an empty one can be filled by the form. */
+function unread(text) {
+  const empty = !/^\s*[^#\s]/m.test(text);
+  if (empty) state.data = {};
+  form.use(empty);
 }
 
 function read(text, mine) {

@@ -28,7 +28,8 @@ export function turn(name) {
 /** Shows the field of a fault, or its line. */
 export function reveal(fault) {
   turn("machine");
-  if (!document.getElementById("form").hidden && form.focus(fault.path)) return;
+  const fields = document.getElementById("form");
+  if (!fields.hidden && !fields.inert && form.focus(fault.path)) return;
   choose("yaml");
   const lines = area.value.split("\n"), number = Math.min(fault.line ?? 1, lines.length);
   const start = lines.slice(0, number - 1).reduce((sum, line) => sum + line.length + 1, 0);
