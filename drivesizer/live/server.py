@@ -19,7 +19,7 @@ from drivesizer.live.guard import CATALOGUE, Guard
 from drivesizer.live.own_catalogues import taken
 from drivesizer.live.requests import REQUESTS, CatalogueRequest, SaveRequest, request_of
 from drivesizer.live.schema import form_schema
-from drivesizer.live.spec_file import content, saved
+from drivesizer.live.spec_file import content, fields, saved
 from drivesizer.live.worker import Worker
 from drivesizer.output.report.html.templates import own_file
 from drivesizer.version import __version__
@@ -83,7 +83,8 @@ def application(
     async def spec(_: Request) -> Response:
         found = await asyncio.to_thread(content, path)
         text = starting if found["text"] is None else found["text"]
-        return JSONResponse({"name": path.name, "version": __version__, **found, "text": text})
+        data = await asyncio.to_thread(fields, text)
+        return JSONResponse({"name": path.name, "version": __version__, **found, "text": text, "data": data})
 
     async def save(request: Request) -> Response:
         try:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import stat
 from hashlib import blake2b
 from pathlib import Path
+from typing import Any
 
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.text import decoded
 from drivesizer.files.writing import put
+from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import Piece
 from drivesizer.live.requests import LONGEST
 
-__all__ = ["content", "saved"]
+__all__ = ["content", "fields", "saved"]
 
 _MARK = "\ufeff"
+_SHORT = 100_000  # characters of a text that is read at once
 
 
 def content(path: Path) -> Piece:
@@ -36,6 +39,25 @@ def content(path: Path) -> Piece:
     except InputError as error:
         return {"text": None, "mark": None, "wrong": str(error).removeprefix(f"{path}").lstrip(": ")}
     return {"text": text, "mark": None if raw is None else _mark(raw)}
+
+
+def fields(text: str) -> Any:
+    """Fields of a spec, for the form before an engine is ready.
+
+    Parameters
+    ----------
+    text
+        YAML.
+
+    Returns
+    -------
+    Any
+        Plain data; None where the text cannot be read or is too long to be read beside requests.
+    """
+    try:
+        return YamlSource(text, "spec").data if len(text) <= _SHORT else None
+    except InputError:
+        return None
 
 
 def _raw(path: Path) -> bytes | None:

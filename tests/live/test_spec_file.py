@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from drivesizer.live.spec_file import content, saved
+from drivesizer.live.spec_file import content, fields, saved
 
 TEXT = "name: Wägelchen\nload: 5 kg\n"
 
@@ -109,3 +109,10 @@ def test_what_cannot_be_written_stays_whole(path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr("drivesizer.files.writing._as_before", full)
     assert save(path, "a: 1\n", mark)["lines"] == [f"{path}: cannot be written (no space left on device)"]
     assert path.read_bytes() == TEXT.encode() and len(list(path.parent.iterdir())) == 1
+
+
+def test_fields_for_the_form_are_plain_data_or_nothing() -> None:
+    assert fields("load: {mass: 45 kg, driven_wheels: 4}\nx: .nan") == {
+        "load": {"mass": "45 kg", "driven_wheels": 4}, "x": ".nan",
+    }  # fmt: skip
+    assert fields("load: [1") is None and fields("a: &b [1]\nc: *b") is None and fields("a: 1\n" * 30_000) is None

@@ -230,6 +230,10 @@ async function start() {
   if (file.wrong) files.notice(`${file.name}: cannot be read (${file.wrong}); the page starts with another spec`);
   const opened = await kept(file);
   area.value = state.text;
+  if (file.data && state.text === file.text) {
+    state.data = file.data;
+    show(); // before the engine is ready
+  }
   await send();
   for (const one of opened) if (Array.isArray(one?.path)) sliders.open(one, false);
 }
