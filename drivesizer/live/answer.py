@@ -10,7 +10,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import faults, text_of, whole
 
-__all__ = ["answer", "of_result", "price_text"]
+__all__ = ["answer", "of_result"]
 
 _LATER = "data:,"  # address of a still figure until it is drawn
 _PAUSE = 0.12  # s without a newer request, after which the whole report is computed
@@ -63,6 +63,7 @@ def of_result(held: Held, result: Any, proofs: Any = None) -> Iterator[Piece]:
     ------
     Piece
     """
+    from drivesizer.output.json.documents import known
     from drivesizer.output.report.html.stills import image
     from drivesizer.output.report.html.templates import section_html
 
@@ -73,7 +74,7 @@ def of_result(held: Held, result: Any, proofs: Any = None) -> Iterator[Piece]:
     sections = [head | {"html": html} for head, html in zip(heads, made, strict=True)]
     yield {"kind": "sections", "sections": sections, "drives": _listed(result)}
     held.go_on()
-    yield {"kind": "figures", "figures": _finite(figures)}
+    yield {"kind": "figures", "figures": known(figures)}
     for name, draw in still.items():
         held.go_on()
         yield {"kind": "still", "name": name, "address": image(draw("svg"))}
@@ -138,28 +139,11 @@ def _figures(one: Any) -> Iterator[tuple[str, str]]:
 
     energy = objective_figure(one, "energy").value
     each = [show(one.mass, "g", "mass")] if one.mass == one.mass else []
-    each += [price_text(one)] if one.price_of else []
+    each += [one.price_text] if one.price_of else []
     if each:
         yield "a drive", ", ".join(each)
     if energy == energy:
         yield "energy per cycle", show(energy, "J", "energy")
-
-
-def price_text(one: Any) -> str:
-    """Price of a drive as a text.
-
-    Parameters
-    ----------
-    one
-        A drive.
-
-    Returns
-    -------
-    str
-        At least that much, where the price of some part is not known.
-    """
-    least = "" if len(one.price_of) == len(one.parts) else "at least "
-    return f"{least}{one.price:.2f} EUR" if one.price_of else "unknown"
 
 
 def _tight(check: Any) -> Piece | None:
@@ -169,14 +153,3 @@ def _tight(check: Any) -> Piece | None:
     if check is None:
         return None
     return {"title": check.title, "margin": number(check.margin), "said": margin(check.margin), "status": check.status}
-
-
-def _finite(value: Any) -> Any:
-    """Plain data for JSON: what is no number is null."""
-    from drivesizer.output.json.loops import number
-
-    if isinstance(value, float):
-        return number(value)
-    if isinstance(value, dict):
-        return {key: _finite(below) for key, below in value.items()}
-    return [_finite(below) for below in value] if isinstance(value, list | tuple) else value

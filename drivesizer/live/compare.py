@@ -7,13 +7,10 @@ from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.answer import price_text
 from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import text_of
 
 __all__ = ["compare"]
-
-_MOST = 4  # drives side by side
 
 
 def compare(held: Held, request: Piece) -> Iterator[Piece]:
@@ -35,9 +32,9 @@ def compare(held: Held, request: Piece) -> Iterator[Piece]:
 
     spec = read_spec(YamlSource(text_of(held, request), held.name))
     catalog, found = load_parts(spec), []
-    for motor, gearhead in list(request["sets"])[:_MOST]:
+    for motor, gearhead in request["sets"]:
         held.go_on()
-        sets = explained(spec, str(motor), str(gearhead), catalog=catalog).sets
+        sets = explained(spec, motor, gearhead, catalog=catalog).sets
         if not sets:
             raise InputError(f"{motor} with {gearhead}: no belt of the spec goes with it")
         found.append(min(sets, key=lambda one: one.rank))
@@ -60,7 +57,7 @@ def _figures(sets: list[Any]) -> Iterator[Piece]:
     from drivesizer.units import show
 
     yield {"title": "mass of a drive", "group": "figures", "cells": [show(one.mass, "g", "mass") for one in sets]}
-    yield {"title": "price of a drive", "group": "figures", "cells": [price_text(one) for one in sets]}
+    yield {"title": "price of a drive", "group": "figures", "cells": [one.price_text for one in sets]}
     named = dict.fromkeys(figure.name for one in sets for figure in one.figures)
     for name in named:
         each = [{figure.name: figure for figure in one.figures}.get(name) for one in sets]

@@ -18,8 +18,6 @@ from drivesizer.live.reading import text_of, whole
 
 __all__ = ["document", "export", "loop", "report"]
 
-_SUFFIXES = {"mjcf": ".xml", "urdf": ".urdf", "sdf": ".sdf", "ros2_control": ".urdf", "fmu": ".fmu", "json": ".json"}
-
 
 def document(held: Held, request: Piece) -> Iterator[Piece]:
     """The JSON document of ``drivesizer size --json --top 10 --pareto mass,price,energy``, byte for byte.
@@ -113,15 +111,16 @@ def export(held: Held, request: Piece) -> Iterator[Piece]:
     Piece
         A ``file``.
     """
+    from drivesizer.output.export import FORMATS
     from drivesizer.output.export.machine import machine_export, write_machine
     from drivesizer.output.export.platform import write_drive
 
     form = str(request["form"])
-    if form not in _SUFFIXES:
-        raise InputError(f"{quoted(form)} is not known; expected {', '.join(_SUFFIXES)}")
+    if form not in FORMATS:
+        raise InputError(f"{quoted(form)} is not known; expected {', '.join(FORMATS)}")
     result = whole(held, text_of(held, request), top=1)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"drive{_SUFFIXES[form]}"
+        path = Path(folder) / f"drive{FORMATS[form].suffixes[0]}"
         if hasattr(result, "axes"):
             if any(one.best is None for one in result.axes):
                 raise InputError("an axis has no drive that meets all limits; nothing to export")

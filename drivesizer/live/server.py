@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping
+from functools import cache
 from importlib import resources
 from pathlib import Path
 
@@ -180,6 +181,7 @@ async def _page_file(request: Request) -> Response:
     return _refused(404, "there is no such file")
 
 
+@cache
 def _plotly_script() -> str:
     """The plotting library as installed; its Python part, which takes long to load, is not needed."""
     return (resources.files("plotly") / "package_data" / "plotly.min.js").read_text(encoding="utf-8")
@@ -191,11 +193,8 @@ def _styles_inside(script: str) -> list[str]:
 
 
 async def _plotly(_: Request) -> Response:
-    return Response(
-        await asyncio.to_thread(_plotly_script),
-        media_type="text/javascript",
-        headers={"cache-control": "private, max-age=86400"},
-    )
+    headers = {"cache-control": "private, max-age=86400"}
+    return Response(_plotly_script(), media_type="text/javascript", headers=headers)
 
 
 async def _schema(_: Request) -> Response:

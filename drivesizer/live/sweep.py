@@ -11,11 +11,9 @@ from drivesizer.live.reading import text_of, whole
 
 __all__ = ["rejected", "sweep"]
 
-_MOST = 64  # values of one request
-
 
 def sweep(held: Held, request: Piece) -> Iterator[Piece]:
-    """A piece ``point`` for each value, in the order of the request;
+    """A piece ``point`` for each value, in the order of the request.
 
     Parameters
     ----------
@@ -29,7 +27,7 @@ def sweep(held: Held, request: Piece) -> Iterator[Piece]:
     Piece
     """
     text, path = text_of(held, request), tuple(request["path"])
-    for number, value in enumerate(list(request["values"])[:_MOST]):
+    for number, value in enumerate(request["values"]):
         held.go_on()
         yield {
             "kind": "point",
@@ -40,7 +38,8 @@ def sweep(held: Held, request: Piece) -> Iterator[Piece]:
 
 
 def _best(held: Held, text: str) -> Piece:
-    """The best set of a spec, or why there is none."""
+    """The best drive of a spec, or why there is none."""
+    from drivesizer.output.json.loops import number
     from drivesizer.results.check import worst
 
     try:
@@ -56,17 +55,11 @@ def _best(held: Held, text: str) -> Piece:
         return {"status": result.status, "label": "; ".join(labels), "parts": parts}
     one = result.shown
     tight = worst(one.deciding) if one else None
-    said = {"tight": tight.title, "margin": _number(tight.margin)} if tight else {}
+    said = {"tight": tight.title, "margin": number(tight.margin)} if tight else {}
     found = bool(result.sets)
     label, parts = (one.label, [one.motor.part, one.gearhead.part]) if one else ("", [])
     return {"status": one.status if found and one else "fail", "label": label, "parts": parts, **said,
-            "mass": _number(one.mass) if one else None, "price": _number(one.price) if one else None}  # fmt: skip
-
-
-def _number(value: float) -> float | None:
-    from drivesizer.output.json.loops import number
-
-    return number(value)
+            "mass": number(one.mass) if one else None, "price": number(one.price) if one else None}  # fmt: skip
 
 
 def rejected(held: Held, request: Piece) -> Iterator[Piece]:
@@ -90,7 +83,7 @@ def rejected(held: Held, request: Piece) -> Iterator[Piece]:
     from drivesizer.spec.robot import read_spec
 
     spec = read_spec(YamlSource(text_of(held, request), held.name))
-    found = explained(spec, str(request["motor"]), str(request["gearhead"])).sets
+    found = explained(spec, request["motor"], request["gearhead"]).sets
     tight = worst(found[0].deciding) if found else None
     yield {"kind": "rejected", "status": found[0].status if found else "fail", "tight": tight.title if tight else "",
            "said": margin(tight.margin) if tight else ""}  # fmt: skip

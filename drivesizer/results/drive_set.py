@@ -181,6 +181,12 @@ class DriveSet(DriveParts):
         return sum(known) if known else nan
 
     @property
+    def price_text(self) -> str:
+        """The price as it is printed: at least that, where the price of some part is unknown."""
+        least = "" if len(self.price_of) == len(self.parts) else "at least "
+        return f"{least}{self.price:.2f} EUR" if self.price_of else "unknown"
+
+    @property
     def price_of(self) -> tuple[str, ...]:
         """Roles of the parts whose price is known."""
         return tuple(role for role, part in self.parts.items() if part is not None and part.price == part.price)

@@ -81,11 +81,17 @@ class SizingResult:
 
 def _row(one: DriveSet) -> tuple[str, ...]:
     """A drive of a table; a price that lacks a part is at least that."""
-    least = "" if len(one.price_of) == len(one.parts) else "at least "
-    price = f"{least}{one.price:.2f} EUR" if one.price_of else "unknown"
     tight = worst(one.deciding)
     margin = f"{share(tight.margin)} {tight.title}" if tight else ""
-    return str(one.rank), one.motor_name, one.gearhead_name, show(one.mass, "g", "mass"), price, margin, one.status
+    return (
+        str(one.rank),
+        one.motor_name,
+        one.gearhead_name,
+        show(one.mass, "g", "mass"),
+        one.price_text,
+        margin,
+        one.status,
+    )
 
 
 class Explanation(NamedTuple):

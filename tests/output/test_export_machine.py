@@ -20,8 +20,9 @@ from drivesizer.joints.inverse_dynamics import torques_of
 from drivesizer.joints.record import Array
 from drivesizer.load_cases import at_driven_shaft
 from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.output.export import files as exported
 from drivesizer.output.export.gains import torque_law
-from drivesizer.output.export.machine import MachineExport, machine_export, machine_files, write_machine
+from drivesizer.output.export.machine import MachineExport, machine_export, write_machine
 from drivesizer.output.export.machine.joint_motor import lossless
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.machine import MachineSizing
@@ -57,7 +58,7 @@ def export(arm: MachineSizing) -> MachineExport:
 
 
 def rendered(of: MachineExport, form: str, suffix: str = ".urdf") -> bytes:
-    return next(iter(machine_files(of, form, Path(f"machine{suffix}")).values()))
+    return next(iter(exported(of, form, Path(f"machine{suffix}"), "machine").values()))
 
 
 @pytest.fixture(scope="module")
@@ -203,7 +204,7 @@ def test_urdf_is_read_by_another_s_reader_and_keeps_names_and_limits(export, tmp
 
 
 def test_one_controller_of_all_joints_at_one_rate(export):
-    files = machine_files(export, "ros2_control", Path("arm.urdf"))
+    files = exported(export, "ros2_control", Path("arm.urdf"), "machine")
     assert [path.name for path in files] == ["arm.urdf", "arm_controllers.yaml"]
     parameters = yaml.safe_load(files[Path("arm_controllers.yaml")])
     manager, loops = (parameters[name]["ros__parameters"] for name in ("controller_manager", "velocity_controller"))
@@ -235,7 +236,7 @@ def test_a_belt_that_passes_a_joint_is_a_tendon(export):
     assert model.joint("elbow").armature[0] == 0.0 and model.tendon_armature[0] == pytest.approx(rotor)
     assert model.actuator("elbow_motor").trntype[0] == mujoco.mjtTrn.mjTRN_TENDON
     with pytest.raises(InputError, match="elbow: its belt passes other joints"):
-        machine_files(coupled, "ros2_control", Path("arm.urdf"))
+        exported(coupled, "ros2_control", Path("arm.urdf"), "machine")
 
 
 def test_a_name_that_is_there_already_is_refused(export):
@@ -313,7 +314,7 @@ def test_a_further_gear_is_one_with_the_drive(tmp_path):
     model = mujoco.MjModel.from_xml_string(text)
     assert model.joint("second").armature[0] == pytest.approx(of.robot.drives[1].armature)
     assert "Where the load drives the motor, the gears have an efficiency f of" in text and "input shaft" not in text
-    loops = yaml.safe_load(machine_files(of, "ros2_control", Path("a.urdf"))[Path("a_controllers.yaml")])
+    loops = yaml.safe_load(exported(of, "ros2_control", Path("a.urdf"), "machine")[Path("a_controllers.yaml")])
     law, first = torque_law(of.robot.drives[0].of), loops["velocity_controller"]["ros__parameters"]["gains"]["first"]
     assert first["p"] == pytest.approx(law.kd * (43 * 2.5) ** 2 * 0.8 * 0.9)
 
@@ -350,7 +351,7 @@ def test_steppers_at_joints_go_along_the_trajectory(tmp_path):
         train = drive.of.train
         expected = train.motor_inertia * train.ratio**2 * train.efficiency + drive.stage_inertia
         assert model.joint(drive.joint).armature[0] == pytest.approx(expected / drive.travel**2)
-    files = machine_files(of, "ros2_control", Path("a.urdf"))
+    files = exported(of, "ros2_control", Path("a.urdf"), "machine")
     loops = yaml.safe_load(files[Path("a_controllers.yaml")])
     assert [*loops] == ["controller_manager", "joint_trajectory_controller"]
     assert loops["joint_trajectory_controller"]["ros__parameters"]["joints"] == ["first", "second", "third"]

@@ -20,9 +20,10 @@ from small_arms import catalogue
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of, trajectory_of
 from drivesizer.output.export import export_of
+from drivesizer.output.export import files as exported
 from drivesizer.output.export.gains import torque_law
 from drivesizer.output.export.machine.joint_motor import lossless
-from drivesizer.output.export.platform import PlatformExport, platform_export, platform_files, write_platform
+from drivesizer.output.export.platform import PlatformExport, platform_export, write_platform
 from drivesizer.output.export.platform.bodies import split
 from drivesizer.platform.dynamics import acceleration, wheel_torques
 from drivesizer.platform.motion import motion
@@ -98,7 +99,7 @@ def omni(made) -> Made:
 
 
 def rendered(of: PlatformExport, form: str, name: str = "base.urdf") -> bytes:
-    return platform_files(of, form, Path(name))[Path(name)]
+    return exported(of, form, Path(name), "platform")[Path(name)]
 
 
 def model_of(of: PlatformExport) -> Any:
@@ -106,7 +107,7 @@ def model_of(of: PlatformExport) -> Any:
 
 
 def parameters(of: PlatformExport) -> dict[str, Any]:
-    files = platform_files(of, "ros2_control", Path("base.urdf"))
+    files = exported(of, "ros2_control", Path("base.urdf"), "platform")
     return {name: one["ros__parameters"] for name, one in yaml.safe_load(files[Path("base_controllers.yaml")]).items()}
 
 
@@ -398,7 +399,7 @@ def test_wheels_that_no_controller_fits_have_none_and_say_so(made):
     skewed = [{"kind": "omni", "x": f"{x} mm", "y": f"{y} mm", "heading": f"{h} deg"}
               for x, y, h in ((300, 0, 90), (-200, 200, 200), (-150, -200, -30))]  # fmt: skip
     _, of = made(OMNI, {"platform": {"wheels": skewed, "layout": None}})
-    text = platform_files(of, "ros2_control", Path("base.urdf"))[Path("base_controllers.yaml")].decode()
+    text = exported(of, "ros2_control", Path("base.urdf"), "platform")[Path("base_controllers.yaml")].decode()
     assert "no controller of ros2_controllers drives these wheels" in text and "base_controller" not in text
     assert model_of(of).nu == 9
 
@@ -430,7 +431,7 @@ def test_what_is_unknown_or_not_driven_is_said(made):
     ):
         assert said in text
     assert model_of(of).nu == 6
-    controllers = platform_files(of, "ros2_control", Path("base.urdf"))[Path("base_controllers.yaml")].decode()
+    controllers = exported(of, "ros2_control", Path("base.urdf"), "platform")[Path("base_controllers.yaml")].decode()
     assert "odometry is that of the axle's middle, -0.05 m ahead of base_footprint" in controllers
     assert "left_wheel_names: [velocity_controller/wheel_1]" in controllers
     blunt = replace(of, drives={k: replace(d, of=replace(d.of, controller=None)) for k, d in of.drives.items()})
@@ -462,7 +463,7 @@ def test_the_same_platform_gives_the_same_bytes(cart, tmp_path):
     spec, of = cart
     paths = write_platform(of, "ros2_control", tmp_path / "cart.urdf")
     assert [path.name for path in paths] == ["cart.urdf", "cart_controllers.yaml"]
-    again = platform_files(platform_export(spec, explain(spec, "m1", "g0")[0]), "ros2_control", paths[0])
+    again = exported(platform_export(spec, explain(spec, "m1", "g0")[0]), "ros2_control", paths[0], "platform")
     assert [path.read_bytes() for path in paths] == [*again.values()]
     hostile = replace(of, name='--> <a & "b')
     assert ElementTree.fromstring(rendered(hostile, "urdf")).tag == "robot"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from drivesizer.errors import InputError
-from drivesizer.output.export import FORMATS, WHOLE, accept, files, write
+from drivesizer.output.export import FORMATS, WHOLE, accept, write
 from drivesizer.output.export.machine.record import MachineExport, machine_export
 
-__all__ = ["MachineExport", "accept_machine", "machine_export", "machine_files", "write_machine"]
+__all__ = ["MachineExport", "accept_machine", "machine_export", "write_machine"]
 
 
 def accept_machine(form: str, path: Path) -> None:
@@ -29,31 +29,6 @@ def accept_machine(form: str, path: Path) -> None:
     if form in FORMATS and form not in WHOLE:
         raise InputError(f"--format: {form} is of a single axis; expected --axis beside it, or {', '.join(WHOLE)}")
     accept(form, path)
-
-
-def machine_files(of: MachineExport, form: str, path: Path) -> dict[Path, bytes]:
-    """The files of a format: one, and for ros2_control also the controllers' parameters beside it.
-
-    Parameters
-    ----------
-    of
-        The machine.
-    form
-        One of ``WHOLE``.
-    path
-        The file.
-
-    Returns
-    -------
-    dict of Path to bytes
-        Content by path.
-
-    Raises
-    ------
-    InputError
-        When the format needs a figure that is unknown, or has no place for what the machine has.
-    """
-    return files(of, form, path, "machine")
 
 
 def write_machine(of: MachineExport, form: str, path: Path) -> list[Path]:

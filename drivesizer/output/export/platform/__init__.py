@@ -4,37 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drivesizer.output.export import WHOLE, accept, export_of, files, write
+from drivesizer.output.export import WHOLE, accept, export_of, write
 from drivesizer.output.export.platform.record import PlatformExport, platform_export
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["PlatformExport", "platform_export", "platform_files", "write_drive", "write_platform"]
-
-
-def platform_files(of: PlatformExport, form: str, path: Path) -> dict[Path, bytes]:
-    """The files of a format: one, and for ros2_control also the controllers' parameters beside it.
-
-    Parameters
-    ----------
-    of
-        The platform.
-    form
-        A format of several joints.
-    path
-        The file.
-
-    Returns
-    -------
-    dict of Path to bytes
-        Content by path.
-
-    Raises
-    ------
-    InputError
-        When the format needs a figure that is unknown.
-    """
-    return files(of, form, path, "platform")
+__all__ = ["PlatformExport", "platform_export", "write_drive", "write_platform"]
 
 
 def write_platform(of: PlatformExport, form: str, path: Path) -> list[Path]:
