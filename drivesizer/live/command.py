@@ -30,6 +30,8 @@ def serve(
     import socket
 
     _end_on_ctrl_c()
+    if os.path.isdir(spec):  # noqa: PTH112 - of a name that is too long pathlib raises
+        raise InputError(f"{spec}: is a folder; expected a spec, for example {spec / DEFAULT}")
     # With its protocol named: only then are answers sent without waiting for acknowledgements, 40 ms each.
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP) as listening:
         if os.name == "posix":  # a port that was in use a moment ago is free; elsewhere this would share one in use

@@ -130,6 +130,14 @@ def test_a_port_in_use_is_one_line(server: Serving, folder: Path) -> None:
     )
 
 
+def test_a_folder_is_no_spec(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "drivesizer", "serve", str(tmp_path), "--no-browser"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert (run.returncode, run.stdout) == (2, "")
+    example = tmp_path / "robot.yaml"
+    assert run.stderr == f"drivesizer: {tmp_path}: is a folder; expected a spec, for example {example}\n"
+
+
 def test_tabs_and_servers_do_not_disturb_each_other(server: Serving, folder: Path) -> None:
     """A browser that goes away, a newer request of its tab, another tab; and a server of the same file."""
     with serving(folder / "robot.yaml") as other:

@@ -73,8 +73,8 @@ def _alternatives(content: Content) -> Table:
                Column("energy", "number"), Column("margin", "number"), Column("smallest margin; unknown", "small", 1.0),
                Column("", "status"))  # fmt: skip
     rows = [Row(_beside(one), status=one.status) for one in (*result.sets[:1], *result.alternatives)]
-    return Table("Beside the best drives of other motor families: mass, price and energy per cycle of one drive, as "
-                 "far as they are known", columns, rows, "alternatives", "alternatives", dense=True)  # fmt: skip
+    return Table("Beside the best drives of other motor families: mass and price of one drive, energy per cycle of "
+                 "all, as far as known", columns, rows, "alternatives", "alternatives", dense=True)  # fmt: skip
 
 
 def _beside(one: DriveSet) -> tuple[Any, ...]:
