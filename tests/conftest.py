@@ -8,6 +8,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: workers fill
 
 import gc
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -42,6 +43,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     if hasattr(config, "workerinput"):
         return
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it, with all it starts
     os.environ["DRIVESIZER_CACHE"] = str(CACHE)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each command that a test starts compiles it all
     _drop_outdated()

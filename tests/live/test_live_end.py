@@ -88,7 +88,10 @@ def test_ctrl_c_while_it_starts_is_quiet(folder: Path) -> None:
             assert process.stdout and process.stdout.readline()
             time.sleep(wait)
             os.killpg(process.pid, signal.SIGINT)
-            _, err = process.communicate(timeout=10)
+            try:
+                _, err = process.communicate(timeout=10)
+            finally:
+                process.kill()  # else its context waits for ever
             assert process.returncode in (0, 130) and err == b""
     assert within(5, lambda: not list((folder / "temporary").iterdir()))
 
