@@ -1,0 +1,69 @@
+"""Every benchmark in turn, and their results as one table in ``docs/speed.md``.
+
+    python benchmarks/table.py [--dry]      # what make bench does
+
+Each benchmark compares within its own run; the machine's load changes from one to the next.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from goals import GOALS, shown
+
+HERE = Path(__file__).resolve().parent
+PAGE = HERE.parent / "docs" / "speed.md"
+SCRIPTS = (
+    "size_start", "catalog_load", "search_sets", "closed_loop", "report", "platform_hour", "platform_following",
+    "tolerances", "study", "machine",
+)  # fmt: skip
+_PART = re.compile(r"(?<=<!-- measured -->\n).*?(?=<!-- end -->)", re.DOTALL)
+
+
+def measured() -> dict[str, float]:
+    """Results of all benchmarks by name; what they print is printed."""
+    with tempfile.TemporaryDirectory() as folder:
+        kept = Path(folder) / "results"
+        for script in SCRIPTS:
+            print(f"\n== {script}", flush=True)
+            subprocess.run([sys.executable, HERE / f"{script}.py"], check=True,
+                           env=os.environ | {"BENCH_RESULTS": str(kept)})  # fmt: skip
+        return dict(json.loads(row) for row in kept.read_text(encoding="utf-8").splitlines())
+
+
+def table(found: dict[str, float]) -> str:
+    """The table of the page; a goal that no benchmark has measured is a fault."""
+    rows = [
+        f"| {goal.what} | {goal.beside} | {shown(found[name], goal)} | {goal.sense} {goal.value:g} {goal.unit}".rstrip()
+        + f" | {'' if holds(name, found[name]) else 'no'} |"
+        for name, goal in GOALS.items()
+    ]
+    return "\n".join(["", "| what | beside | measured | goal | reached |", "|---|---|---|---|---|", *rows, "", ""])
+
+
+def holds(name: str, value: float) -> bool:
+    """Whether a goal is reached."""
+    goal = GOALS[name]
+    return value <= goal.value if goal.sense == "at most" else value >= goal.value
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--dry", action="store_true", help="leave the page as it is")
+    dry = parser.parse_args().dry
+    text = table(measured())
+    print(text)
+    if not dry:
+        page = PAGE.read_text(encoding="utf-8")
+        PAGE.write_text(_PART.sub(lambda _: text, page), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
