@@ -18,7 +18,8 @@ WHEEL := build/wheel
 run: $(READY)
 	$(BIN)/drivesizer size examples/sps_robot.yaml
 
-# What guards right answers. Browsers, killed processes, the built site and every command of the pages: test-all.
+# What guards right answers. Browsers, killed processes, the built site, every command of the pages and what goes through
+# all starters or makers: test-all.
 PARALLEL := --numprocesses auto --dist worksteal
 
 test: $(TOOLS)

@@ -224,6 +224,7 @@ def test_a_reader_that_goes_away_is_no_error(example):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_objectives_and_front_from_the_command_line(run, example, tmp_path):
     text = example.read_text(encoding="utf-8").replace("method: paper", "method: physics")
     spec = tmp_path / "robot.yaml"

@@ -54,6 +54,7 @@ def found(catalog: Catalog) -> list[Finding]:
 # --- what ships ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", shipped())
 def test_a_shipped_catalogue_has_no_unexplained_finding(name: str) -> None:
     assert [f.text() for f in check_file(name) if f.unexplained] == []

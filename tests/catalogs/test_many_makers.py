@@ -43,6 +43,7 @@ def sized(everything):
     return of
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["conveyor", "fan", "hoist", "rotary_table"])
 def test_sets_of_all_makers_fit_together(name, everything, sized):
     result = sized(name)

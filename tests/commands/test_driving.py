@@ -366,6 +366,7 @@ def test_a_wheel_that_lifts_off_is_reported(drive, folder):
     assert [w["grip_N"] for w in found["wheels"][2:]] == [0.0, 0.0]
 
 
+@pytest.mark.slow
 def test_the_spec_says_how_soft_the_loops_are(folder):
     """A proportional loop lags by torque over gain, 0.168 N·m over 2 N·m·s/rad, for 12 s; an integral takes it away."""
     level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")

@@ -13,6 +13,7 @@ from small_arms import catalogue
 from drivesizer.output.export import FORMATS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMATS)
 def test_every_format_has_its_files(form, example, tmp_path, run):
     target = tmp_path / f"drive{FORMATS[form].suffixes[0]}"

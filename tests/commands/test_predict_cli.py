@@ -40,6 +40,7 @@ def test_text_names_conditions_bands_and_what_is_missing(run):
     assert "missing: " in out and "resistance, from no load and stall -15 %..60 %" in " ".join(out.split())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["svg", "png"])
 def test_figure_is_drawn(form, run, tmp_path):
     target = tmp_path / f"bench.{form}"

@@ -25,6 +25,7 @@ PEAKS = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
 def test_a_slower_current_loop_and_its_windows_bound_the_full_simulation(encoder):
     drive = replace(DRIVE, encoder=encoder)

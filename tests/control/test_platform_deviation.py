@@ -91,6 +91,7 @@ def test_figure_13_of_the_paper_is_in_the_examples(example):
     assert example.trajectory.posture[2, -1, 1] == pytest.approx(1.5 - 2.0 + 1.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_every_model_and_controller(example):
     """Feed-forward halves what soft loops lag by at least; an integral finds it itself; misjudged radii are in all."""
     runs = follow_all(example, None)

@@ -151,6 +151,7 @@ SMALL = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("p", "torques"), SMALL, ids=["mecanum", "differential", "omni"])
 def test_the_simulation_is_what_scipy_integrates(p, torques):
     c, ground = Contact(slip_speed=0.05, creep=0.02, turnround=0.02), Ground(slope=0.05, uphill=0.7)

@@ -465,6 +465,7 @@ def test_from_the_spec_to_json_and_csv(run, tmp_path):
     assert any("torque that a belt withstands" in text for text in document["assumptions"])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("alone")
 def test_at_the_terminal_and_in_the_reports(run, tmp_path):
     from printed import text_of

@@ -351,6 +351,7 @@ def test_a_record_of_one_sample_is_drawn():
 CYCLE = "time,speed,torque\ns,rpm,N*m\n0,0,0.2\n0.5,40,1.4\n2.5,40,0.9\n3,0,-0.3\n4,0,0\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(path.stem for path in STARTERS.glob("*.yaml")))
 def test_every_starter_has_its_page(kind, tmp_path, catalog):
     (tmp_path / "cycle.csv").write_text(CYCLE)

@@ -178,6 +178,7 @@ def test_the_kept_failures_of_printed_forms_are_those_that_are_found():
 # -- every kind of load, load cases, margins, fronts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(path.stem for path in STARTERS.glob("*.yaml")))
 def test_every_starter_has_its_reports(kind, tmp_path, catalog):
     found = size(starter(kind, tmp_path), catalog=catalog, top=2)

@@ -277,6 +277,7 @@ def sheets(result) -> dict[str, Printed]:
     return {paper: printed(result, proof, paper=paper) for paper in SHEETS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("paper", SHEETS)
 def test_the_platforms_report_stays_on_its_pages(paper, sheets):
     pages = sheets[paper].pictures

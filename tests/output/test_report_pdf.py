@@ -122,6 +122,7 @@ cases:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "paper"), [(LONG, "a4"), (HOSTILE + " робот Ω", "us-letter")], ids=["long", "hostile"]
 )

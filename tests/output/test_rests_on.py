@@ -87,6 +87,7 @@ def found(request, spec, tmp_path_factory, catalog):
         return {name: both for name, *both in taken_away(given, catalog)}
 
 
+@pytest.mark.slow
 def test_a_check_that_changes_without_a_figure_says_that_it_rests_on_it(found):
     quiet = {name: changed - says for name, (changed, says) in found.items() if changed - says}
     for name in WITHOUT_A_CONTROLLER & set(quiet):  # then there is none to check

@@ -410,6 +410,7 @@ def runs(spec: RobotSpec) -> dict[str, Run]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper", "fails", "actuators", "platform", "unsure"])
 @pytest.mark.parametrize("suffix", READERS)
 def test_every_report_has_the_numbers_of_the_run(suffix, name, runs, tmp_path):
@@ -434,6 +435,7 @@ def test_the_runs_have_what_they_are_for(runs):
     assert ("mass", "battery") in unknown
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", READERS)
 def test_a_number_that_differs_is_found(suffix, runs, tmp_path):
     """The comparison is held against a report of other numbers: a thousandth off, of each kind of fact."""

@@ -255,6 +255,7 @@ def differences(name: str, result: SizingResult, folder: Path, records: Numbers)
     return {key for key, value in records.items() if key not in told or not agree(key, value, told[key])}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", READERS)
 def test_every_report_has_the_probabilities_of_the_run(name: str, result: SizingResult, tmp_path: Path) -> None:
     records = recorded(result)

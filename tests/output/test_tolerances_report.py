@@ -46,6 +46,7 @@ def result(example_text: str) -> SizingResult:
     return size(spec, top=2, sampling=Sampling(512, 1, 0.5))
 
 
+@pytest.mark.slow
 def test_the_json_document_says_how_sure_and_is_what_its_schema_says(result: SizingResult, tmp_path: Path) -> None:
     write(result, None, [tmp_path / "report.json"])
     document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
@@ -146,6 +147,7 @@ def unsure(result: SizingResult) -> SizingResult:
     return size(result.spec, top=2, sampling=Sampling(256, 1, 1.0))
 
 
+@pytest.mark.slow
 def test_every_report_says_that_no_set_is_as_sure_and_shows_the_surest(unsure: SizingResult, tmp_path: Path) -> None:
     assert not unsure.sets and len(unsure.unsure) == 2 and unsure.shown is unsure.unsure[0]
     with blank_figures():
@@ -263,6 +265,7 @@ def test_explain_samples_nothing_without_tolerances(spec, monkeypatch) -> None: 
     assert json_documents.explanation(pair)["uncertainty"] is None
 
 
+@pytest.mark.slow
 def test_a_report_takes_the_options_of_a_sizing(result: SizingResult, tmp_path: Path) -> None:
     file, out = tmp_path / "robot.yaml", tmp_path / "report.csv"
     file.write_text(result.spec.text, encoding="utf-8")

@@ -129,6 +129,7 @@ def test_a_set_has_the_same_checks_whichever_method_ranked(spec, by_physics, cat
     assert [repr(c) for c in one.comparison] == [repr(c) for c in other.comparison]
 
 
+@pytest.mark.slow
 def test_physics_ranks_the_whole_catalogue(example_text, catalog):
     """Every set that stands obeys its limits, worked out again from the records; several belts at once."""
     text = example_text[: example_text.index("select:")] + "select: {objective: price}\n"

@@ -203,6 +203,7 @@ def test_no_gearhead_is_chosen_where_there_is_to_be_none():
         spec_of(ALONE.replace("kind: direct", "kind: belt, ratio: 2, efficiency: 0.9"), "maxon")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

@@ -67,6 +67,7 @@ def lacking(maxon, table) -> DriveSet:
     return one(table, with_figure(maxon, "rotor_inertia", np.nan))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", FIGURES)
 def test_each_check_is_what_it_is_with_the_ends_of_the_band_printed(maxon, table, figure):
     found = one(table, with_figure(maxon, figure, np.nan))
@@ -104,6 +105,7 @@ def test_an_open_check_turns_at_the_value_that_it_states(maxon, table, lacking):
     assert found == {2.45e-7: "pass", 2.55e-7: "fail"}
 
 
+@pytest.mark.slow
 def test_the_probability_is_that_of_the_band(maxon, table, lacking):
     """One figure decides: the share of the log-normal distribution up to the value at which the check turns."""
     (estimate,) = (e for e in lacking.estimated if e.figure == "rotor_inertia")
@@ -246,6 +248,7 @@ def test_samples_and_bands_give_the_same_probability(maxon, table, lacking):
     assert found.probability == pytest.approx(lacking.probability, abs=0.02)
 
 
+@pytest.mark.slow
 def test_of_open_drives_the_more_probable_come_first(maxon, table):
     """A catalogue of open pairs alone: tenths of the probability that none fails, and the mass within."""
     figures = ("thermal_resistance_housing", "thermal_resistance_winding", "no_load_current", "rotor_inertia")

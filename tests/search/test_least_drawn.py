@@ -58,6 +58,7 @@ def every_record(spec):
     return [(one.motor.part, machine_budget(given, one).checks) for one in alone]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("hours", "peak"), [(10, 50), (14, 50), (12, 9.5), (30, 50)])
 def test_sets_and_counts_are_those_of_every_set_judged_by_itself(machine, monkeypatch, hours, peak):
     """Pieces of 4, 8, 16, ... sets in blocks of 8, 128, ...: as by one set at a time until three stand."""
@@ -102,6 +103,7 @@ def test_least_power_by_hand(machine):
         assert found[row] == pytest.approx(by_hand, rel=2e-3)  # the fan's parabola is a line of few pieces
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["hoist", "arm", "mecanum_platform"])
 def test_no_set_draws_less_than_its_least_power(name):
     """Drawn less returned by the waveform, of all wheels of a platform; some sets give back, some run away."""

@@ -156,6 +156,7 @@ def test_what_does_not_vary_has_no_indices() -> None:
 # --- the load cycles -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_fitted_load_cycles_are_those_that_are_computed(plain: str) -> None:
     spec = _read(plain, MOVED)
     given = assumptions(spec)

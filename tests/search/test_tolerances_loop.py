@@ -66,6 +66,7 @@ def test_at_nominal_figures_the_checks_are_those_of_validation(arm: tuple[RobotS
         assert mine.demand == pytest.approx(theirs.demand, rel=1e-9, nan_ok=True)
 
 
+@pytest.mark.slow
 def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> None:
     """A supply that is far too low in half of all machines: the voltage fails there, and nowhere else."""
     spec, one = arm

@@ -218,6 +218,7 @@ def test_a_set_that_cannot_be_driven_in_closed_loop_says_why() -> None:
     assert "resistance not in" in " ".join(page.getvalue().split())
 
 
+@pytest.mark.slow
 def test_the_same_machine_whatever_else_is_compared(makers: Catalog) -> None:
     """Another maker beside it changes no figure of a set; nor do processes."""
     spec = _spec()

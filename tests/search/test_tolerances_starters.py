@@ -57,6 +57,7 @@ def _all_off(path: Path) -> RobotSpec:
     return _read(FIGURE.sub(off, text) + PRINTED, path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", STARTERS, ids=lambda path: path.stem)
 def test_every_figure_of_a_starter_may_be_off(path: Path) -> None:
     spec = _all_off(path)
@@ -86,6 +87,7 @@ def _as_evaluated(spec: RobotSpec) -> None:
     assert seen >= 5
 
 
+@pytest.mark.slow
 def test_losses_and_resistances_may_be_off() -> None:
     """Resistances of supply and stage and standby power, each with a tolerance, beside the class of the losses."""
     text = (FOLDER / "hoist.yaml").read_text(encoding="utf-8")

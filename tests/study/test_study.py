@@ -228,6 +228,7 @@ def test_ten_million_variants_are_a_plan_and_no_list(tmp_path):
 # --- rows -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "spec",
     [

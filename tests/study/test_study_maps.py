@@ -63,6 +63,7 @@ def many(sets):
     return across, up, rows
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sets", [9, 30, 80])
 def test_no_two_sets_look_alike_however_many_there_are(sets):
     """Colour and pattern of cells, colour and shape of points; those without a number have a look of their own."""
@@ -130,6 +131,7 @@ def test_cells_reach_halfway_to_the_next(tmp_path):
     assert _edges(over.up).tolist() == pytest.approx([0.85, 1.55, 2.25])
 
 
+@pytest.mark.slow
 def test_what_varies_beside_has_a_panel_each(tmp_path):
     study = GRID.replace("60 kg, 90 kg, -5 kg", "60 kg") + "  supply.max: [29 V, 30 V]\nobjectives: [mass, price]\n"
     over, found, _ = mapped(tmp_path, study)
@@ -141,6 +143,7 @@ def test_what_varies_beside_has_a_panel_each(tmp_path):
     assert (over.across.name, over.up.name, len(found)) == ("supply.max", "objective", 4)
 
 
+@pytest.mark.slow
 def test_more_panels_than_a_page_holds_are_a_note(tmp_path):
     wheels = ", ".join(str(n) for n in range(2, 15))
     over, found, _ = mapped(
@@ -188,6 +191,7 @@ def test_one_name_alone_is_refused(tmp_path):
         chosen(plan, ["load.mass"])
 
 
+@pytest.mark.slow
 def test_probabilities_are_drawn_where_the_spec_has_tolerances(tmp_path):
     """Each variant has the probabilities that `size` reports for the same machine."""
     spec = CHEAP.replace("mass: 45 kg", "mass: 45 kg +- 3 kg") + "tolerances: {samples: 256}\n"
@@ -202,6 +206,7 @@ def test_probabilities_are_drawn_where_the_spec_has_tolerances(tmp_path):
         assert alone and alone.probability == share
 
 
+@pytest.mark.slow
 def test_tolerances_vary_as_they_are_written(tmp_path):
     """With the same nominal mass what is less uncertain is nearer to 0 or 1."""
     spec = CHEAP + "tolerances: {samples: 256}\n"

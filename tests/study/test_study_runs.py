@@ -232,6 +232,7 @@ def test_a_scheduler_that_is_not_there_is_one_line_within_seconds(run, tmp_path,
 # --- one at a time, and one study a folder ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_second_process_is_refused(run, tmp_path):
     laid(tmp_path, FEW)
     (tmp_path / "study").mkdir()
