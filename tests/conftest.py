@@ -78,7 +78,7 @@ def _drop_outdated() -> None:
 
 
 def _compile_kernels() -> None:
-    """Both kernels before the workers begin, so that each is compiled once and not by every worker."""
+    """Kernels without bitcode before the workers begin, so that each is compiled once and not by every worker."""
     from drivesizer.control.engine.kernel import KERNEL as DRIVE
     from drivesizer.control.path_following.kernel import KERNEL as PLATFORM
 

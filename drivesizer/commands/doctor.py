@@ -115,7 +115,7 @@ def _catalogues() -> Iterator[Finding]:
 def _machine_code() -> Iterator[Finding]:
     from drivesizer.control.engine import kept
 
-    now = "compiled and kept" if kept() else "compiled by the first `validate` or `report`, which takes some 20 s"
+    now = "ready as machine code" if kept() else "compiled by the first `validate` or `report`, which takes some 20 s"
     yield Finding("closed loop", now, True)
 
 

@@ -1,8 +1,8 @@
-"""Plain functions on arrays compiled to machine code by numba, and the cache of that code.
+"""Plain functions on arrays as machine code: translated beforehand, else compiled by numba; and the cache of that.
 
-Compiled code is kept in a folder named by the digest of all its source files and numba's version, so that outdated
-code is never used; where that folder cannot be written it is compiled in memory at every start. It runs without the
-interpreter's lock: threads run in parallel.
+What numba compiled is kept in a folder named by the digest of all its source files and numba's version, so that
+outdated code is never used; where that folder cannot be written it is compiled in memory at every start. It runs
+without the interpreter's lock: threads run in parallel.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 from drivesizer.errors import reason_of
 from drivesizer.files.cache import CacheWarning, digest_of, folder
+from drivesizer.files.translation import linked, usable
 
 __all__ = ["Kernel", "SlowWarning", "defined_in", "files_of", "machine_code", "translated"]
 
@@ -32,10 +33,24 @@ class Kernel(NamedTuple):
     modules: tuple[ModuleType, ...]  # that define them and their constants
     inline: bool  # whether each is inlined where it is called: faster, and longer to compile
     slow: str  # the warning without numba
+    arguments: str  # of the last one: a word each, type and dimensions, as ``translation.linked`` takes them
+
+    @property
+    def sources(self) -> str:
+        """Digest of all that it is made from."""
+        return digest_of(self.arguments.encode(), *(path.read_bytes() for path in files_of(self)))
+
+    @property
+    def translation(self) -> Path:
+        """File of what it was translated to beforehand."""
+        last = self.functions[-1]
+        return Path(last.__code__.co_filename).with_name(f"{last.__name__}.bitcode")
 
     @property
     def kept(self) -> bool:
-        """Whether it was compiled before by this numba; without numba it never is."""
+        """Whether nothing has to be compiled by numba: translated beforehand, or compiled before by this numba."""
+        if usable(self.translation, self.sources) is not None:
+            return True
         try:
             place = self._place(metadata.version("numba"))
         except metadata.PackageNotFoundError:
@@ -79,6 +94,8 @@ def machine_code(kernel: Kernel) -> Callable[..., int]:
     CacheWarning
         Once it is compiled, when it cannot be kept.
     """
+    if (ready := linked(kernel.translation, kernel.sources, kernel.arguments)) is not None:
+        return ready
     try:
         import numba
     except ImportError:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import builtins
 import math
+import sysconfig
+from pathlib import Path
 
+import numpy as np
 import pytest
 from engine_tasks import figure, gains, machine
 
@@ -12,10 +15,16 @@ from drivesizer.control.engine import Drive, Supply, Task, batch, simulate
 from drivesizer.control.engine import kernel as of_the_drive
 from drivesizer.control.open_loop import kernel as stepper
 from drivesizer.control.path_following import kernel as following
-from drivesizer.files import machine_code
+from drivesizer.files import machine_code, translation
 from drivesizer.files.machine_code import files_of, translated
+from drivesizer.files.translation import linked, usable
 
 KERNELS = {"engine": (of_the_drive.KERNEL, 9), "platform": (following.KERNEL, 5), "stepper": (stepper.KERNEL, 2)}
+
+
+on_its_system = pytest.mark.skipif(
+    sysconfig.get_platform() != "linux-x86_64", reason="bitcode is of one system; elsewhere numba compiles"
+)
 
 
 @pytest.fixture(params=KERNELS)
@@ -72,3 +81,76 @@ def test_every_function_that_is_called_is_in_a_file_that_is_compiled(kernel):
     assert files == {str(path) for path in files_of(kernel)}
     known = {*dir(builtins), *dir(math), *dir(places), "math", "at", "shape"}
     assert called - ours <= known
+
+
+@on_its_system
+def test_the_bitcode_is_of_the_sources_as_they_are(kernel):
+    remedy = "after a change of what is compiled: python tests/tools/translate_kernels.py"
+    assert usable(kernel.translation, kernel.sources) is not None, remedy
+    assert kernel.kept
+
+
+@on_its_system
+def test_bitcode_of_other_sources_of_another_system_or_too_new_is_left(tmp_path, monkeypatch):
+    path, sources = stepper.KERNEL.translation, stepper.KERNEL.sources
+    assert usable(path, sources[::-1]) is None
+    assert usable(tmp_path / "none.bitcode", sources) is None
+    head, _, packed = path.read_bytes().partition(b"\n")
+    for n, line in enumerate((head.replace(b"linux", b"macos"), head[:-5] + b"99.1.0", head + b" ?", b"")):
+        other = tmp_path / f"{n}.bitcode"
+        other.write_bytes(line + b"\n" + packed)
+        assert usable(other, sources) is None
+    damaged = tmp_path / "damaged.bitcode"
+    damaged.write_bytes(head + b"\n" + packed[:-40])
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path))
+    assert linked(damaged, sources, stepper.KERNEL.arguments) is None
+
+
+def _moved():
+    drive = Drive(train=machine(friction=1e-3), controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
+    found = simulate(drive, Task(time=(0.0, 0.02, 0.04), speed=(0.0, 10.0, 0.0)))
+    return {name: np.asarray(column).tobytes() for name, column in found.figures.items()}
+
+
+@on_its_system
+def test_machine_code_of_bitcode_is_plain_python_to_the_last_bit_wherever_it_is_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(batch, "compiled", lambda: of_the_drive.KERNEL.functions[-1])
+    plain = _moved()
+    (tmp_path / "file").write_text("")
+    for folder in ("new", "new", "new", "file/below"):  # made, kept, made anew as damaged, not to be kept
+        monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path / folder))
+        loop = linked(of_the_drive.KERNEL.translation, of_the_drive.KERNEL.sources, of_the_drive.KERNEL.arguments)
+        monkeypatch.setattr(batch, "compiled", lambda loop=loop: loop)
+        assert _moved() == plain
+        for path in Path(tmp_path / "new").rglob("*.object"):
+            assert path.stat().st_size > 10_000
+            path.write_bytes(path.read_bytes()[:-100])
+    assert len(list(tmp_path.rglob("*.object"))) == 1
+
+
+@on_its_system
+def test_an_array_of_another_kind_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path))
+    turn = linked(stepper.KERNEL.translation, stepper.KERNEL.sources, stepper.KERNEL.arguments)
+    for wrong in (np.zeros(3, np.int64), np.zeros((3, 2)), np.zeros(6)[::2]):
+        with pytest.raises(TypeError, match=r"expected float64 and 1"):
+            turn(wrong, *[np.zeros(3)] * 4, 0.0, 0.0, 1.0)
+
+
+@pytest.mark.slow
+def test_without_bitcode_numba_compiles_the_same(tmp_path, monkeypatch):
+    from drivesizer.control.open_loop import simulation
+
+    one = simulation.Stepper(
+        teeth=50.0, torque=np.array([0.5, 0.3, 0.1]), top_speed=90.0, microstep=0.01, damping_ratio=0.1,
+        motor_inertia=3e-6,
+    )  # fmt: skip
+    motion = simulation.Motion(time=(0.0, 0.01, 0.02), speed=(0.0, 8.0, 0.0))
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path))
+    found = simulation.simulate(one, motion).figures
+    monkeypatch.setattr(machine_code, "linked", lambda *_: None)
+    monkeypatch.setattr(translation, "usable", lambda *_: None)
+    compiled = machine_code.machine_code(stepper.KERNEL)
+    monkeypatch.setattr(simulation, "compiled", lambda: compiled)
+    assert simulation.simulate(one, motion).figures == found
+    assert list(tmp_path.rglob("*.nbc"))

@@ -34,6 +34,7 @@ KERNEL = Kernel(
     modules=(layout, *_COMPILED),
     inline=True,
     slow="numba is not installed: the closed loop runs some hundred times slower",
+    arguments="d1 d1 d1 d5 d4 d2 d1 d1 d2 d1 d2 b1 q1",
 )
 
 

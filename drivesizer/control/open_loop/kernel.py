@@ -15,6 +15,7 @@ KERNEL = Kernel(
     modules=(layout, rotor),
     inline=False,
     slow="numba is not installed: the simulation of a stepper runs some hundred times slower",
+    arguments="d1 d1 d2 d1 d2 d0 d0 d0",
 )
 
 

@@ -20,6 +20,7 @@ KERNEL = Kernel(
     modules=(kernel_layout, slip, kernel_forces, kernel_step, kernel_loop),
     inline=False,
     slow="numba is not installed: the simulation of a platform runs some hundred times slower",
+    arguments="d2 d2 d1 d2 d2 d2 d2 d1 d2 d2 d2 d1 d1 d0 d0 d0 d2 d2 d2 d1 d2 d3 d2 d1",
 )
 
 
