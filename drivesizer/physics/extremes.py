@@ -60,7 +60,8 @@ def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
         Bounds of each function in each piece.
     """
     starts = np.unique(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
-    high, low = np.maximum.reduceat(functions.max(axis=1), starts), np.minimum.reduceat(functions.min(axis=1), starts)
+    left, right = functions[:, 0], functions[:, 1]
+    high, low = (extreme.reduceat(extreme(left, right), starts) for extreme in (np.maximum, np.minimum))
     return Envelope(np.add.reduceat(duration, starts), high, low)
 
 
@@ -84,7 +85,8 @@ def extremes(functions: Array, time: Array) -> Extremes:
     groups = [np.flatnonzero(kind == k) for k in np.unique(kind)]
     top = _largest(points, np.concatenate([g[_front(points[g])] for g in groups]))
     bottom = _largest(-points, np.concatenate([g[_front(-points[g])] for g in groups]))
-    above, below = _corners(functions.max(axis=1)), -_corners(-functions.min(axis=1))
+    left, right = functions[:, 0], functions[:, 1]
+    above, below = _corners(np.maximum(left, right)), -_corners(-np.minimum(left, right))
     return Extremes(points[top], when[top], points[bottom], when[bottom], above, below)
 
 
@@ -151,11 +153,18 @@ def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
     array
         Numbers of the rows.
     """
-    spread = np.ptp(points, axis=0) if len(points) else 1.0
-    far = (points / np.where(spread > 0.0, spread, 1.0)).sum(axis=1)  # no column outweighs the others: few rounds
+    left = np.ascontiguousarray(points.T)
+    spread = np.ptp(left, axis=1) if len(points) else np.ones(len(left))
+    far = (left / np.where(spread > 0.0, spread, 1.0)[:, None]).sum(
+        axis=0
+    )  # no column outweighs the others: few rounds
+    rows = np.arange(len(points))
+    if len(rows) > _BLOCK:  # those that one exceeds or equals need not be put in order
+        best = int(np.nan_to_num(far, nan=-np.inf).argmax())
+        rows = np.flatnonzero(_exceeding(left, left[:, [best]])[:, 0] | (rows == best))
     # an earlier point cannot be exceeded by a later one; columns break ties that the digits of the sum leave
-    rows = np.lexsort((*-points.T[::-1], -far))
-    left, found, size = np.ascontiguousarray(points[rows].T), list[NDArray[np.int64]](), 1
+    rows = rows[np.lexsort((*-left[::-1, rows], -far[rows]))]
+    left, found, size = left[:, rows], list[NDArray[np.int64]](), 1
     count, enough = 0, len(rows) if most is None else most + 1
     while len(rows) and count < enough:
         block = left[:, :size]

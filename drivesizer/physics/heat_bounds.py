@@ -92,12 +92,13 @@ class Blocks(NamedTuple):
     below: Array  # (B, 6, 6): and how far it goes below zero
     most: Array  # (B, 6): what the functions reach
     least: Array  # (B, 6)
+    first: NDArray[np.intp]  # (B,): first segment of each
 
     def behind(self, scale: Array) -> Blocks:
         """The same behind a belt that scales the functions [1], see ``AtGearhead.scale``."""
         square = np.outer(scale, scale)
         mean, above, below = (x * square for x in (self.mean, self.above, self.below))
-        return Blocks(self.duration, mean, above, below, self.most * scale, self.least * scale)
+        return Blocks(self.duration, mean, above, below, self.most * scale, self.least * scale, self.first)
 
 
 def blocks(duration: Array, functions: Array, count: int) -> Blocks:
@@ -125,10 +126,11 @@ def blocks(duration: Array, functions: Array, count: int) -> Blocks:
     starts = np.arange(len(duration)) if len(duration) <= count else _starts(duration, left, right, count)
     pieces = np.diff(np.append(starts, len(duration)))
     total = np.add.reduceat(duration, starts)
-    most = np.maximum.reduceat(functions.max(axis=1), starts)
-    least = np.minimum.reduceat(functions.min(axis=1), starts)
+    most, least = (
+        extreme.reduceat(extreme(functions[:, 0], functions[:, 1]), starts) for extreme in (np.maximum, np.minimum)
+    )
     mean, above, below = np.empty((3, len(starts), 6, 6))
-    found = Blocks(total, mean, above, below, most, least)
+    found = Blocks(total, mean, above, below, most, least, starts)
     for a, b in zip(_ROW, _COLUMN, strict=True):
         entry = _deviating(duration, left[[a, b]], right[[a, b]], starts, pieces, total)
         for values, column in zip(found[1:4], entry, strict=True):
@@ -149,7 +151,7 @@ def _deviating(
     """Mean of a product over each block, and how far the integral of what remains goes above zero and below."""
     product = _product(left, right)
     # within a segment: duration times -s (1 - s) (turn / 2 + (s - 1 / 2) bend / 3), s the share of it that is over
-    turn, bend = right[0] * right[1] - left[0] * left[1], np.prod(right - left, axis=0)
+    turn, bend = right[0] * right[1] - left[0] * left[1], (right[0] - left[0]) * (right[1] - left[1])
     inner = np.maximum.reduceat(duration * (np.abs(turn) / 2.0 + np.abs(bend) / 6.0), starts) / 4.0
     mean = np.add.reduceat(duration * product, starts) / total
     steps = duration * (product - np.repeat(mean, pieces))

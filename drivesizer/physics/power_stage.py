@@ -215,7 +215,7 @@ def at_input(found: Wave, stage: PowerStage) -> Wave:
     duration, current, voltage = found
     if np.any(loss):  # all or none: a candidate's energy hangs on no other's current
         duration, (current, voltage) = in_halves(duration, current, (current, voltage))
-    sign = np.sign(current.sum(-1))[..., None]
+    sign = np.sign(current[..., 0] + current[..., 1])[..., None]
     return Wave(duration, current, voltage + ohm * current + loss * sign)
 
 

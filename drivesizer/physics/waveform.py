@@ -111,7 +111,7 @@ def lost(found: Wave, surplus: Array, speed: Array) -> Array:
         Energy [J], of each candidate.
     """
     duration, current, _, emf = _cut(found, surplus, speed)
-    heat: Array = np.abs(duration * _work(current, emf, np.ones(1))[..., 0]).sum(axis=1)
+    heat: Array = np.abs(duration * _work(Wave(duration, current, emf), 1.0)).sum(axis=1)
     return heat
 
 
@@ -191,10 +191,7 @@ def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
     Energy
         Columns over candidates [J].
     """
-    I, V, dt = found.current, found.voltage, found.duration
-    cuts = np.sort(np.stack([crossing(I), crossing(V)], axis=2), axis=2)
-    edges = np.concatenate([np.zeros((*cuts.shape[:2], 1)), cuts, np.ones((*cuts.shape[:2], 1))], axis=2)
-    parts = dt[..., None] * np.diff(_work(I, V, edges), axis=2)  # one sign each
+    parts = _parts(found)
     drawn, returned = np.maximum(parts, 0.0), np.maximum(-parts, 0.0)
     taken, back = drawn.sum((1, 2)), returned.sum((1, 2))
     if not storing:
@@ -212,10 +209,25 @@ def crossing(ends: Array) -> Array:
         return np.where(left * right < 0.0, left / (left - right), 1.0)
 
 
-def _work(I: Array, V: Array, at: Array) -> Array:
+def _parts(found: Wave) -> Array:
+    """Energy of each segment up to where one of both changes its sign, from there to the other, and from there on [J].
+
+    Power has one sign in each part: shape (candidates, segments, 3).
+    """
+    one, other = crossing(found.current), crossing(found.voltage)
+    first, second = (_work(found, cut) for cut in (np.minimum(one, other), np.maximum(one, other)))
+    parts = np.empty((*one.shape, 3))
+    parts[..., 0] = first
+    np.subtract(second, first, out=parts[..., 1])
+    np.subtract(_work(found, 1.0), second, out=parts[..., 2])
+    parts *= found.duration[..., None]
+    return parts
+
+
+def _work(found: Wave, at: Any) -> Array:
     """Integral of the power over the first share of each segment, per time of it."""
-    i, v = I[..., :1], V[..., :1]
-    rise_i, rise_v = I[..., 1:] - i, V[..., 1:] - v
+    i, v = found.current[..., 0], found.voltage[..., 0]
+    rise_i, rise_v = found.current[..., 1] - i, found.voltage[..., 1] - v
     work: Array = at * (i * v + at * ((i * rise_v + v * rise_i) / 2 + at * rise_i * rise_v / 3))
     return work
 

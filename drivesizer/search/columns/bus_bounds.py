@@ -23,7 +23,7 @@ from drivesizer.physics.products import product
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import most_stored
-from drivesizer.search.columns.limits_over_time import Pair, kept_on_the_bus, warmest_passing
+from drivesizer.search.columns.limits_over_time import Moments, Pair, kept_on_the_bus, warmest_passing
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["closer_stored", "most_kept"]
@@ -81,7 +81,9 @@ def closer_stored(
     heating: Heat,
     stresses: Stress,
     parts: Parts,
-    found: Pair,
+    low: Moments,
+    high: Moments,
+    *,
     count: int,
 ) -> Pair:
     """Bounds of the energy that stays on the bus from a cycle in so many pieces, no wider than they are.
@@ -90,7 +92,7 @@ def closer_stored(
     ----------
     spec, cycle, demand, heating, stresses, parts
         As ``limits_over_time.exact`` takes them.
-    found
+    low, high
         Bounds over the waveform, of ``waveform_bounds.bounds``.
     count
         Of pieces at most.
@@ -100,7 +102,6 @@ def closer_stored(
     Pair
         Lower and upper bounds.
     """
-    low, high = found
     motor, stage = parts.motor, spec.feed(parts.controller, parts.brake).stage
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (spec.environment.ambient, warmest))

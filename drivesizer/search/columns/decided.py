@@ -6,7 +6,7 @@ the cycle itself.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
@@ -20,6 +20,8 @@ from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
+from drivesizer.search.columns.block_bounds import closer as closer_in_blocks
+from drivesizer.search.columns.block_bounds import closer_power
 from drivesizer.search.columns.bus_bounds import closer_stored
 from drivesizer.search.columns.candidates import Rows
 from drivesizer.search.columns.limits_over_time import (
@@ -57,8 +59,10 @@ class _Case:
         stresses: Stress,
         parts: Parts,
         each: Collection[str],
+        staged: bool,
     ) -> None:
-        self.spec, self.cycle, self.columns, self.each = spec, cycle, (demand, heating, stresses, parts), each
+        self.spec, self.cycle, self.columns = spec, cycle, (demand, heating, stresses, parts)
+        self.each, self.staged = each, staged
         self.told = (
             two_bodies(parts.motor).known & ~np.isnan(heating.winding) & demand.complete
         )  # whose winding is known from the waveform
@@ -127,6 +131,7 @@ def decided(
     before: Pair | None,
     *,
     each: Collection[str] = (),
+    staged: bool = False,
 ) -> Pair:
     """Peaks and heat over the waveform, exact where bounds do not decide.
 
@@ -140,13 +145,15 @@ def decided(
         What was found with another controller.
     each
         Names of checks to decide of candidates that fail on another as well.
+    staged
+        Whether it is enough to know which limits fail; else also how far those left open by blocks are from them.
 
     Returns
     -------
     Pair
         Lower and upper bounds, equal where they are exact.
     """
-    case = _Case(spec, cycle, demand, heating, stresses, parts, each)
+    case = _Case(spec, cycle, demand, heating, stresses, parts, each, staged)
     if before and not case.controlled:
         shortest, longest = behind_each(cycle, partial(waveform_bounds.above_bounds, spec), demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
@@ -211,19 +218,21 @@ def _closer(
     for count in _BLOCKS:
         mask = np.logical_or.reduce([x for k, x in enumerate(left) if k not in _NOT_BY_HEAT]) & case.told
         if mask.any():
-            few = waveform_bounds.closer(*case.bounded(mask), (on(found[0], mask), on(found[1], mask)), count)
-            found = _replaced(found, mask, few)
+            found = _of_some(case, mask, found, partial(closer_in_blocks, count=count))
             left = case.open(found, alive)
+    if case.staged and left[_POWER:] and (mask := np.logical_or.reduce(left[_POWER:]) & case.told).any():
+        found = _of_some(case, mask, found, partial(closer_power, count=_BLOCKS[-1]))
+        left = case.open(found, alive)
     for count in (_FEW_PIECES, _PIECES):
         mask = left[_BUS]
         if mask.any():
-            few = closer_stored(*case.bounded(mask), (on(found[0], mask), on(found[1], mask)), count)
-            found = _replaced(found, mask, few)
+            found = _of_some(case, mask, found, partial(closer_stored, count=count))
             left = case.open(found, alive)
     mask = left[_WINDING]
     if mask.any():
         spec, cycle, demand, _, stresses, parts = case.some(mask)
-        times = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts, _PIECES)
+        closely = partial(waveform_bounds.above_bounds, spec, pieces=_PIECES)
+        times = behind_each(cycle, closely, demand, stresses, parts)
         found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
         left = case.open(found, alive)
     if (mask := left[_WINDING]).any():  # the current alone decides
@@ -232,6 +241,13 @@ def _closer(
         found = _replaced(found, mask, [on(m, mask)._replace(above=above) for m in found])
         left = case.open(found, alive)
     return found, left
+
+
+def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable[..., Pair]) -> Pair:
+    """Bounds with those of some candidates closer."""
+    spec, cycle, *columns = case.bounded(mask)
+    few = behind_each(cycle, partial(closer, spec), *columns, *(on(side, mask) for side in found))
+    return _replaced(found, mask, few)
 
 
 def _replaced(found: Pair, mask: NDArray[np.bool_], few: Sequence[Moments]) -> Pair:

@@ -18,7 +18,7 @@ from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak
 from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance, source_energy, source_power
-from drivesizer.physics.several_belts import behind_each
+from drivesizer.physics.several_belts import AtGearheads, behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import Wave, balanced, longest_above, mean_square, wave
@@ -302,9 +302,12 @@ def _time_above(cycle: AtGearhead, coefficients: Array, k_t: Array, limit: Array
 
 
 def _slices(cycle: AtGearhead, count: int) -> list[slice]:
-    """Pieces of so many candidates; of none one piece without any, so that columns stay columns."""
+    """Pieces of so many candidates, behind one belt each unless all are one piece; of none one: columns stay."""
     size = max(1, _AT_ONCE // len(cycle.base.warming.duration))
-    return [slice(start, start + size) for start in range(0, max(count, 1), size)]
+    if count <= size:
+        return [slice(0, count)]
+    belts = [rows for _, rows in cycle.parts] if isinstance(cycle, AtGearheads) else [slice(0, count)]
+    return [slice(k, min(k + size, rows.stop)) for rows in belts for k in range(rows.start, rows.stop, size)]
 
 
 def _largest_voltage(found: Wave, cold: Peak, leads: Array | None) -> Peak:

@@ -60,6 +60,7 @@ def powered(
     *,
     exactly: bool,
     each: Collection[str] = (),
+    staged: bool = False,
 ) -> Powered:
     """Controllers, and every check that hangs on current, voltage and heat.
 
@@ -75,6 +76,8 @@ def powered(
         Compute the waveform of all; else only of those that safe bounds leave undecided.
     each
         Names of checks to decide of candidates that fail on another as well.
+    staged
+        As ``decided`` takes it.
 
     Returns
     -------
@@ -85,7 +88,7 @@ def powered(
     stresses = [
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
-    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each)
+    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each, staged)
     continuous = np.zeros(len(parts.motor.rows), bool)
     chosen = case.controllers([u.cold_voltage.value for u in case.stresses], continuous)
     free = np.ones_like(continuous) if parts.controller is None else parts.controller.rows == FREE
@@ -147,6 +150,7 @@ class _Cases(NamedTuple):
     parts: Parts
     exactly: bool
     each: Collection[str]
+    staged: bool
 
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
@@ -204,7 +208,7 @@ class _Cases(NamedTuple):
     def _pair(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """Peaks and heat over the waveform of one load case."""
         args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
-        return exact(*args) if self.exactly else decided(*args, ~dead, before, each=self.each)
+        return exact(*args) if self.exactly else decided(*args, ~dead, before, each=self.each, staged=self.staged)
 
 
 def _again(

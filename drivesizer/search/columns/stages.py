@@ -41,8 +41,8 @@ from drivesizer.spec.mounting import loss_at_flange
 __all__ = ["Examined", "brakes_of", "encoders_of", "examine", "felt"]
 
 Array = NDArray[np.float64]
-_SHORT = 256  # pieces of a cycle, up to which several belts are looked at together
-_CELLS = 400_000  # and candidates times pieces
+_PIECES = 256  # of a cycle that count: of a longer one bounds decide, which have no more
+_CELLS = 400_000  # candidates times pieces, up to which several belts are looked at together
 _BELTS = 16
 
 
@@ -74,7 +74,7 @@ def examine(
 ) -> Iterator[Examined]:
     """Candidates behind one belt after the other against every limit.
 
-    What needs current and heat is computed for several belts in one go, but over a long cycle and of many candidates.
+    What needs current and heat is computed for several belts in one go, but of many candidates.
 
     Parameters
     ----------
@@ -119,9 +119,9 @@ class _Moved(NamedTuple):
 
 def _together(waiting: Sequence[_Moved]) -> bool:
     """Whether so much is little enough to be looked at in one go."""
-    pieces = max(len(cycle.base.warming.duration) for cycle in waiting[0].cycles)
+    pieces = max(min(len(cycle.base.warming.duration), _PIECES) for cycle in waiting[0].cycles)
     count = sum(len(one.parts.motor.rows) for one in waiting)
-    return len(waiting) <= _BELTS and pieces <= _SHORT and pieces * count <= _CELLS
+    return len(waiting) <= _BELTS and pieces * count <= _CELLS
 
 
 def _moved(problem: Problem, offered: Offers, belt: float, sets: Candidates, staged: bool, margins: bool) -> _Moved:
@@ -264,7 +264,8 @@ def _powered(
         demand = [case.demand for case in cases]
         found = Powered(*stepped(problem, offered, cycles, demand, parts, staged=moved[0].sieve.staged))
     else:
-        found = powered(problem, offered, cycles, cases, parts, exactly=exact, each=each)
+        staged = moved[0].sieve.staged
+        found = powered(problem, offered, cycles, cases, parts, exactly=exact, each=each, staged=staged)
     if len(moved) == 1:
         return [_examined(moved[0], found)]
     ends = np.cumsum(counts).tolist()

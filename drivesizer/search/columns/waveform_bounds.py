@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.extremes import Envelope
-from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
@@ -28,7 +27,7 @@ from drivesizer.search.columns.bus_bounds import most_kept
 from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_passing
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["above_bounds", "bounds", "closer", "most_cold_power"]
+__all__ = ["above_bounds", "at_source", "bounds", "most_cold_power", "resisted"]
 
 Array = NDArray[np.float64]
 _PIECES = 256  # of a cycle, that bound the time of overload at first
@@ -68,10 +67,10 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
         heating.mean,
         T_low,
     )
-    return _resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
+    return resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
 
 
-def _resisted(
+def resisted(
     spec: RobotSpec,
     cycle: AtGearhead,
     demand: Demands,
@@ -91,6 +90,11 @@ def _resisted(
         Bounds of the winding's peak, and all else that does not hang on its resistance.
     coolest
         A temperature below which the winding is at no moment [K].
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds.
     """
     motor, (low, high) = parts.motor, found
     k_t = motor["torque_constant"]
@@ -111,7 +115,7 @@ def _resisted(
     most = np.minimum(_power_bound(cycle, demand, hot, k_t), stresses.current.value * at_hot)
     most = most + _most_beyond(cycle, demand, stresses, k_t)
     low = low._replace(power=of_the_source(least, feed))
-    high = high._replace(power=_at_source(most, stresses, feed))
+    high = high._replace(power=at_source(most, stresses, feed))
     return low, high
 
 
@@ -139,11 +143,26 @@ def most_cold_power(
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
     most = _power_bound(cycle, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
-    return _at_source(most, stresses, spec.feed(parts.controller, parts.brake))
+    return at_source(most, stresses, spec.feed(parts.controller, parts.brake))
 
 
-def _at_source(power: Array, stresses: Stress, feed: Feed) -> Array:
-    """Upper bound of the power out of the source, of one of the motor's power [W]."""
+def at_source(power: Array, stresses: Stress, feed: Feed) -> Array:
+    """Upper bound of the power out of the source, of one of the motor's power.
+
+    Parameters
+    ----------
+    power
+        Upper bound of the motor's power [W].
+    stresses
+        Columns over candidates, of ``stress``.
+    feed
+        Stages and supply.
+
+    Returns
+    -------
+    Array
+        [W], shape (rows,).
+    """
     found: Array = of_the_source(power + feed.lost(stresses.current.value) + feed.stage.standby, feed)
     return found
 
@@ -161,99 +180,6 @@ def _least_voltage(cycle: AtGearhead, demand: Demands, cool: Array, k_t: Array, 
     more = np.where(product(demand.coefficients, points.T) * volts > 0.0, np.abs(volts), 0.0)
     least: Array = np.maximum(more.max(axis=1), cold)
     return least
-
-
-def _bracketed(cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts, ambient: float, count: int) -> Bracket:
-    """Bounds of the winding over a long cycle from so many blocks [K]: closer than those of ``bounds``."""
-    current = demand.coefficients / parts.motor["torque_constant"][:, None]
-    return bracket(two_bodies(parts.motor), ambient, _blocks(cycle, count), current, heating.friction, heating.iron)
-
-
-def _blocks(cycle: AtGearhead, count: int) -> Blocks:
-    """The cycle in so many blocks at most."""
-    store, name = cycle.base.coarse, ("blocks", count)
-    if name not in store:
-        store[name] = blocks(cycle.load_cycle.duration, cycle.base.functions, count)
-    found: Blocks = store[name]
-    return found.behind(cycle.scale)
-
-
-def closer(
-    spec: RobotSpec,
-    cycle: AtGearhead,
-    demand: Demands,
-    heating: Heat,
-    stresses: Stress,
-    parts: Parts,
-    found: Pair,
-    count: int,
-) -> Pair:
-    """Bounds of winding and voltage over a long cycle from so many blocks of it, closer than those of ``bounds``.
-
-    Parameters
-    ----------
-    spec, cycle, demand, heating, stresses, parts
-        As in ``bounds``.
-    found
-        Its result.
-    count
-        Of blocks at most.
-
-    Returns
-    -------
-    Pair
-        Lower and upper bounds, no wider than those of ``found``.
-    """
-    T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count)
-    pair = found[0]._replace(winding=T.lower), found[1]._replace(winding=T.upper)
-    low, high = _resisted(spec, cycle, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
-    feed = spec.feed(parts.controller, parts.brake)
-    leads = np.broadcast_to(feed.leads, T.lower.shape)
-    least, most = _in_blocks(cycle, demand, parts.motor, T, _blocks(cycle, count), leads[:, None])
-    least = of_the_source(least[0] + feed.stage.standby, feed), least[1]
-    most = _at_source(most[0], stresses, feed), np.maximum(most[1], stresses.cold_voltage.value)
-    for name, one, other in zip(("power", "voltage"), least, most, strict=True):
-        low = low._replace(**{name: np.fmax(getattr(low, name), one)})
-        high = high._replace(**{name: np.fmin(getattr(high, name), np.where(np.isnan(other), np.inf, other))})
-    return low, high
-
-
-def _in_blocks(
-    cycle: AtGearhead, demand: Demands, motor: Any, T: Bracket, pieces: Blocks, leads: Array
-) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Bounds of the motor's largest power [W] and voltage [V], the winding no cooler and no warmer than it may be."""
-    k_t = motor["torque_constant"]
-    c, induced = demand.coefficients / k_t[:, None], volts_of(demand, k_t, np.zeros_like(k_t))
-    R_25 = np.asarray(resistance_25(motor))[:, None]
-    cool, hot = (np.asarray(resistance_at(R_25, x)) for x in (T.coolest, T.warmest))
-    top, bottom = product(c, pieces.most.T), product(c, pieces.least.T)
-    with np.errstate(invalid="ignore"):  # of what runs away
-        high = product(induced, pieces.most.T) + np.maximum(cool * top, hot * top)
-        low = product(induced, pieces.least.T) + np.minimum(cool * bottom, hot * bottom)
-        volts_above = high + leads * np.maximum(top, 0.0)
-        volts_below = low + leads * np.minimum(bottom, 0.0)
-        both = np.maximum(top, 0.0) * np.maximum(high, 0.0), np.minimum(bottom, 0.0) * np.minimum(low, 0.0)
-    powers = np.maximum(*both)
-    surplus = demand.surplus(k_t)
-    rows = np.flatnonzero(surplus != 0.0)  # an unknown one is among them
-    turning = surplus[rows, None] * pieces.most[:, SPEED], surplus[rows, None] * pieces.least[:, SPEED]
-    powers[rows] += _beyond(np.minimum.reduce([a * b[rows] for a in turning for b in (top, bottom)]))
-    most = powers.max(axis=1), np.maximum(volts_above.max(axis=1), -volts_below.min(axis=1))
-    points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
-    time = np.concatenate([cycle.extremes.high_time, cycle.extremes.low_time])
-    place = np.minimum(np.searchsorted(np.cumsum(pieces.duration), time), len(pieces.duration) - 1)
-    current = product(c, points.T)
-    volts = product(induced, points.T) + cool[:, place] * current
-    power = current * volts
-    least = np.where(power > 0.0, np.abs(volts + leads * current), 0.0).max(axis=1)
-    power[rows] += _beyond(surplus[rows, None] * points[:, SPEED] * current[rows])
-    return (power.max(axis=1), least), most
-
-
-def _beyond(work: Array) -> Array:
-    """Power above V I [W] where constants differ, by the power of that difference (``waveform.balanced``)."""
-    found: Array = np.maximum(-2.0 * work, 0.0)
-    return found
 
 
 def winding_limits(
