@@ -13,7 +13,7 @@ TOOLS := $(VENV)/.tools-$(MADE_FOR)
 INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check --no-compile $(addprefix -c ,$(CONSTRAINTS))
 WHEEL := build/wheel
 
-.PHONY: run test test-all mutants lint docs wheel constraints bench clean
+.PHONY: run test test-all lowest mutants lint docs wheel constraints bench clean
 
 run: $(READY)
 	$(BIN)/drivesizer size examples/sps_robot.yaml
@@ -27,6 +27,13 @@ test: $(TOOLS)
 
 test-all: $(TOOLS)
 	$(BIN)/pytest $(PARALLEL)
+
+# The tests in the lowest versions that pyproject.toml allows, in an environment of its own; that those warn of
+# newer ones is no failure. The same with another Python: make PYTHON=python3.14 VENV=build/python3.14 test
+lowest: $(TOOLS)
+	mkdir -p build
+	$(BIN)/python tests/tools/lowest.py > build/lowest.txt
+	$(MAKE) VENV=build/lowest CONSTRAINTS=build/lowest.txt PYTEST_ADDOPTS='-W ignore::DeprecationWarning' test
 
 mutants: $(TOOLS)
 	$(BIN)/python tests/tools/mutants.py

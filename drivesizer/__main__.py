@@ -19,7 +19,13 @@ def main() -> None:
 
     if interruptible:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    run()
+    try:
+        run()
+    except KeyboardInterrupt:  # before a command begins, or a second one while the first is dealt with
+        os._exit(_STOPPED)
+    finally:
+        if interruptible:  # all is written: what Python still puts away is nobody's loss
+            signal.signal(signal.SIGINT, lambda *_: os._exit(_STOPPED))
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from drivesizer.commands.setup import doctor, equations, init, schema
 from drivesizer.commands.sizing import explain, report, size
 from drivesizer.commands.study import study
 from drivesizer.commands.validate import validate
-from drivesizer.errors import printable
+from drivesizer.errors import InputError, printable
 from drivesizer.live.command import serve
 from drivesizer.version import __version__
 
@@ -87,6 +87,14 @@ def main() -> None:
     gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
     warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown
-    status = ended(lambda: app(standalone_mode=False))
+    status = ended(_run)
     gc.freeze()  # else Python looks through all objects twice more as it ends: a seventh of a `drivesizer size`
     sys.exit(status)
+
+
+def _run() -> int | None:
+    if sys.flags.optimize > 1:
+        raise InputError("Python runs without docstrings (-OO, PYTHONOPTIMIZE=2), of which drivesizer reads its "
+                         "equations; expected at most -O, PYTHONOPTIMIZE=1")  # fmt: skip
+    status: int | None = app(standalone_mode=False)
+    return status

@@ -21,6 +21,7 @@ __all__ = ["FAULT", "STOPPED", "TRACEBACK", "ended"]
 
 FAULT = 70  # exit status where the program itself is at fault, as in sysexits.h
 STOPPED = 130  # and after Ctrl-C, as shells have it
+_REFUSING = ("strict", "surrogateescape")  # of characters that the encoding lacks; the second in the locale C
 TRACEBACK = "DRIVESIZER_TRACEBACK"  # set in the environment: a fault shows where it arose
 
 # typer brings its own click or uses the installed one; this is that click's root of what a user can get wrong.
@@ -74,7 +75,7 @@ def _opened() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, Path(os.devnull).open("w"))  # noqa: SIM115  until the process ends
-        elif getattr(getattr(sys, name), "errors", "") == "strict" and hasattr(getattr(sys, name), "reconfigure"):
+        elif getattr(getattr(sys, name), "errors", "") in _REFUSING and hasattr(getattr(sys, name), "reconfigure"):
             getattr(sys, name).reconfigure(errors="backslashreplace")
 
 

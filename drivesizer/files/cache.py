@@ -68,8 +68,8 @@ def keep(path: Path, body: bytes) -> None:
         with os.fdopen(handle, "wb") as file:
             file.write(hashlib.blake2b(body, digest_size=_DIGEST).digest() + body)
         Path(name).replace(path)
-    except OSError:
-        Path(name).unlink()
+    except BaseException:  # Ctrl-C too leaves nothing behind
+        Path(name).unlink(missing_ok=True)
         raise
     _tidy(path)
 
@@ -78,7 +78,7 @@ def _tidy(path: Path) -> None:
     """Remove files of the same name with an older digest, and unfinished ones of killed processes."""
     for old in path.parent.iterdir():
         with contextlib.suppress(FileNotFoundError):  # another process removed it first
-            left_over = old.name.startswith(_HALF) and time.time() - old.stat().st_mtime > _LONG_AGO
+            left_over = old.name.startswith(_HALF) and abs(time.time() - old.stat().st_mtime) > _LONG_AGO
             if left_over or (_subject(old) == _subject(path) and old != path):
                 old.unlink()
 

@@ -8,6 +8,7 @@ never one that was read: a link is followed, and into a device, a pipe or the st
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import sys
@@ -20,6 +21,9 @@ from drivesizer.errors import InputError, reason_of
 from drivesizer.files.text import was_read
 
 __all__ = ["new", "put", "ready", "ready_all", "remove_all"]
+
+
+_NO_LINKS = {errno.EPERM, errno.ENOSYS, errno.EOPNOTSUPP, errno.EMLINK}  # a FAT stick, some network drives
 
 
 class _Waiting(NamedTuple):
@@ -150,18 +154,19 @@ def new(path: Path, content: bytes) -> None:
     InputError
         When one exists, which is left unchanged, or the file cannot be written.
     """
+    waiting: list[_Waiting] = []
     try:
-        with path.open("xb") as stream:
-            try:
-                stream.write(content)
-                stream.flush()
-            except BaseException:
-                path.unlink()
-                raise
+        if os.path.lexists(path):
+            raise FileExistsError
+        _write_temporary(path, content, waiting)
+        _take_free_place(*waiting[0])
     except FileExistsError:
         raise InputError(f"{path}: the file exists and is left alone; name another with -o") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
+    finally:
+        for temporary, _ in waiting:
+            temporary.unlink(missing_ok=True)
 
 
 # --- what a target is ------------------------------------------------------------------------------------------------
@@ -236,6 +241,17 @@ def _as_before(temporary: Path, target: Path) -> None:
     found = _status(target)
     if found is not None:
         temporary.chmod(stat.S_IMODE(found.st_mode))
+
+
+def _take_free_place(temporary: Path, target: Path) -> None:
+    """Give a complete file its name where that is free, in one step; in two where a file system has no hard links."""
+    try:
+        target.hardlink_to(temporary)
+    except OSError as error:
+        if error.errno not in _NO_LINKS:
+            raise
+        target.open("xb").close()
+        temporary.replace(target)
 
 
 def _take_places(waiting: list[_Waiting]) -> None:

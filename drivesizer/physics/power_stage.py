@@ -166,7 +166,7 @@ def power_stage(controller: Any, voltage: Any, given: Any = None, *, assume: boo
         loss=np.where(unknown, np.where(inside | (not assume), 0.0, ASSUMED_LOSS), loss),
         resistance=np.where(inside, 0.0, 0.0 if ohm is None else ohm),
         standby=np.where(np.isnan(standby), 0.0, standby),
-        assumed=unknown & ~inside & assume,
+        assumed=unknown & np.logical_not(inside) & assume,
     )
 
 

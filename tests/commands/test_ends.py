@@ -1,12 +1,14 @@
 """How commands end: one line and a status whatever fails, nothing replaced that is no file or that was read."""
 
 import errno
+import io
 import os
 import stat
 import subprocess
 import sys
 import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -15,8 +17,9 @@ from fuzzing import CATALOGUE, STARTERS
 from drivesizer import cli
 from drivesizer.commands import ends
 from drivesizer.errors import InputError
-from drivesizer.files.cache import CacheWarning
+from drivesizer.files.cache import CacheWarning, keep
 from drivesizer.files.writing import new, put, ready_all
+from drivesizer.output.terminal.tables import console
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="devices, pipes and signals of another kind")
 
@@ -139,6 +142,28 @@ def test_a_new_file_is_whole_or_not_there(folder):
     assert Path("new.yaml").read_bytes() == b"x"
 
 
+def test_a_new_file_has_its_name_only_when_it_is_complete(folder, monkeypatch):
+    """Stopped before that nothing is left; without hard links, as on a FAT stick, it is written all the same."""
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "hardlink_to", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        new(Path("new.yaml"), b"x")
+    with pytest.raises(KeyboardInterrupt), monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", stopped)
+        keep(Path("kept/parts-1.bin"), b"x")
+    assert not Path("new.yaml").exists() and not list(Path("kept").iterdir())
+
+    def refused(*_):
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(Path, "hardlink_to", refused)
+    new(Path("new.yaml"), b"x")
+    assert Path("new.yaml").read_bytes() == b"x" and not list(folder.glob(".drivesizer*"))
+
+
 # --- ends -------------------------------------------------------------------------------------------------------------
 
 
@@ -169,6 +194,26 @@ def test_whatever_fails_is_one_line_and_a_status(error, status, said, capsys, mo
     assert "Traceback" in capsys.readouterr().err
 
 
+def test_letters_that_a_stream_lacks_are_written_out(monkeypatch):
+    """In the locale C without UTF-8 mode Python's streams refuse them, and do not say "strict"."""
+    for errors in ("strict", "surrogateescape"):
+        out = io.TextIOWrapper(io.BytesIO(), encoding="ascii", errors=errors)
+        monkeypatch.setattr(sys, "stdout", out)
+        assert ends.ended(lambda: print("20 °C")) == 0
+        assert out.buffer.getvalue().decode() == "20 \\xb0C\n"
+
+
+def test_no_columns_are_80(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "0")
+    assert console().width == 80
+
+
+def test_python_without_docstrings_is_one_line(run, monkeypatch):
+    monkeypatch.setattr(sys, "flags", SimpleNamespace(optimize=2))
+    status, out, err = run("equations")
+    assert (status, out, err.count("\n")) == (2, "", 1) and "PYTHONOPTIMIZE=2" in err
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 @pytest.mark.parametrize("command", [["size"], ["size", "--json"], ["--help"]])
@@ -185,6 +230,7 @@ def test_a_full_standard_output_is_one_line(folder, command):
 def test_ctrl_c_while_the_command_line_loads_is_quiet():
     code = """
 import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 class Impatient:
     def find_spec(self, name, *_):
         if name == "drivesizer.cli":
@@ -195,6 +241,24 @@ main()
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+def test_ctrl_c_between_the_commands_own_lines_is_quiet():
+    """Before a command begins, a second one while the first is dealt with, and while Python puts things away."""
+    code = """
+import atexit, os, signal, drivesizer.cli
+signal.signal(signal.SIGINT, signal.default_int_handler)
+atexit.register(os.kill, os.getpid(), signal.SIGINT)
+def run():
+    WHAT
+drivesizer.cli.main = run
+from drivesizer.__main__ import main
+main()
+"""
+    for what in ("raise KeyboardInterrupt", "pass"):
+        call = [sys.executable, "-c", code.replace("WHAT", what)]
+        done = subprocess.run(call, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
 def test_closed_streams_are_no_fault(folder):

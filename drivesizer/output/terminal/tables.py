@@ -30,6 +30,7 @@ __all__ = [
     "requirements", "width_of",
 ]  # fmt: skip
 
+_WIDTH = 80  # characters where a terminal does not say
 _ALIKE = 0.01  # of a margin, within which it is that of two figures
 _CLOSE = 0.2  # least margin at the ends of the band of estimates, below which the band is shown
 STYLE = {"pass": "green", "fail": "bold red", "open": "yellow", "unknown": "yellow"}
@@ -38,7 +39,10 @@ MARK = {"pass": "pass", "fail": "FAIL", "open": "open", "unknown": "unknown"}
 
 def console() -> Console:
     """The terminal that results go to."""
-    return Console(highlight=False, soft_wrap=False)
+    shown = Console(highlight=False, soft_wrap=False)
+    if shown.width < 1:  # COLUMNS=0, which rich takes as it is: the width is unknown
+        shown.width = _WIDTH
+    return shown
 
 
 def bare(*columns: tuple[str, str], title: str = "", headed: bool = True, edged: bool = True) -> Table:
