@@ -123,7 +123,7 @@ def test_unsaturated_loop_is_the_sampled_linear_loop(spec, chosen):
     asked = Profile("small", (0.0, 0.05, 0.15, 0.4), (1.0, 1.0, 1.02, 1.02))
     proof = validate(spec, chosen, profile=asked)
     train, _ = drive_train(spec, chosen, PERIOD)
-    loop = voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], proof.gains)
+    loop = control.ss(*voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], proof.gains))
     time = np.arange(1001) * PERIOD
     change = (np.interp(time, asked.time, asked.speed) - 1.0) * train.motor_per_speed
     linear = control.forced_response(control.feedback(loop, 1), time, change).outputs

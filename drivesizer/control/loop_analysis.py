@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,14 +28,17 @@ from drivesizer.control.loop_models import (
     voltage_open_loop,
 )
 from drivesizer.control.loop_records import Bode, Loop, Loops
+from drivesizer.control.sampled import Response, System, fed_back, frequency_response, poles, step_response, value_at
 from drivesizer.control.validation import Gains
 
 __all__ = ["analyse", "loop_of", "margin_and_bandwidth"]
 
-_Response = Callable[[NDArray[np.float64]], NDArray[np.complex128]]  # of angular frequencies [rad/s]
+Array = NDArray[np.float64]
+_Values = NDArray[np.complex128]
 _POINTS = 1500
 _DECADES = 6.0  # below the Nyquist frequency
 _MOST_SAMPLES = 20_000  # of a step response
+_PARTS, _TIMES = 50, 3  # a step of the grid, which is 1 %, down to 1e-7; the rest of it is straight
 _SETTLED = 0.02  # of the final value
 _DIRECTIONS = {"driving": Regime.FORWARD_DRIVING, "braking": Regime.FORWARD_BRAKING}
 
@@ -79,7 +81,7 @@ def analyse(train: DriveTrain, controller: Cascade | Gains) -> Loops:
     )
 
 
-def _worse(name: str, every: tuple[Mode, ...], opened: Callable[[Mode], Any]) -> Loop:
+def _worse(name: str, every: tuple[Mode, ...], opened: Callable[[Mode], System]) -> Loop:
     """Of driving and braking the loop nearer to instability, with the least margins and bandwidth of both."""
     found = [loop_of(name, opened(every[r]), direction) for direction, r in _DIRECTIONS.items()]
     unstable = [loop for loop in found if not loop.stable]
@@ -94,7 +96,7 @@ def _worse(name: str, every: tuple[Mode, ...], opened: Callable[[Mode], Any]) ->
     )
 
 
-def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
+def loop_of(name: str, opened: System, direction: str = "") -> Loop:
     """All figures of a loop with unit feedback.
 
     Parameters
@@ -102,8 +104,8 @@ def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
     name, direction
         Name of the loop, and the direction of power.
     opened
-        The open loop: a sampled python-control system with one input and one output, or two of which the second is fed
-        back.
+        The open loop: a sampled system that answers one period later, with one input and one output, or two of which
+        the second is fed back.
 
     Returns
     -------
@@ -111,10 +113,10 @@ def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
         Without margins where the loop is unstable.
     """
     opened, closed = _closed(opened)
-    poles = tuple(complex(p) for p in closed.poles())
-    radius = max((abs(p) for p in poles), default=0.0)
-    w = _grid([*poles, *opened.poles()], opened.dt)
-    response, whole = _response(opened), _response(closed)
+    own = tuple(complex(p) for p in poles(closed))
+    radius = max((abs(p) for p in own), default=0.0)
+    w = _grid([*own, *poles(opened)], opened.dt)
+    response, whole = frequency_response(opened), frequency_response(closed)
     L, T = response(w), whole(w)
     stable = radius < 1.0
     margins = _margins(response, w, L) if stable else (math.nan,) * 4
@@ -126,7 +128,7 @@ def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
         period=float(opened.dt),
         stable=stable,
         pole_radius=radius,
-        poles=poles,
+        poles=own,
         gain_margin=margins[0],
         gain_reduction=margins[1],
         phase_margin=margins[2],
@@ -141,24 +143,21 @@ def loop_of(name: str, opened: Any, direction: str = "") -> Loop:
     )
 
 
-def _closed(opened: Any) -> tuple[Any, Any]:
+def _closed(opened: System) -> tuple[System, System]:
     """Open loop from the error to the fed-back output, and closed loop from the reference to the first output."""
-    import control
-
-    if opened.noutputs == 1:
-        return opened, control.feedback(opened, 1)
-    back = control.ss([], [], [], [[0.0, 1.0]], opened.dt)
-    return opened[1, 0], control.feedback(opened, back)[0, 0]
+    if len(opened.C) == 1:
+        return opened, fed_back(opened, [1.0])
+    return opened.output(1), fed_back(opened, [0.0, 1.0]).output(0)
 
 
-def margin_and_bandwidth(opened: Any) -> tuple[float, float]:
+def margin_and_bandwidth(opened: System) -> tuple[float, float]:
     """Phase margin [rad] and bandwidth [Hz] alone: NaN of an unstable loop, infinite where the gain never reaches 1."""
     opened, closed = _closed(opened)
-    poles = closed.poles()
-    if max(abs(poles), default=0.0) >= 1.0:
+    own = poles(closed)
+    if max(abs(own), default=0.0) >= 1.0:
         return math.nan, math.nan
-    w = _grid([*poles, *opened.poles()], opened.dt)
-    response, whole = _response(opened), _response(closed)
+    w = _grid([*own, *poles(opened)], opened.dt)
+    response, whole = frequency_response(opened), frequency_response(closed)
     phase = _margins(response, w, response(w))[2]
     return math.inf if math.isnan(phase) else phase, _bandwidth(closed, whole, w, whole(w))
 
@@ -167,88 +166,71 @@ def _least(figures: Iterable[float]) -> float:
     return min((f for f in figures if math.isfinite(f)), default=math.nan)
 
 
-def _grid(poles: Iterable[complex], period: float) -> NDArray[np.float64]:
+def _grid(poles: Iterable[complex], period: float) -> Array:
     """Angular frequencies up to the Nyquist frequency [rad/s], finer around the poles that ring."""
     nyquist = math.pi / period
     even = np.geomspace(nyquist * 10.0**-_DECADES, nyquist, _POINTS)
     around = np.geomspace(1e-7, 0.1, 40)  # and not on the pole itself
     rings = [abs(np.angle(p)) / period for p in poles if p.imag > 0.0 and abs(p) > 0.5]
     near = [w * (1.0 + sign * around) for w in rings for sign in (-1.0, 1.0)]
-    every: NDArray[np.float64] = np.unique(np.concatenate([even, *near]))
-    inside: NDArray[np.float64] = every[(every >= even[0]) & (every <= nyquist)]
+    every: Array = np.unique(np.concatenate([even, *near]))
+    inside: Array = every[(every >= even[0]) & (every <= nyquist)]
     return inside
 
 
-def _response(system: Any) -> _Response:
-    """The frequency response of a system: by its Schur form, whose triangle is solved for all frequencies at once."""
-    from scipy.linalg import schur
-
-    n, period, through = system.nstates, system.dt, complex(system.D[0, 0])
-    T, Q = schur(system.A + 0j, output="complex") if n else (np.zeros((0, 0)), np.zeros((0, 0)))
-    b, c = Q.conj().T @ system.B[:, 0], system.C[0] @ Q
-
-    def response(w: NDArray[np.float64]) -> NDArray[np.complex128]:
-        z = np.exp(1j * w * period)
-        x = np.zeros((n, len(z)), complex)
-        for k in range(n - 1, -1, -1):
-            x[k] = (b[k] + T[k, k + 1 :] @ x[k + 1 :]) / (z - T[k, k])
-        return np.asarray(c @ x + through)
-
-    return response
-
-
 def _crossings(
-    response: _Response, w: NDArray[np.float64], sampled: NDArray[np.float64], figure: Callable[[complex], float]
+    response: Response, w: Array, sampled: Array, figure: Callable[[_Values], Array]
 ) -> Iterator[tuple[float, complex]]:
     """Angular frequency [rad/s] and response wherever a figure of the response changes sign."""
-    from scipy.optimize import brentq
-
-    def one(x: float) -> complex:
-        return complex(response(np.array([x]))[0])
-
     below = sampled < 0.0  # a figure that is 0 on the grid counts with those above: its crossing is found once
     for n in np.flatnonzero(below[:-1] != below[1:]):
-        ends = dict(zip(w[n : n + 2].tolist(), sampled[n : n + 2].tolist(), strict=True))
-        at = float(brentq(lambda x, ends=ends: ends.get(x, figure(one(x))), *ends, xtol=1e-12 * w[n]))
-        yield at, one(at)
+        at = _root(lambda x: figure(response(x)), w[n : n + 2], sampled[n : n + 2])
+        yield at, complex(response(np.array([at]))[0])
 
 
-def _margins(response: _Response, w: NDArray[np.float64], L: NDArray[np.complex128]) -> tuple[float, ...]:
+def _root(figure: Callable[[Array], Array], ends: Array, values: Array) -> float:
+    """Place at which a figure changes sign, to 1e-12: of equal parts the one that has it, again and again."""
+    for _ in range(_TIMES):
+        places = np.linspace(ends[0], ends[1], _PARTS + 1)
+        found = np.concatenate([values[:1], figure(places[1:-1]), values[1:]])
+        n = int(np.flatnonzero((found < 0.0) != (found[0] < 0.0))[0])
+        ends, values = places[n - 1 : n + 1], found[n - 1 : n + 1]
+    return float(ends[0] - values[0] * (ends[1] - ends[0]) / (values[1] - values[0]))
+
+
+def _margins(response: Response, w: Array, L: _Values) -> tuple[float, ...]:
     """Gain margin up and down [factors], phase margin in either sense [rad], and its frequency [Hz]; NaN: none."""
     real = [z.real for _, z in _crossings(response, w, L.imag, lambda z: z.imag)]
     real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
     factors = [-1.0 / x for x in real if x < 0.0]
     phases = [
         (abs(math.remainder(math.pi + math.atan2(z.imag, z.real), 2.0 * math.pi)), at / (2.0 * math.pi))
-        for at, z in _crossings(response, w, np.abs(L) - 1.0, lambda z: abs(z) - 1.0)
+        for at, z in _crossings(response, w, np.abs(L) - 1.0, lambda z: np.abs(z) - 1.0)
     ]
     up = min((f for f in factors if f > 1.0), default=math.nan)
     down = max((f for f in factors if f < 1.0), default=math.nan)
     return up, down, *min(phases, default=(math.nan, math.nan))
 
 
-def _bandwidth(closed: Any, whole: _Response, w: NDArray[np.float64], T: NDArray[np.complex128]) -> float:
+def _bandwidth(closed: System, whole: Response, w: Array, T: _Values) -> float:
     """Frequency at which the closed loop first is 3 dB below its value at rest [Hz]; NaN: nowhere."""
-    level = abs(complex(closed(1.0 + 0j))) / math.sqrt(2.0)
+    level = abs(value_at(closed, 1.0)) / math.sqrt(2.0)
     if not (math.isfinite(level) and level > 0.0):
         return math.nan
     above = np.abs(T) - level
-    found = _crossings(whole, w, above, lambda z: abs(z) - level)
+    found = _crossings(whole, w, above, lambda z: np.abs(z) - level)
     return next(found, (math.nan, 0j))[0] / (2.0 * math.pi) if above[0] > 0.0 else math.nan
 
 
-def _step(closed: Any, radius: float) -> NDArray[np.float64]:
+def _step(closed: System, radius: float) -> Array:
     """Step response of a stable loop, until its slowest pole has decayed to 1e-4, or to the most samples."""
-    import control
-
     samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(radius, 0.1), 1.0 - 1e-9)))
-    time = np.arange(min(samples, _MOST_SAMPLES)) * closed.dt
-    return np.asarray(control.step_response(closed, time).outputs, float)
+    return step_response(closed, min(samples, _MOST_SAMPLES))
 
 
-def _answer(step: NDArray[np.float64], closed: Any) -> tuple[float, float, float]:
+def _answer(step: Array, closed: System) -> tuple[float, float, float]:
     """Rise time [s], overshoot and settling time [s] of a step; NaN where a level is not reached."""
-    final = float(np.real(closed(1.0 + 0j)))
+    final = value_at(closed, 1.0).real
     if not len(step) or not (math.isfinite(final) and abs(final) > 1e-9):
         return (math.nan,) * 3
     y = step / final
@@ -258,7 +240,7 @@ def _answer(step: NDArray[np.float64], closed: Any) -> tuple[float, float, float
     return rise * closed.dt, max(float(y.max()) - 1.0, 0.0), settled * closed.dt if settled < len(y) else math.nan
 
 
-def _reached(y: NDArray[np.float64], level: float) -> float:
+def _reached(y: Array, level: float) -> float:
     """Sample at which a response first reaches a level, linearly interpolated; NaN: never."""
     above = np.flatnonzero(y >= level)
     if not len(above):
@@ -267,7 +249,7 @@ def _reached(y: NDArray[np.float64], level: float) -> float:
     return n - float((y[n] - level) / (y[n] - y[n - 1])) if n else 0.0
 
 
-def _bode(w: NDArray[np.float64], L: NDArray[np.complex128], closed: NDArray[np.complex128]) -> Bode:
+def _bode(w: Array, L: _Values, closed: _Values) -> Bode:
     return Bode(
         frequency=w / (2.0 * math.pi),
         open_magnitude=np.abs(L),

@@ -1,4 +1,4 @@
-r"""The loops of a servo cascade as sampled linear systems (python-control), exact for held voltages and demands.
+r"""The loops of a servo cascade as sampled linear systems, exact for held voltages and demands.
 
 Rigid plant: winding and one inertia. Two-mass plant: motor - shaft with a stiffness - load. Each is discretised for a
 voltage held over a current period (zero-order hold). The current loop is closed at its own rate; because the velocity
@@ -19,12 +19,11 @@ Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K to
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Mode, matrices
+from drivesizer.control.sampled import System, beside, delayed, fed_back, first_order, gain, in_series, sampled
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import COMPUTING
 from drivesizer.physics.belt import resonance as two_masses
@@ -50,7 +49,7 @@ def resonance(train: DriveTrain, mode: Mode) -> tuple[float, float]:
     return float(found.anti_resonance), float(found.resonance)
 
 
-def plant(train: DriveTrain, mode: Mode, *, angle: bool = False) -> Any:
+def plant(train: DriveTrain, mode: Mode, *, angle: bool = False) -> System:
     """The drive train in continuous time, from voltage to current and motor speed, linearised about a moving point.
 
     Parameters
@@ -62,11 +61,9 @@ def plant(train: DriveTrain, mode: Mode, *, angle: bool = False) -> Any:
 
     Returns
     -------
-    control.StateSpace
+    System
         States i, w, then with a shaft the load's speed and the twist, both as at the motor, then the angle.
     """
-    import control
-
     A, B = matrices(train, mode)
     if train.flexible:
         A, B = _two_masses(train, mode, A)
@@ -75,7 +72,7 @@ def plant(train: DriveTrain, mode: Mode, *, angle: bool = False) -> Any:
         n = len(A)
         A = np.block([[A, np.zeros((n, 1))], [np.eye(1, n, 1), np.zeros((1, 1))]])
         B, C = np.vstack([B, [[0.0]]]), np.block([[C, np.zeros((2, 1))], [np.zeros((1, n)), np.ones((1, 1))]])
-    return control.ss(A, B, C, np.zeros((len(C), 1)))
+    return System(A, B, C, np.zeros((len(C), 1)), 0.0)
 
 
 def _two_masses(train: DriveTrain, mode: Mode, rigid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -94,30 +91,25 @@ def _two_masses(train: DriveTrain, mode: Mode, rigid: np.ndarray) -> tuple[np.nd
     return A, np.array([[1.0 / train.inductance], [0.0], [0.0], [0.0]])
 
 
-def _pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> Any:
+def _pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> System:
     """A sampled PID with a filtered derivative, one period late for its computation."""
-    import control
-
-    found: Any = control.ss([], [], [], [[kp]], period)
+    found = gain(kp, period)
     if ki:
-        found = found + control.ss(control.tf([ki * period, 0], [1, -1], period))
+        found = beside(found, first_order(ki * period, 0.0, 1.0, period))
     if kd:
         filtered = filter_time + period
-        found = found + control.ss(control.tf([kd, -kd], [filtered, -filter_time], period))
-    return control.ss(control.tf([1], [1, *[0] * round(COMPUTING)], period)) * found
+        found = beside(found, first_order(kd / filtered, -kd / filtered, filter_time / filtered, period))
+    return in_series(delayed(round(COMPUTING), period), found)
 
 
-def _lifted(fast: Any, steps: int) -> Any:
+def _lifted(fast: System, steps: int) -> System:
     """A sampled system with its input held over a number of its steps, at the slower rate [1]; exact."""
-    import control
-
-    held = np.block([[fast.A, fast.B], [np.zeros((fast.ninputs, fast.nstates)), np.eye(fast.ninputs)]])
-    many = np.linalg.matrix_power(held, steps)
-    n = fast.nstates
-    return control.ss(many[:n, :n], many[:n, n:], fast.C, fast.D, fast.dt * steps)
+    n, held = fast.states, fast.B.shape[1]
+    many = np.linalg.matrix_power(np.block([[fast.A, fast.B], [np.zeros((held, n)), np.eye(held)]]), steps)
+    return System(many[:n, :n], many[:n, n:], fast.C, fast.D, fast.dt * steps)
 
 
-def _counted(held: Any, periods: int, row: int, *, angle: bool = False) -> Any:
+def _counted(held: System, periods: int, row: int, *, angle: bool = False) -> System:
     """A sampled drive train whose last state is its angle, with two outputs: one of its own, and the counted speed.
 
     Parameters
@@ -131,20 +123,18 @@ def _counted(held: Any, periods: int, row: int, *, angle: bool = False) -> Any:
     angle
         Whether the angle is kept as a state; a speed needs none, and would get an uncontrollable pole.
     """
-    import control
-
-    n = held.nstates if angle else held.nstates - 1
-    grows = (held.A[-1] - np.eye(1, held.nstates, held.nstates - 1)[0])[:n] / held.dt
+    n = held.states if angle else held.states - 1
+    grows = (held.A[-1] - np.eye(1, held.states, held.states - 1)[0])[:n] / held.dt
     first, shift = np.eye(periods, 1), np.eye(periods, k=-1)
     A = np.block([[held.A[:n, :n], np.zeros((n, periods))], [first * grows, shift]])
     B = np.vstack([held.B[:n], first * held.B[-1] / held.dt])
     C = np.vstack(
         [np.append(held.C[row, :n], np.zeros(periods)), np.append(np.zeros(n), np.full(periods, 1 / periods))]
     )
-    return control.ss(A, B, C, np.zeros((2, 1)), held.dt)
+    return System(A, B, C, np.zeros((2, 1)), held.dt)
 
 
-def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> Any:
+def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> System:
     """Open velocity loop that acts on the voltage: from the speed error to the motor's speed.
 
     Parameters
@@ -156,16 +146,16 @@ def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> Any:
 
     Returns
     -------
-    control.StateSpace
+    System
         Sampled; with a counted speed two outputs, of which the second is fed back.
     """
     counted = gains.counted_over
-    held = plant(train, mode, angle=counted > 0).sample(gains.period, "zoh")
-    forward = _counted(held, counted, 1) if counted else held[1, 0]
-    return forward * _pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time)
+    held = sampled(plant(train, mode, angle=counted > 0), gains.period)
+    forward = _counted(held, counted, 1) if counted else held.output(1)
+    return in_series(forward, _pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time))
 
 
-def current_open_loop(train: DriveTrain, cascade: Cascade) -> Any:
+def current_open_loop(train: DriveTrain, cascade: Cascade) -> System:
     """Open current loop with the rotor held: the back-EMF is a disturbance, as in the design.
 
     Parameters
@@ -177,28 +167,23 @@ def current_open_loop(train: DriveTrain, cascade: Cascade) -> Any:
 
     Returns
     -------
-    control.StateSpace
+    System
         Sampled, from the current error to the current.
     """
-    import control
-
     R, L, period = train.resistance, train.inductance, cascade.current_period
-    winding = control.ss([[-R / L]], [[1.0 / L]], [[1.0]], [[0.0]]).sample(period, "zoh")
-    return winding * _pid(cascade.current_kp, cascade.current_ki, period)
+    winding = System(np.array([[-R / L]]), np.array([[1.0 / L]]), np.eye(1), np.zeros((1, 1)), 0.0)
+    return in_series(sampled(winding, period), _pid(cascade.current_kp, cascade.current_ki, period))
 
 
-def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, angle: bool) -> Any:
+def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, angle: bool) -> System:
     """From the current demand to current, speed (and angle), at the rate of the velocity loop; back-EMF and all."""
-    import control
-
     period = cascade.current_period
-    forward = plant(train, mode, angle=angle).sample(period, "zoh")
-    forward = forward * _pid(cascade.current_kp, cascade.current_ki, period)
-    current = control.ss([], [], [], np.eye(1, forward.noutputs), period)
-    return _lifted(control.feedback(forward, current), cascade.current_steps)
+    held = sampled(plant(train, mode, angle=angle), period)
+    forward = in_series(held, _pid(cascade.current_kp, cascade.current_ki, period))
+    return _lifted(fed_back(forward, np.eye(len(forward.C))[0]), cascade.current_steps)
 
 
-def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> Any:
+def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> System:
     """Open velocity loop around the closed current loop: from the speed error to the motor's speed.
 
     Parameters
@@ -210,20 +195,20 @@ def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> Any:
 
     Returns
     -------
-    control.StateSpace
+    System
         Sampled; with a counted speed two outputs, of which the second is fed back.
     """
     counted = cascade.counted_over
     held = _current_closed(train, mode, cascade, angle=counted > 0)
-    return (_counted(held, counted, 1) if counted else held[1, 0]) * _velocity_pid(cascade)
+    return in_series(_counted(held, counted, 1) if counted else held.output(1), _velocity_pid(cascade))
 
 
-def _velocity_pid(cascade: Cascade) -> Any:
+def _velocity_pid(cascade: Cascade) -> System:
     kd, filter_time = cascade.velocity_kd, cascade.filter_time
     return _pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
 
 
-def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> Any:
+def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> System:
     """Open position loop around the closed velocity loop: from the position error to the motor's angle.
 
     Parameters
@@ -235,14 +220,11 @@ def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> Any:
 
     Returns
     -------
-    control.StateSpace
+    System
         Sampled at the position loop's period.
     """
-    import control
-
     held = _current_closed(train, mode, cascade, angle=True)
     # outputs: angle, and the speed that is fed back
-    forward = _counted(held, cascade.counted_over, 2, angle=True) if cascade.counted_over else held[[2, 1], 0]
-    speed = control.ss([], [], [], [[0.0, 1.0]], cascade.velocity_period)
-    closed = _lifted(control.feedback(forward * _velocity_pid(cascade), speed), cascade.velocity_steps)[0, 0]
-    return closed * _pid(cascade.position_kp, 0.0, cascade.position_period)
+    forward = _counted(held, cascade.counted_over, 2, angle=True) if cascade.counted_over else held.output(2, 1)
+    closed = _lifted(fed_back(in_series(forward, _velocity_pid(cascade)), [0.0, 1.0]), cascade.velocity_steps)
+    return in_series(closed.output(0), _pid(cascade.position_kp, 0.0, cascade.position_period))

@@ -22,6 +22,7 @@ from drivesizer.control.drive_train import DriveTrain, Mode, Regime, modes
 from drivesizer.control.loop_analysis import margin_and_bandwidth
 from drivesizer.control.loop_models import position_open_loop, resonance, velocity_open_loop, voltage_open_loop
 from drivesizer.control.loop_warnings import RESONANCE_SHARE
+from drivesizer.control.sampled import System
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.units import show
@@ -118,7 +119,7 @@ def _resonance(required: Required) -> float:
     return resonance(required.train, modes(required.train)[Regime.FORWARD_BRAKING])[1]
 
 
-def _opened(controller: Gains | Cascade, required: Required) -> Iterator[tuple[str, object]]:
+def _opened(controller: Gains | Cascade, required: Required) -> Iterator[tuple[str, System]]:
     """The loops to be checked, with their names."""
     train = required.train
     every, rigid = modes(train), replace(train, stiffness=math.inf)
@@ -135,7 +136,7 @@ def _opened(controller: Gains | Cascade, required: Required) -> Iterator[tuple[s
         yield "velocity loop of the motor alone, in the backlash,", _velocity(controller, rigid, alone)
 
 
-def _velocity(controller: Gains | Cascade, train: DriveTrain, mode: Mode) -> object:
+def _velocity(controller: Gains | Cascade, train: DriveTrain, mode: Mode) -> System:
     if isinstance(controller, Gains):
         return voltage_open_loop(train, mode, controller)
     return velocity_open_loop(train, mode, controller)

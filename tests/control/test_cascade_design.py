@@ -232,7 +232,7 @@ def test_the_lifted_loops_are_exact():
     simulated = by_hand(train, cascade, 120)
     mode = modes(train)[Regime.FORWARD_DRIVING]
     for kind, opened in (("velocity", velocity_open_loop), ("position", position_open_loop)):
-        closed = control.feedback(opened(train, mode, cascade), 1)
+        closed = control.feedback(control.ss(*opened(train, mode, cascade)), 1)
         y = control.step_response(closed, np.arange(120) * closed.dt).outputs
         assert y == pytest.approx(simulated[kind], rel=1e-7, abs=1e-9)
         assert 0.1 < y[-1] < 1.5  # it does something
@@ -289,7 +289,7 @@ def test_margins_are_control_s():
     loop_ = velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], designed(bandwidth=40.0))
     found = loop_of("velocity", loop_)
     w = np.geomspace(50.0, math.pi / loop_.dt * 0.9999, 3000)
-    points = control.frequency_response(loop_, w, squeeze=True)
+    points = control.frequency_response(control.ss(*loop_), w, squeeze=True)
     response = points.magnitude * np.exp(1j * points.phase)
     gain, margin, _, crossover = control.margin(control.frd(response, w))
     assert found.gain_margin == pytest.approx(gain, rel=1e-3)
@@ -313,7 +313,10 @@ def test_placed_poles_are_there_in_the_sampled_loop():
 def test_the_voltage_loop_has_python_control_s_margins():
     gains = Gains(kp=0.05, ki=1.5, kd=0.0, filter_time=0.0, period=4e-4, rule="", source="")
     found = analyse(TRAIN, gains)
-    both = [voltage_open_loop(TRAIN, modes(TRAIN)[r], gains) for r in (Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING)]
+    both = [
+        control.ss(*voltage_open_loop(TRAIN, modes(TRAIN)[r], gains))
+        for r in (Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING)
+    ]
     gain, phase = zip(*(control.margin(loop)[:2] for loop in both), strict=True)
     assert found.velocity.gain_margin == pytest.approx(min(gain), rel=1e-5)
     assert math.degrees(found.velocity.phase_margin) == pytest.approx(min(phase), rel=1e-5)
@@ -343,7 +346,7 @@ def test_resonances_are_the_closed_forms(regime):
     assert main == pytest.approx(math.sqrt(c * (1 / J_L + 1 / (e * K * K * J_M))), rel=1e-12)
     stiff = np.array([[c / (e * K * K), -c / (e * K)], [-c / K, c]]) / np.array([[J_M], [J_L]])  # angles motor, wheel
     assert math.sqrt(max(np.linalg.eigvals(stiff).real)) == pytest.approx(main, rel=1e-9)
-    soft = plant(train, mode)
+    soft = control.ss(*plant(train, mode))
     assert np.abs(soft[1, 0].zeros().imag) == pytest.approx([anti, anti], rel=1e-6)
     assert max(np.abs(np.linalg.eigvals(soft.A[1:, 1:]).imag)) == pytest.approx(main, rel=1e-9)
 
@@ -372,9 +375,10 @@ def test_resonance_near_the_bandwidth_is_reported_and_its_cure_is_one():
 def test_a_sharp_resonance_is_not_missed_between_two_frequencies():
     mode, train = modes(TRAIN)[Regime.FORWARD_DRIVING], elastic(TRAIN, 500.0, 1e-4)
     opened = velocity_open_loop(train, mode, designed(bandwidth=1.0))
-    f = max(abs(np.angle(p)) for p in opened.poles() if abs(p) > 0.99 and p.imag > 0.0) / (2 * math.pi * opened.dt)
+    model = control.ss(*opened)
+    f = max(abs(np.angle(p)) for p in model.poles() if abs(p) > 0.99 and p.imag > 0.0) / (2 * math.pi * opened.dt)
     near = f * (1.0 + np.linspace(-1e-3, 1e-3, 2001))
-    peak = np.abs(opened(np.exp(2j * math.pi * near * opened.dt))).max()
+    peak = np.abs(model(np.exp(2j * math.pi * near * opened.dt))).max()
     bode = loop_of("velocity", opened).bode
     there = np.abs(bode.frequency / f - 1.0) < 1e-3
     assert bode.open_magnitude[there].max() == pytest.approx(peak, rel=0.02)

@@ -155,7 +155,7 @@ def test_linear_loop_against_python_control(robot):
     _, train, g = robot
     task = Task(time=(0.0, 0.05, 0.15, 0.4), speed=tuple(v / train.radius for v in (1.0, 1.0, 1.02, 1.02)))
     run = simulate(robot_drive(train, g), task)
-    opened = voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g)
+    opened = control.ss(*voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g))
     time = np.arange(1001) * PERIOD
     change = (np.interp(time, task.time, task.speed) - task.speed[0]) * train.ratio
     linear = control.forced_response(control.feedback(opened, 1), time, change).outputs
