@@ -13,7 +13,7 @@ TOOLS := $(VENV)/.tools-$(MADE_FOR)
 INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check --no-compile $(addprefix -c ,$(CONSTRAINTS))
 WHEEL := build/wheel
 
-.PHONY: run test test-all lowest mutants lint docs wheel constraints bench clean
+.PHONY: run test test-all lowest campaign campaign-short mutants lint docs wheel constraints bench clean
 
 run: $(READY)
 	$(BIN)/drivesizer size examples/sps_robot.yaml
@@ -34,6 +34,13 @@ lowest: $(TOOLS)
 	mkdir -p build
 	$(BIN)/python tests/tools/lowest.py > build/lowest.txt
 	$(MAKE) VENV=build/lowest CONSTRAINTS=build/lowest.txt PYTEST_ADDOPTS='-W ignore::DeprecationWarning' test
+
+# Inputs changed by chance, which nothing of it may break: half an hour, and the two minutes of the gate.
+campaign: $(TOOLS)
+	$(BIN)/python tests/campaign --inputs 100000 --minutes 30 --processes 2
+
+campaign-short: $(TOOLS)
+	$(BIN)/python tests/campaign --inputs 20000 --minutes 2
 
 mutants: $(TOOLS)
 	$(BIN)/python tests/tools/mutants.py

@@ -12,7 +12,6 @@ from __future__ import annotations
 import io
 import json
 import warnings
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,7 @@ from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.tables import Across, Catalog, Note, Pairs, Source, Table, empty
 from drivesizer.errors import reason_of
-from drivesizer.files.cache import CacheWarning, keep, kept
+from drivesizer.files.cache import CacheWarning, arrays_kept, keep
 
 __all__ = ["recall", "store"]
 
@@ -34,13 +33,10 @@ _NONE = np.zeros((3, 0), np.int32)
 
 def recall(path: Path) -> Catalog | None:
     """The compiled catalogue at a path, or None when there is none or it is damaged."""
-    body = kept(path)
-    if body is None:
-        return None
+    arrays = arrays_kept(path)
     try:
-        with np.load(io.BytesIO(body), allow_pickle=False) as arrays:
-            return _unpacked({name: arrays[name] for name in arrays.files})
-    except (zipfile.BadZipFile, ValueError, KeyError, TypeError, EOFError):
+        return None if arrays is None else _unpacked(arrays)
+    except (ValueError, KeyError, TypeError, IndexError):
         return None  # an intact file of another layout: compiled again
 
 

@@ -8,8 +8,12 @@ import os
 import tempfile
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["CacheWarning", "digest_of", "folder", "keep", "kept"]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["CacheWarning", "arrays_kept", "digest_of", "folder", "keep", "kept"]
 
 _HALF = ".compiling-"  # begins the name of a file that is being written
 _LONG_AGO = 600.0  # s, after which such a file is left over from a killed process
@@ -45,6 +49,23 @@ def kept(path: Path) -> bytes | None:
         return None
     body = raw[_DIGEST:]
     return body if hashlib.blake2b(body, digest_size=_DIGEST).digest() == raw[:_DIGEST] else None
+
+
+def arrays_kept(path: Path) -> dict[str, NDArray[Any]] | None:
+    """Arrays by name of an npz file kept under a path; None where there is none, or it is damaged or no such file."""
+    body = kept(path)
+    if body is None:
+        return None
+    import io
+    import zipfile
+
+    import numpy as np
+
+    try:
+        with np.load(io.BytesIO(body), allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except (zipfile.BadZipFile, NotImplementedError, AttributeError, ValueError, KeyError, EOFError, OSError):
+        return None
 
 
 def keep(path: Path, body: bytes) -> None:

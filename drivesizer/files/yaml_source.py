@@ -62,8 +62,13 @@ class YamlSource:
         """``file:line: field.path``, the head of a message."""
         line = self.line(path)
         place = f"{self.name}:{line}" if line else self.name
-        field = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in path).lstrip(".")
+        field = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{_short(p)}" for p in path).lstrip(".")
         return f"{place}: {printable(field)}" if field else place
+
+
+def _short(key: str, longest: int = 60) -> str:
+    """A key as it is named in a message: none of the schema's is cut."""
+    return key if len(key) <= longest else key[: longest - 1] + "…"
 
 
 def read(path: Path, largest: int = _LARGEST) -> YamlSource:

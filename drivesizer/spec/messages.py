@@ -117,6 +117,10 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return f"is missing; expected {_example(model, path, data)}"
         case "int_type" | "int_from_float":
             return f"{found} is not a whole number"
+        case "bool_type" | "bool_parsing":
+            return f"{found} is neither true nor false"
+        case "list_type":
+            return f"{found} is not a list; expected entries between [ and ]{_default(model, path, data)}"
         case "string_type":
             return "is empty; expected text" if fault["input"] is None else f"{found} is not text; put it in quotes"
         case "greater_than_equal" | "less_than_equal":

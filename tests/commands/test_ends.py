@@ -12,7 +12,8 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from fuzzing import CATALOGUE, STARTERS
+from small_catalogue import CATALOGUE
+from starters import STARTERS
 
 from drivesizer import cli
 from drivesizer.commands import ends

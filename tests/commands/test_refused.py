@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from fuzzing import CATALOGUE, MAP, STARTERS, TABLE, fault_of
+from small_catalogue import CATALOGUE, MAP, TABLE
+from starters import STARTERS
 
 from drivesizer.catalog import load, shipped
 from drivesizer.catalog.exchange.import_map import plan
@@ -225,12 +226,3 @@ def test_an_error_of_a_study_has_its_line(text, said, tmp_path):
     with pytest.raises(InputError) as error:
         read_study(tmp_path / "study.yaml")
     assert said in str(error.value)
-
-
-# --- by chance --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("kind", "count"), [("spec", 60), ("catalogue", 60), ("table", 150)])
-def test_inputs_changed_by_chance_end_in_a_result_or_in_one_line(kind, count, tmp_path):
-    faults = {seed: fault_of(kind, seed, tmp_path) for seed in range(count)}
-    assert not {seed: fault for seed, fault in faults.items() if fault}

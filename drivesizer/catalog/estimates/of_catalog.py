@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Mapping
 from contextlib import suppress
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.catalog.estimates.estimate import estimates
 from drivesizer.catalog.estimates.laws import LAWS
 from drivesizer.catalog.tables import Catalog, Estimates
-from drivesizer.files.cache import digest_of, folder, keep
-from drivesizer.files.cache import kept as kept_file
+from drivesizer.files.cache import arrays_kept, digest_of, folder, keep
 from drivesizer.version import __version__
 
 __all__ = ["estimates_kept"]
@@ -39,9 +41,9 @@ def estimates_kept(catalog: Catalog) -> Found:
         By section and column; only where there are some.
     """
     path = folder() / f"estimates {digest_of(*map(str.encode, catalog.digests))[:8]}-{_key(catalog)}.npz"
-    body = kept_file(path)
-    if body is not None:
-        return _read(body)
+    arrays = arrays_kept(path)
+    if arrays is not None and (known := _unpacked(arrays)) is not None:
+        return known
     every = {section: estimates(catalog.table(section)) for section in _SECTIONS}
     found = {section: figures for section, figures in every.items() if figures}
     with suppress(OSError):  # a folder without write access was reported when the catalogue was not kept
@@ -75,14 +77,16 @@ def _written(found: Found) -> bytes:
     return buffer.getvalue()
 
 
-def _read(body: bytes) -> Found:
+def _unpacked(arrays: Mapping[str, NDArray[Any]]) -> Found | None:
+    """The estimates that were kept; None of a file of another layout."""
     found: Found = {}
-    with np.load(io.BytesIO(body), allow_pickle=False) as arrays:
-        names, figures = json.loads(arrays["names"].tobytes()), arrays["figures"]
     start = 0
-    for section, column, count in names:
-        rows, value, low, high, fit = figures[:, start : start + count]
-        one = Estimates(rows.astype(np.int64), value, low, high, fit.astype(np.int64))
-        found.setdefault(section, {})[column] = one
-        start += count
+    try:
+        for section, column, count in json.loads(arrays["names"].tobytes()):
+            rows, value, low, high, fit = arrays["figures"][:, start : start + count]
+            one = Estimates(rows.astype(np.int64), value, low, high, fit.astype(np.int64))
+            found.setdefault(section, {})[column] = one
+            start += count
+    except (KeyError, ValueError, TypeError, IndexError):
+        return None
     return found

@@ -1,0 +1,81 @@
+"""Inputs that once ended wrongly, as the campaign found them, and a few new ones of every kind."""
+
+from random import Random
+
+import pytest
+from case import Case
+from changes import damaged
+from documents import CYCLE
+from inputs import KINDS, made
+from program import ran
+from runner import WEIGHTS, found_by, judged
+from shrinking import shrunk
+from small_catalogue import CATALOGUE
+
+SPEC = """\
+name: once
+load: {kind: flywheel, inertia: 80 kg*cm^2}
+motion: {speed: 600 rpm, acceleration_time: 0.5 s, cruise_time: 1 s, rest_time: 1 s}
+supply: {nominal: 24 V}
+select: {catalogs: [own.yaml]}
+"""
+SIZE = ["size", "robot.yaml"]
+
+
+# what was put in place of what, the command, and what it says now
+@pytest.mark.parametrize(
+    ("was", "put", "words", "said"),
+    [
+        ("rest_time: 1 s", "there_and_back: -0.0", SIZE, 'motion.there_and_back: "-0.0" is neither true nor false'),
+        ("name: once", "cases: 5", SIZE, 'cases: "5" is not a list; expected entries between [ and ]'),
+        ("name: once", f"{'x' * 900}: 1", SIZE, f"robot.yaml:1: {'x' * 59}…: unknown key; expected one of name"),
+    ],
+)  # fmt: skip
+def test_what_once_ended_wrongly_is_said_in_a_line(was, put, words, said, tmp_path):
+    assert was in SPEC + CATALOGUE
+    texts = {"robot.yaml": SPEC, "own.yaml": CATALOGUE, "cycle.csv": CYCLE}
+    files = {name: text.replace(was, put, 1).encode() for name, text in texts.items()}
+    (end,) = ran(Case(files, [words]), tmp_path)
+    assert end.status == 2
+    assert said in end.err
+
+
+@pytest.mark.parametrize("seed", [20, 272])
+def test_a_kept_file_of_another_layout_is_made_again(seed, tmp_path):
+    """Both were estimates: one ended with status 130 and without a word, for the end of a file is Ctrl-D to typer."""
+    assert judged(made("cache", seed), tmp_path)[::2] == (0, [])
+
+
+# --- the campaign itself ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_inputs_changed_by_chance_end_in_a_result_or_in_one_line(kind, tmp_path):
+    outcomes = [found_by(kind, seed, tmp_path) for seed in range(3 if kind in ("study", "cache") else 10)]
+    assert not [outcome for outcome in outcomes if outcome.finds]
+    assert kind in WEIGHTS
+
+
+def test_a_seed_always_makes_the_same_input():
+    assert made("spec", 5) == made("spec", 5) != made("spec", 6)
+
+
+def test_an_input_is_shrunk_to_what_it_needs():
+    case = Case({"a": b"one two\nthree four\nfive", "b": b"rest"}, [SIZE])
+    small = shrunk(case, lambda other: b"three" in other.files.get("a", b""))
+    assert small == Case({"a": b"three"}, [SIZE])
+
+
+def test_a_fault_of_the_program_is_found(tmp_path, monkeypatch):
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("by chance")
+
+    monkeypatch.setattr("drivesizer.spec.several_axes.machine_file.load_any", broken)
+    ((find,),) = (judged(Case({"robot.yaml": SPEC.encode()}, [SIZE]), tmp_path)[2],)
+    assert find.kind.startswith("commands/common.py:") and find.kind.endswith("_read ZeroDivisionError")
+    assert find.seen == "by chance"
+
+
+def test_damage_is_bytes_of_whatever_kind():
+    assert all(isinstance(damaged(SPEC, Random(seed)), bytes) for seed in range(300))
+    assert len({damaged(SPEC, Random(seed)) for seed in range(300)}) > 200
