@@ -114,18 +114,25 @@ def in_machine(
 
 def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int) -> Kept:
     """Of evaluated drives those that pass: by columns where these decide, else one by one."""
+
+    def budget(row: int) -> tuple[Check, ...]:
+        return tuple(check for check in weigh(sets, row).checks if check.name not in aside)
+
+    count = len(sets.candidates.motor)
+    if wanted <= count and not any(_fails(sets.problem, budget(row)) for row in range(wanted)):
+        return Kept(np.arange(wanted), np.arange(0), wanted, Counter())  # in most machines: no need of the columns
     certain = _looked_at(certain_failures(sets), aside)
-    rejected, best, by = _any_of(certain, len(sets.candidates.motor)), list[int](), Counter[str]()
+    rejected, best, by = _any_of(certain, count), list[int](), Counter[str]()
     for row in np.flatnonzero(~rejected).tolist():
-        budget = tuple(check for check in weigh(sets, row).checks if check.name not in aside)
-        if _fails(sets.problem, budget):
+        checks = budget(row)
+        if _fails(sets.problem, checks):
             rejected[row] = True
-            by.update(_failed(budget))
+            by.update(_failed(checks))
         else:
             best.append(row)
         if len(best) == wanted:
             break
-    judged = best[-1] + 1 if len(best) == wanted else len(rejected)
+    judged = best[-1] + 1 if len(best) == wanted else count
     by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in certain.items()})
     return Kept(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
 
