@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -30,6 +30,8 @@ __all__ = [
     "empty",
     "unique_pairs",
 ]
+
+_KEPT = 256  # results of a catalogue for specs of late
 
 Part = TypeVar("Part")
 CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the most to the least reliable; then ESTIMATED
@@ -178,6 +180,18 @@ class Catalog:
         """The table of a section, such as ``motors``."""
         found: Table[Any] = getattr(self, section)
         return found
+
+    @cached_property
+    def _kept(self) -> dict[Hashable, Any]:
+        return {}
+
+    def once(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        """What follows from these parts and a key alone: made once for each of the last keys, and not to be changed."""
+        if key not in self._kept:
+            if len(self._kept) == _KEPT:  # of a study that varies the supply
+                self._kept.clear()
+            self._kept[key] = make()
+        return self._kept[key]
 
     def with_tables(self, tables: Mapping[str, Any], pairs: Mapping[str, Any]) -> Catalog:
         """The catalogue with other tables and pairs, by their names."""

@@ -24,7 +24,7 @@ from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import own_figure
 from drivesizer.search.columns.candidates import Candidates, Rows
-from drivesizer.search.columns.evaluation import Evaluation, by_physics
+from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
 from drivesizer.spec.robot import RobotSpec
 
@@ -116,7 +116,7 @@ def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
     for numbers in machines:
         part = replace(problem, cases=tuple(problem.cases[n] for n in numbers))
         at_hand = len(machines) == 1 and bool(whole.figures)  # the paper's method has none
-        figures = (whole if at_hand else by_physics(part, whole.candidates, True)).figures
+        figures = whole.figures if at_hand else figures_by_physics(part, whole.candidates)
         case, cycle = part.spec, part.cases[0].cycle
         drawn = figures["energy"] + case.supply.regeneration * figures["returned"]
         draw = Draw(drawn, figures["returned"], figures["power"])

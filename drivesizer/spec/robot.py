@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
-from dataclasses import asdict
+from dataclasses import fields
 from math import nan
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -352,7 +352,7 @@ class RobotSpec(Section):
 
     def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
         """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""
-        return self.feed(asdict(controller or Controller()), None if brake is None else asdict(brake))
+        return self.feed(_figures(controller or Controller()), None if brake is None else _figures(brake))
 
     @property
     def resists(self) -> bool:
@@ -466,8 +466,26 @@ class RobotSpec(Section):
         return self._source.where(path) if self._source else ".".join(str(step) for step in path)
 
 
-def read_spec(source: YamlSource) -> RobotSpec:
+def _figures(part: Controller | Brake) -> dict[str, Any]:
+    """Figures of a part by name."""
+    return {one.name: getattr(part, one.name) for one in fields(part)}
+
+
+def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
     """A spec from YAML source.
+
+    Parameters
+    ----------
+    source
+        The file.
+    before
+        A spec of the same file with other values in some fields: sections whose data are the very same are not read
+        again.
+
+    Returns
+    -------
+    RobotSpec
+        The spec, checked as a whole whatever was read before.
 
     Raises
     ------
@@ -477,7 +495,7 @@ def read_spec(source: YamlSource) -> RobotSpec:
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
     data, toleranced = taken(source)
-    spec = _read(source, data)
+    spec = _read(source, data, before)
     spec._toleranced = toleranced
     for one in toleranced:  # both ends must be values that the field may have
         for end, value in (("lowest", one.distribution.low), ("highest", one.distribution.high)):
@@ -485,8 +503,8 @@ def read_spec(source: YamlSource) -> RobotSpec:
     return spec
 
 
-def _read(source: YamlSource, data: dict[str, Any]) -> RobotSpec:
-    spec = _validated(source, data)
+def _read(source: YamlSource, data: dict[str, Any], before: RobotSpec | None = None) -> RobotSpec:
+    spec = _validated(source, data, before=before)
     spec._cases = tuple((case.name, _case(source, data, number)) for number, case in enumerate(spec.cases))
     return spec
 
@@ -506,14 +524,31 @@ def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str
         raise InputError(f"{source.where(one.path)}: {text}") from None
 
 
-def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> RobotSpec:
-    kind = data["load"].get("kind") if isinstance(data.get("load"), dict) else None
+def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before: RobotSpec | None = None) -> RobotSpec:
+    axis = _axis(data)
     try:
-        spec = RobotSpec.model_validate(data, context={"axis": AXES.get(str(kind), "linear")})
+        spec = RobotSpec.model_validate({**data, **_unchanged(data, axis, before)}, context={"axis": axis})
     except ValidationError as error:
+        if before is not None:
+            return _validated(source, data, at)  # whose message has what the user wrote
         raise explained(error, source, RobotSpec, data, at) from None
     spec._source = source
     return spec
+
+
+def _axis(data: Mapping[str, Any]) -> str:
+    """Whether the load turns or travels, which decides in which units its motion is given."""
+    kind = data["load"].get("kind") if isinstance(data.get("load"), dict) else None
+    return AXES.get(str(kind), "linear")
+
+
+def _unchanged(data: dict[str, Any], axis: str, before: RobotSpec | None) -> dict[str, Any]:
+    """Sections of a spec that was read before whose data are the very same."""
+    if before is None or before._source is None or _axis(before._source.data) != axis:
+        return {}
+    known = before._source.data
+    same = (name for name, value in data.items() if isinstance(value, dict) and known.get(name) is value)
+    return {name: getattr(before, name) for name in same if isinstance(getattr(before, name, None), Section)}
 
 
 def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.view.stepper_view import STEPPER, view_for
-from drivesizer.errors import DrivesizerError
+from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -37,6 +37,15 @@ class Part(NamedTuple):
 @lru_cache(maxsize=8)
 def _source(name: str, text: str) -> YamlSource:
     return YamlSource(text, name)
+
+
+@lru_cache(maxsize=8)
+def _as_written(name: str, text: str) -> RobotSpec | None:
+    """The spec as its file has it; None where it is invalid without the study's values."""
+    try:
+        return read_spec(_source(name, text))
+    except InputError:
+        return None
 
 
 @lru_cache(maxsize=8)
@@ -96,7 +105,9 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
         When the variant is invalid; the message has the field's line in the spec's file.
     """
     source = document_of(job, variant)
-    return read_machine(source).axes[0].spec if is_machine(source) else read_spec(source)
+    if is_machine(source):
+        return read_machine(source).axes[0].spec
+    return read_spec(source, _as_written(*job.specs[variant.spec]))
 
 
 def parts_for(spec: RobotSpec) -> Catalog:

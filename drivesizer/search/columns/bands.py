@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, columns_of
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import offered_brakes
 from drivesizer.search.columns.candidates import Candidates
@@ -26,7 +27,7 @@ def at_ends(problem: Problem) -> tuple[Problem, Problem]:
     return favourable, unfavourable
 
 
-def estimated(problem: Problem, candidates: Candidates) -> NDArray[np.int64]:
+def estimated(problem: Problem, candidates: Candidates, method: str = "physics") -> NDArray[np.int64]:
     """Candidates with an estimated figure that a check may hang on.
 
     Parameters
@@ -35,6 +36,8 @@ def estimated(problem: Problem, candidates: Candidates) -> NDArray[np.int64]:
         Its catalogue with both ends of the bands, or without estimates.
     candidates
         The candidates.
+    method
+        Of the checks: the paper's rest on few figures.
 
     Returns
     -------
@@ -43,21 +46,33 @@ def estimated(problem: Problem, candidates: Candidates) -> NDArray[np.int64]:
     """
     if not problem.catalog.ends:
         return np.zeros(0, np.int64)
-    motors, gearheads = (_differ(problem.catalog, name, problem.spec) for name in ("motors", "gearheads"))
+    motors, gearheads = (_differ(problem.catalog, name, problem.spec, method) for name in ("motors", "gearheads"))
     found: NDArray[np.bool_] = motors[candidates.motor] | gearheads[candidates.gearhead]
-    if (offered := offered_brakes(problem.spec, problem.catalog)) is not None:
-        brakes: NDArray[np.bool_] = np.append(_differ(problem.catalog, "brakes", problem.spec), False)
+    if method == "physics" and (offered := offered_brakes(problem.spec, problem.catalog)) is not None:
+        brakes: NDArray[np.bool_] = np.append(_differ(problem.catalog, "brakes", problem.spec, method), False)
         uncertain: NDArray[np.bool_] = np.any(brakes[offered.row], axis=1)
         found |= uncertain[candidates.motor]
     return np.flatnonzero(found)
 
 
-def _differ(catalog: Catalog, section: str, spec: RobotSpec) -> NDArray[np.bool_]:
+def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> NDArray[np.bool_]:
     """Parts of which a figure that counts is not the same at both ends."""
-    low, high = (end.table(section) for end in catalog.ends)
-    left = {name for name in _SIZES if not getattr(spec.needs, _NEEDED[name])}
-    found = np.zeros(len(low), bool)
-    for name, column in columns_of(section).items():
-        if column.kind != "text" and name not in left:
-            found |= (low[name] != high[name]) & ~np.isnan(low[name])
+    left = frozenset(name for name in _SIZES if not getattr(spec.needs, _NEEDED[name]))
+
+    def differ() -> NDArray[np.bool_]:
+        low, high = (end.table(section) for end in catalog.ends)
+        found = np.zeros(len(low), bool)
+        for name, column in columns_of(section).items():
+            if column.kind != "text" and name not in left and (method == "physics" or name in _paper_figures(section)):
+                found |= (low[name] != high[name]) & ~np.isnan(low[name])
+        return found
+
+    found: NDArray[np.bool_] = catalog.once(("differ", section, left, method), differ)
     return found
+
+
+def _paper_figures(section: str) -> set[str]:
+    """Figures of a kind of part that checks of the paper's method rest on."""
+    prefix = f"{section[:-1]}."
+    names = {name for check in CHECKS["paper"].values() for name in check.rests_on}
+    return {name.removeprefix(prefix) for name in names if name.startswith(prefix)}

@@ -18,7 +18,7 @@ from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.ratings import controller_current
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import Choice
+from drivesizer.spec.select import Choice, ControllerChoice
 
 __all__ = [
     "Chosen",
@@ -144,15 +144,24 @@ def usable_controllers(
     Usable
         Rows by rising current, and which of them each motor may have, shape (motors, controllers).
     """
-    table, (lowest, highest) = catalog.controllers, supply or (spec.supply.lowest, spec.supply.highest)
+    (lowest, highest), choice = supply or (spec.supply.lowest, spec.supply.highest), spec.select.controller
+    key = "controllers", repr(choice), lowest, highest
+    order, allowed = catalog.once(key, lambda: _allowed(choice, catalog, lowest, highest))
+    return Usable(order, allowed, lowest, spec.environment.ambient if ambient is None else ambient)
+
+
+def _allowed(
+    choice: ControllerChoice, catalog: Catalog, lowest: float, highest: float
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Rows of controllers by rising current, and which of them each motor may have."""
+    table = catalog.controllers
     order = in_order(table, table["continuous_current"])
-    order = order[_usable(spec, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
+    order = order[_usable(choice, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
     texts, kind = table["drives"][order], catalog.motors["kind"]
     drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
     can = np.vstack([drives, drives.any(0), texts == "stepper"])  # rows: brushed, brushless, kind unknown, stepper
     allowed = can[np.select([kind == "brushed", kind == "brushless", kind == "stepper"], [0, 1, 3], 2)]
-    hottest = spec.environment.ambient if ambient is None else ambient
-    return Usable(order, allowed & _belongs(catalog, order).T, lowest, hottest)
+    return order, allowed & _belongs(catalog, order).T
 
 
 def controllers(
@@ -235,11 +244,11 @@ def _first(
     return np.where(mask.any(axis=1), order[best], otherwise)
 
 
-def _usable(spec: RobotSpec, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:
+def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:
     """Controllers that the spec allows, with the bus it names, at its supply voltages."""
-    keep = selected(table, spec.select.controller)
+    keep = selected(table, choice)
     keep &= (table["supply_min"] <= lowest) & (table["supply_max"] >= highest)
-    bus = spec.select.controller.bus
+    bus = choice.bus
     if bus:
         keep &= np.array([any(offers(b, bus) for b in _split(text)) for text in table["buses"]], bool)
     return keep

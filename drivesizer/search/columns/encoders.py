@@ -16,6 +16,7 @@ from drivesizer.catalog import EDGES, Catalog, Encoder, Table, lines
 from drivesizer.results.check_columns import CheckColumn, at_least
 from drivesizer.search.columns.controllers import in_order, selected
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import EncoderChoice
 
 __all__ = ["Offered", "angle_per_edge", "counts_check", "encoders_for", "offered_encoders"]
 
@@ -64,7 +65,16 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> Offered:
     Offered
         Encoders of each motor, shape (motors, most of any).
     """
-    table, choice = catalog.encoders, spec.select.encoder
+    choice, needed = spec.select.encoder, spec.needs.encoder_counts
+    key = "encoders", repr(choice), needed
+    offered: Offered = catalog.once(
+        key, lambda: _offered(catalog, choice, float(max(needed or 0, choice.min_counts or 0)))
+    )
+    return offered
+
+
+def _offered(catalog: Catalog, choice: EncoderChoice, least: float) -> Offered:
+    table = catalog.encoders
     counted = lines(table)
     listed = np.zeros((len(catalog.motors), len(table)), bool)
     listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
@@ -78,7 +88,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> Offered:
     end = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
     return Offered(
         row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row], end,
-        float(max(spec.needs.encoder_counts or 0, choice.min_counts or 0)),
+        least,
     )  # fmt: skip
 
 

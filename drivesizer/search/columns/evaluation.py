@@ -24,7 +24,7 @@ from drivesizer.search.columns.encoders import counts_check, encoders_for, offer
 from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Evaluation", "at_figures", "by_physics", "evaluate"]
+__all__ = ["Evaluation", "at_figures", "by_physics", "evaluate", "figures_by_physics"]
 
 
 class Evaluation(NamedTuple):
@@ -117,7 +117,7 @@ def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True) ->
     """
     if problem.spec.method == "physics":
         return by_physics(problem, candidates, exact)
-    return _over_bands(_by_the_paper, problem, candidates)
+    return _over_bands(_by_the_paper, problem, candidates, "paper")
 
 
 def _by_the_paper(problem: Problem, candidates: Candidates) -> Evaluation:
@@ -153,27 +153,54 @@ def by_physics(problem: Problem, candidates: Candidates, exact: bool) -> Evaluat
     Evaluation
         Columns over the candidates.
     """
-    return _over_bands(partial(at_figures, exact=exact), problem, candidates)
+    return _over_bands(partial(at_figures, exact=exact), problem, candidates, "physics")
 
 
 def _over_bands(
-    at: Callable[[Problem, Candidates], Evaluation], problem: Problem, candidates: Candidates
+    at: Callable[[Problem, Candidates], Evaluation], problem: Problem, candidates: Candidates, method: str
 ) -> Evaluation:
     """Candidates at the middle of the bands of their estimated figures; each check holds what it is at both ends.
 
     Controller and brake are those of the unfavourable end: one drive is judged, not three.
     """
-    rows = estimated(problem, candidates)
+    rows = estimated(problem, candidates, method)
     if not len(rows):
         return at(problem, candidates)
     favourable, unfavourable = at_ends(problem)
     hard = at(unfavourable, candidates.on(rows))
     easy = at(favourable, candidates.on(rows)._replace(controller=hard.controller, brake=hard.brake))
-    controller, brake = np.full((2, len(candidates.motor)), FREE)
-    controller[rows], brake[rows] = hard.controller, hard.brake
-    middle = at(problem, candidates._replace(controller=controller, brake=brake))
+    middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake))
     every = zip(middle.checks, easy.checks, hard.checks, strict=True)
     return middle._replace(candidates=candidates, checks=[over_band(m, (e, h), rows) for m, e, h in every])
+
+
+def _with_parts(
+    candidates: Candidates, rows: NDArray[np.int64], controller: NDArray[np.int64], brake: NDArray[np.int64]
+) -> Candidates:
+    """Candidates, of which some rows have their controller and brake."""
+    parts = np.full((2, len(candidates.motor)), FREE)
+    parts[:, rows] = controller, brake
+    return candidates._replace(controller=parts[0], brake=parts[1])
+
+
+def figures_by_physics(problem: Problem, candidates: Candidates) -> Mapping[str, NDArray[np.float64]]:
+    """The figures of :func:`by_physics` alone, which take no checks at the favourable end of a band.
+
+    Parameters
+    ----------
+    problem, candidates
+        As :func:`evaluate` takes them.
+
+    Returns
+    -------
+    mapping
+        Columns over the candidates by name, SI.
+    """
+    rows = estimated(problem, candidates)
+    if len(rows):
+        _, hard = _by_belt(at_ends(problem)[1], candidates.on(rows), True, ())
+        candidates = _with_parts(candidates, rows, hard["controller"], hard["brake"])
+    return _by_belt(problem, candidates, True, ())[1]
 
 
 def at_figures(problem: Problem, candidates: Candidates, exact: bool, each: Collection[str] = ()) -> Evaluation:
@@ -191,17 +218,28 @@ def at_figures(problem: Problem, candidates: Candidates, exact: bool, each: Coll
     Evaluation
         Columns over the candidates.
     """
+    found, columns = _by_belt(problem, candidates, exact, each)
+    controller, encoder, brake = (columns.pop(name) for name in _PARTS)
+    checks = _in_order(found, len(candidates.motor))
+    return Evaluation(problem, candidates, {}, {}, checks, encoder, controller, brake, columns)
+
+
+_PARTS = ("controller", "encoder", "brake")
+
+
+def _by_belt(
+    problem: Problem, candidates: Candidates, exact: bool, each: Collection[str]
+) -> tuple[list[tuple[NDArray[Any], Examined]], dict[str, NDArray[Any]]]:
+    """Candidates behind each belt, by their rows, and the parts and figures of all as columns."""
     belts = [np.flatnonzero(candidates.belt == belt) for belt in np.unique(candidates.belt)]
     several = [(float(candidates.belt[rows[0]]), candidates.on(rows)) for rows in belts]
     found = list(zip(belts, examine(problem, several, staged=False, exact=exact, each=each), strict=True))
     count = len(candidates.motor)
     names = found[0][1].figures if found else {}
-    figures = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
-    controller = _scattered([(rows, one.controller) for rows, one in found], count, np.int64)
-    encoder = _scattered([(rows, one.encoder) for rows, one in found], count, np.int64)
-    brake = _scattered([(rows, one.brake) for rows, one in found], count, np.int64)
-    checks = _in_order(found, count)
-    return Evaluation(problem, candidates, {}, {}, checks, encoder, controller, brake, figures)
+    columns = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
+    for name in _PARTS:
+        columns[name] = _scattered([(rows, getattr(one, name)) for rows, one in found], count, np.int64)
+    return found, columns
 
 
 def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:
@@ -238,9 +276,17 @@ def _in_order(found: list[tuple[NDArray[Any], Examined]], count: int) -> list[Ch
     return [_one_check(parts[name], count) for name in sorted(parts, key=order.__getitem__)]
 
 
+def _others(count: int, parts: list[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """The rows that are in none of some parts."""
+    left = np.ones(count, bool)
+    for rows in parts:
+        left[rows] = False
+    return np.flatnonzero(left)
+
+
 def _one_check(parts: list[tuple[NDArray[Any], CheckColumn]], count: int) -> CheckColumn:
     """One check of some rows at a time as one column."""
-    first, rest = parts[0][1], np.setdiff1d(np.arange(count), np.concatenate([rows for rows, _ in parts]))
+    first, rest = parts[0][1], _others(count, [rows for rows, _ in parts])
     columns: dict[str, Any] = {
         name: _scattered([(rest, _IDLE[name]), *((rows, getattr(check, name)) for rows, check in parts)], count, kind)
         for name, kind in _COLUMNS.items()
