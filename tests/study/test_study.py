@@ -21,7 +21,7 @@ from drivesizer.study.columns import columns_of
 from drivesizer.study.fields import changed, path_of
 from drivesizer.study.plan import MOST, read_study
 from drivesizer.study.provenance import made_of, refuse_if_all_invalid
-from drivesizer.study.variant import rows_of, spec_of
+from drivesizer.study.variant import document_of, rows_of, spec_of
 from drivesizer.units import to_si
 
 
@@ -111,6 +111,31 @@ def test_a_variant_is_the_spec_as_a_person_would_change_it(tmp_path):
     wanted, made = read_spec(YamlSource(by_hand, "by_hand.yaml")), spec_of(plan.job, plan.variant(4))
     assert made.model_dump() == wanted.model_dump() and made.entered == wanted.entered
     assert math.isclose(made.load.mass, to_si("88 lb", "mass"), rel_tol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("field", "values"),
+    [
+        pytest.param("load", '[{kind: flywheel, inertia: "0.02 kg*m^2"}]', id="another axis: a speed in m/s is none"),
+        pytest.param("motion.speed", "[0 m/s]", id="a section that varies"),
+        pytest.param("supply.nominal", "[30 V]", id="sections that do not go together"),
+    ],
+)
+def test_a_variant_that_is_wrong_is_the_line_of_its_own_file(tmp_path, field, values):
+    plan = planned(tmp_path, f"spec: robot.yaml\nvary:\n  {field}: {values}\n", CHEAP.replace("method: paper", ""))
+    source = document_of(plan.job, plan.variant(1))
+    with pytest.raises(InputError) as by_itself:
+        read_spec(source)
+    with pytest.raises(InputError) as in_a_study:
+        spec_of(plan.job, plan.variant(1))
+    assert str(in_a_study.value) == str(by_itself.value)
+
+
+def test_sections_that_do_not_vary_are_read_once(tmp_path):
+    plan = planned(tmp_path, "spec: robot.yaml\nvary: {load.mass: [30 kg, 40 kg]}\n")
+    light, heavy = (spec_of(plan.job, plan.variant(n)) for n in (1, 2))
+    assert light.supply is heavy.supply and light.battery is heavy.battery
+    assert (light.load.mass, heavy.load.mass) == (30.0, 40.0)
 
 
 def test_a_value_in_a_load_case_and_one_of_a_section_that_is_not_there(tmp_path):
