@@ -186,7 +186,7 @@ class Catalog:
         return {}
 
     def once(self, key: Hashable, make: Callable[[], Any]) -> Any:
-        """What follows from these parts and a key alone: made once for each of the last keys, and not to be changed."""
+        """Result that hangs on these parts and a key alone: made once for the keys of late, not to be changed."""
         if key not in self._kept:
             if len(self._kept) == _KEPT:  # of a study that varies the supply
                 self._kept.clear()
