@@ -280,6 +280,58 @@ def test_what_is_wrong_is_reported_in_a_line(tmp_path, text, message):
     assert "\n" not in str(caught.value)
 
 
+def outcome(path):
+    """What reading gives: figures to the last bit, or the line that says what is wrong."""
+    try:
+        return [
+            (name, column.tobytes())
+            for name, column in csv_columns.columns(path, {"time": "time", "speed": "speed"}).items()
+        ]
+    except InputError as error:
+        return str(error)
+
+
+def test_read_in_one_go_or_row_by_row_is_the_same(tmp_path, monkeypatch):
+    """Damaged at random, in pieces of a few rows; and each of the files that are refused."""
+    random = np.random.default_rng(5)
+    rows = "".join(f"{k + random.random():.9g},{random.normal():.{k}g}\n" for k in range(1, 18))
+    damage = [
+        "\n",
+        " ",
+        "\t",
+        "_",
+        "#",
+        '"',
+        ",",
+        ";",
+        "\r",
+        "\x0c",
+        "nan",
+        "inf",
+        "1e400",
+        "0x1",
+        "-",
+        "e",
+        "é",
+        "9",
+        "",
+    ]
+    texts = [HEAD + rows, *(text for text, _ in WRONG.values())]
+    for _ in range(250):
+        text = HEAD + rows
+        for place in random.integers(len(HEAD), len(text), 1).tolist():
+            text = text[:place] + damage[random.integers(len(damage))] + text[place + random.integers(2) :]
+        texts.append(text)
+    paths = [tmp_path / f"{number}.csv" for number in range(len(texts))]
+    for path, text in zip(paths, texts, strict=True):
+        path.write_bytes(text.encode() if isinstance(text, str) else text)
+    monkeypatch.setattr(csv_columns, "_PIECE", 50)
+    at_once = [outcome(path) for path in paths]
+    monkeypatch.setattr(csv_columns, "_plain_values", lambda *_: None)
+    assert at_once == [outcome(path) for path in paths]
+    assert sum(isinstance(found, list) for found in at_once) > 20
+
+
 def test_too_many_rows(tmp_path, monkeypatch):
     monkeypatch.setattr(csv_columns, "_MOST_ROWS", 3)
     with pytest.raises(InputError, match=":6: row: more than 3 rows"):
