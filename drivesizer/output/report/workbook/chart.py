@@ -33,6 +33,7 @@ def draw(book: Any, page: Any, sheet: Sheet, count: int) -> None:
             "values": [sheet.name, 1, places[key], count, places[key]],
             "line": {"color": ink, "width": 1.0},
             "y2_axis": unit != units[0],
+            "categories_data": [], "values_data": [],  # read from the sheet: a copy would double the file
         })  # fmt: skip
     drawing.set_x_axis({"name": sheet.columns[0].head, "min": 0, "label_position": "low"})
     drawing.set_y_axis({"name": units[0], "major_gridlines": {"visible": True, "line": {"color": "#DDDDDD"}}})

@@ -117,18 +117,30 @@ def share(value: float) -> str:
 
 def _write(page: Any, sheet: Sheet, rows: Sequence[Row], pen: _Pen) -> None:
     note = sheet.note if len(rows) == len(sheet.rows) else f"the first {len(rows)} of {len(sheet.rows)} rows"
-    widths = [_width(column, rows) for column in sheet.columns]
+    widths, count = [_width(column, rows) for column in sheet.columns], len(rows)
     for place, (column, width) in enumerate(zip(sheet.columns, widths, strict=True)):
         page.write_string(0, place, visible(column.head), pen("right head" if _counts(column, rows) else "head"))
         page.set_column(place, place, width + 2.5)
     if note:
         page.write_string(0, len(sheet.columns), visible(note), pen("note"))
+    if rows and all(column.form == "sample" for column in sheet.columns):
+        _write_samples(page, sheet, rows, pen("number", _NUMBERS["sample"]))
+        rows = []
     for number, row in enumerate(rows, 1):
         lines = _write_row(page, number, sheet.columns, widths, row, pen)
         if lines > 1:
             page.set_row(number, _LINE * lines)  # not all spreadsheets make room for what wraps
     page.set_row(0, _LINE * (0.5 + max(_lines(c.head, w) for c, w in zip(sheet.columns, widths, strict=True))))
-    _set_up(page, sheet, len(rows))
+    _set_up(page, sheet, count)
+
+
+def _write_samples(page: Any, sheet: Sheet, rows: Sequence[Row], look: Any) -> None:
+    """Rows of numbers alone, of which there are many; what is unknown is left empty."""
+    keys, write, finite = [column.key for column in sheet.columns], page.write_number, math.isfinite
+    for number, row in enumerate(rows, 1):
+        for place, key in enumerate(keys):
+            if finite(value := row[key]):
+                write(number, place, value, look)
 
 
 _LINE = 15  # points
