@@ -86,6 +86,8 @@ def _with_own(data: dict[str, Any]) -> dict[str, Any]:
     """The spec with the small catalogue, and with the files that the campaign lays beside it."""
     chosen = {k: v for k, v in (data.get("select") or {}).items() if k in ("objective", "ripple", "estimates")}
     data = {**data, "select": {**chosen, **_OWN}}
+    if "tolerances" in data:
+        data["tolerances"] = {**data["tolerances"], "samples": 16}
     if isinstance(data.get("load"), dict) and "file" in data["load"]:
         data["load"] = {**data["load"], "file": "cycle.csv"}
     if isinstance(data.get("motion"), dict) and "trajectory" in data["motion"]:

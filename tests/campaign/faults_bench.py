@@ -16,7 +16,8 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
-from fuzzing import CATALOGUE, MAP, STARTERS, TABLE  # noqa: E402
+from small_catalogue import CATALOGUE, MAP, TABLE  # noqa: E402
+from starters import STARTERS  # noqa: E402
 
 __all__ = [
     "COMMANDS",
