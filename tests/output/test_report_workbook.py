@@ -11,6 +11,7 @@ from dataclasses import replace
 from datetime import datetime
 from math import inf, nan
 
+import numpy as np
 import openpyxl
 import pytest
 from synthetic_validation import synthetic_validation
@@ -330,3 +331,17 @@ def test_a_workbook_loads_neither_matplotlib_nor_typst(example):
     )
     done = subprocess.run([sys.executable, "-c", code, str(example)], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set() True"
+
+
+def test_rows_of_numbers_are_those_that_were_given():
+    """Written a whole row at a time: places behind column Z, 16 digits, and gaps where a figure is unknown."""
+    columns = tuple(SheetColumn(f"c{n}", f"c{n}", "sample") for n in range(30))
+    values = np.random.default_rng(3).normal(size=(40, 30)) * 10.0 ** np.arange(-15, 15)
+    values[5, 3], values[7, 29], values[39] = np.nan, np.inf, [1.0, *[np.nan] * 29]
+    rows = [dict(zip((c.key for c in columns), row, strict=True)) for row in values.tolist()]
+    file = written([Sheet(name=name, columns=columns, rows=rows) for name in ("a", "b")])
+    for page in openpyxl.load_workbook(io.BytesIO(file)):
+        assert page.dimensions == "A1:AD41"
+        found = np.array([[cell.value for cell in row] for row in page.iter_rows(min_row=2)], float)
+        assert found == pytest.approx(np.where(np.isfinite(values), values, np.nan), rel=1e-15, nan_ok=True)
+        assert {cell.number_format for row in page.iter_rows(min_row=2) for cell in row} == {"General"}

@@ -17,6 +17,7 @@ from drivesizer.output.probability import likely
 from drivesizer.output.report.lines.rows import Row
 from drivesizer.output.report.sections.sheet import Cell, Sheet, SheetColumn
 from drivesizer.output.report.workbook.chart import draw
+from drivesizer.output.report.workbook.samples import filled, sampled
 from drivesizer.results.check import GRAVEST
 from drivesizer.units import label
 
@@ -36,14 +37,17 @@ def written(sheets: Sequence[Sheet]) -> bytes:
     book = Workbook(stream, {"in_memory": True, **_PLAIN})
     book.set_properties({"title": "Drive sizing", "created": _UNDATED})
     pen = cache(lambda look, number="": book.add_format(_LOOKS[look] | ({"num_format": number} if number else {})))
-    for sheet in sheets:
+    tables = {}
+    for number, sheet in enumerate(sheets, 1):
         rows = sheet.rows[:MOST_ROWS]
         page = book.add_worksheet(sheet.name)
         _write(page, sheet, rows, pen)
+        if sampled(sheet):
+            tables[number] = rows
         if sheet.drawn and rows:
             draw(book, page, sheet, len(rows))
     book.close()
-    return stream.getvalue()
+    return filled(stream.getvalue(), tables)
 
 
 _ACCENT, _ALARM, _SOFT = "#0B5B8C", "#C04A00", "#6E6E6E"
@@ -117,30 +121,18 @@ def share(value: float) -> str:
 
 def _write(page: Any, sheet: Sheet, rows: Sequence[Row], pen: _Pen) -> None:
     note = sheet.note if len(rows) == len(sheet.rows) else f"the first {len(rows)} of {len(sheet.rows)} rows"
-    widths, count = [_width(column, rows) for column in sheet.columns], len(rows)
+    widths = [_width(column, rows) for column in sheet.columns]
     for place, (column, width) in enumerate(zip(sheet.columns, widths, strict=True)):
         page.write_string(0, place, visible(column.head), pen("right head" if _counts(column, rows) else "head"))
         page.set_column(place, place, width + 2.5)
     if note:
         page.write_string(0, len(sheet.columns), visible(note), pen("note"))
-    if rows and all(column.form == "sample" for column in sheet.columns):
-        _write_samples(page, sheet, rows, pen("number", _NUMBERS["sample"]))
-        rows = []
-    for number, row in enumerate(rows, 1):
+    for number, row in enumerate(rows[:1] if sampled(sheet) else rows, 1):
         lines = _write_row(page, number, sheet.columns, widths, row, pen)
         if lines > 1:
             page.set_row(number, _LINE * lines)  # not all spreadsheets make room for what wraps
     page.set_row(0, _LINE * (0.5 + max(_lines(c.head, w) for c, w in zip(sheet.columns, widths, strict=True))))
-    _set_up(page, sheet, count)
-
-
-def _write_samples(page: Any, sheet: Sheet, rows: Sequence[Row], look: Any) -> None:
-    """Rows of numbers alone, of which there are many; what is unknown is left empty."""
-    keys, write, finite = [column.key for column in sheet.columns], page.write_number, math.isfinite
-    for number, row in enumerate(rows, 1):
-        for place, key in enumerate(keys):
-            if finite(value := row[key]):
-                write(number, place, value, look)
+    _set_up(page, sheet, len(rows))
 
 
 _LINE = 15  # points
