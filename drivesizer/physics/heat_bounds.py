@@ -4,8 +4,7 @@ The current is I = c f(t), with functions f that all candidates have in common a
 keeps of its segments the mean M of f f' and how far the integral of f f' - M from the block's start goes above zero
 and below it, entry by entry: for any c the square of the current then has the mean c M c, and its integral
 deviates from that of the mean by no more than c E c. Blocks are made once per load cycle.
-Without these bounds the search over a recording of 36 000 samples (``benchmarks/search_sets.py``, one belt ratio)
-examines 10 000 combinations per second, with them 60 000.
+Without these bounds the search over a recording (``benchmarks/search_sets.py``) takes many times as long.
 
 **Derivation.** Let q = R_25 I^2, a = ``COPPER``, and u and v the temperatures of winding and housing above that at
 which copper would have no resistance (v_a the ambient's), so that u and v are positive and

@@ -36,6 +36,7 @@ __all__ = [
 
 _FIRST = 4  # times as many drives as are wanted are computed in full at first
 _FEWEST, _MORE, _MOST = 8, 8, 1 << 16  # at first at least, times as many each time, at most
+_CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long one each row costs
 Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
 
@@ -98,7 +99,8 @@ def in_machine(
             return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
         early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
         rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
-        for rows in _pieces(np.flatnonzero(~rejected), _FIRST * wanted):
+        most = max(_FEWEST, _CELLS // max(len(case.at_belt.warming.duration) for case in problem.cases))
+        for rows in _pieces(np.flatnonzero(~rejected), _FIRST * wanted, min(most, _MOST)):
             found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best))
             rejected[rows[found.rejected]] = True
             best += rows[found.best].tolist()
@@ -146,12 +148,12 @@ def _any_of(found: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.bool_
     return rows
 
 
-def _pieces(rows: NDArray[np.int64], first: int) -> Iterator[NDArray[np.int64]]:
+def _pieces(rows: NDArray[np.int64], first: int, most: int) -> Iterator[NDArray[np.int64]]:
     """Rows a piece at a time, each larger than the one before: a piece costs much more than a row of it."""
-    size = max(first, _FEWEST)
+    size = min(max(first, _FEWEST), most)
     while len(rows):
         yield rows[:size]
-        rows, size = rows[size:], min(_MORE * size, _MOST)
+        rows, size = rows[size:], min(_MORE * size, most)
 
 
 def any_in_machine(problem: Problem) -> bool:
