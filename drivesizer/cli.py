@@ -8,9 +8,11 @@ was interrupted. Results go to stdout, warnings and errors to stderr; failures a
 from __future__ import annotations
 
 import gc
+import os
 import sys
 import warnings
 from collections.abc import Callable
+from copy import copy
 from typing import Annotated, Any
 
 import typer
@@ -82,8 +84,19 @@ for _command, _short, _example in _COMMANDS:
 app.add_typer(catalog_commands, name="catalog", short_help="Search, check, import and export catalogues.")
 
 
+def _of(arguments: list[str]) -> typer.Typer:
+    """The command line with the one command that is run: making the others ready would take as long as to parse."""
+    named = [info for info in app.registered_commands if info.callback and [info.callback.__name__] == arguments[:1]]
+    if not named:
+        return app
+    one = copy(app)
+    one.registered_commands, one.registered_groups = named, []
+    return one
+
+
 def main() -> None:
     """Run the command line; every failure ends in one line and a status."""
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else every package is searched for some
     gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
     warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown
@@ -96,5 +109,5 @@ def _run() -> int | None:
     if sys.flags.optimize > 1:
         raise InputError("Python runs without docstrings (-OO, PYTHONOPTIMIZE=2), of which drivesizer reads its "
                          "equations; expected at most -O, PYTHONOPTIMIZE=1")  # fmt: skip
-    status: int | None = app(standalone_mode=False)
+    status: int | None = _of(sys.argv[1:])(standalone_mode=False)
     return status
