@@ -71,16 +71,7 @@ constraints: $(TOOLS)
 	$(BIN)/python tests/tools/constraints.py > constraints.txt
 
 bench: $(TOOLS)
-	$(BIN)/python benchmarks/size_start.py
-	$(BIN)/python benchmarks/catalog_load.py
-	$(BIN)/python benchmarks/search_sets.py
-	$(BIN)/python benchmarks/closed_loop.py
-	$(BIN)/python benchmarks/report.py
-	$(BIN)/python benchmarks/platform_hour.py
-	$(BIN)/python benchmarks/platform_following.py
-	$(BIN)/python benchmarks/tolerances.py
-	$(BIN)/python benchmarks/study.py
-	$(BIN)/python benchmarks/machine.py
+	$(BIN)/python benchmarks/table.py
 
 clean:
 	rm -rf $(VENV) build dist site .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from goals import line
 from second_start import second_start
 
 from drivesizer.multi_axis.sizing import size_machine
@@ -67,7 +68,8 @@ def main() -> None:
         whole = min(arm for arm, _ in taken)
         single = [min(each) for each in zip(*(each for _, each in taken), strict=True)]
         mean = sum(single) / len(single)
-        print(f"six joints {whole:.2f} s, one of them {mean:.2f} s in the mean: {whole / mean:.2f}   goal: at most 8")
+        print(f"six joints {whole:.2f} s, one of them {mean:.2f} s in the mean")
+        print(line("machine", whole / mean))
         one, twelve = (memory([*SIZE, str(folder / f"{axes}.yaml")]) for axes in (1, 12))
         print(f"largest memory of twelve axes {twelve:.0f} MB, of one {one:.0f} MB: {twelve / one:.2f}")
 

@@ -11,6 +11,7 @@ import math
 import time
 
 import numpy as np
+from goals import line
 
 from drivesizer.platform.contact_loads import Ground
 from drivesizer.platform.dynamics import Dynamics, dynamics, wheel_torques
@@ -86,7 +87,7 @@ def main() -> None:
     off = max(
         np.abs(a[:, : options.loop] - b).max() / np.abs(b).max() for a, b in zip((speeds, torques), slow, strict=True)
     )
-    print(f"{'3600 s at 100 Hz, four wheels':34}{best:10.3f} s    goal: at most 1 s")
+    print(line("platform", best))
     print(f"{'the same in a loop':34}{each * speeds.shape[1]:10.1f} s    from {options.loop:,} samples")
     print(f"{'loop / columns':34}{each * speeds.shape[1] / best:10.0f}      they differ by {off:.0e} of the largest")
 
