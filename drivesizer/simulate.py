@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,7 +40,10 @@ from drivesizer.results.sizing import Check, SizingResult, verdict
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["hardest_case", "validate", "validate_all"]
+if TYPE_CHECKING:
+    from drivesizer.control.second_look import Compared
+
+__all__ = ["hardest_case", "second_look", "validate", "validate_all"]
 
 _STILL_COLD = (
     "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass if they "
@@ -107,14 +111,9 @@ def validate(
         When the profile is wrong or too long, the catalogue lacks a figure that the simulation needs, or ``control``
         requires the impossible.
     """
-    spec = for_drive(spec, drive_set.chosen_screw)
-    cases = {name: case for _, name, case in load_cases(spec)}
-    driven = next(iter(cases)) if load_case is None else load_case
+    cases, driven = _case_of(spec, drive_set, load_case)
     spec = cases[driven]
-    if profile is not None and isinstance(spec.load, Recorded):
-        what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
-        raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
-    motion = motion_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
+    motion = _motion(spec, profile)
     name = driven if len(cases) > 1 else ""
     farther = () if profile is not None else starts_farther_on(name, spec)  # the spec's own motion repeats
     more = (*_estimated(drive_set), *_one_of(len(cases) - 1, driven))
@@ -141,6 +140,51 @@ def validate(
         controller_gains=own,
         loops=case.loops.all,
     )
+
+
+def second_look(
+    spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None, load_case: str | None = None
+) -> tuple[Compared, ...]:
+    """The loops of a drive, analysed by this program and by python-control.
+
+    Parameters
+    ----------
+    spec, drive_set, profile, load_case
+        As :func:`validate`.
+
+    Returns
+    -------
+    tuple of Compared
+        Figures of each loop, each by both.
+
+    Raises
+    ------
+    InputError
+        As :func:`validate`, and for a stepper, which has no loop.
+    """
+    from drivesizer.control.closed_loop.set_up import prepared
+    from drivesizer.control.loop_analysis import analyse
+    from drivesizer.control.second_look import compared
+
+    if drive_set.steps:
+        raise InputError("--second-look: a stepper follows its pulses without a loop; leave the option out")
+    cases, driven = _case_of(spec, drive_set, load_case)
+    made = prepared(cases[driven], drive_set, _motion(cases[driven], profile))
+    return compared(made.train, made.controller, analyse(made.train, made.controller).all)
+
+
+def _case_of(spec: RobotSpec, drive_set: DriveSet, name: str | None) -> tuple[dict[str, RobotSpec], str]:
+    """The load cases with the drive's own screw, and the name of the one to simulate."""
+    cases = {name: case for _, name, case in load_cases(for_drive(spec, drive_set.chosen_screw))}
+    return cases, next(iter(cases)) if name is None else name
+
+
+def _motion(spec: RobotSpec, profile: str | Profile | None) -> Profile:
+    """The motion to simulate: the load's own where none is given."""
+    if profile is not None and isinstance(spec.load, Recorded):
+        what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
+        raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
+    return motion_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
 
 
 def _open_loop(spec: RobotSpec, drive_set: DriveSet, motion: Profile, name: str) -> Validation:

@@ -12,14 +12,14 @@ loops), on a grid that is finer around every pole near the unit circle.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.cascade import Cascade
-from drivesizer.control.drive_train import DriveTrain, Mode, Regime, modes
+from drivesizer.control.drive_train import DriveTrain, Regime, modes
 from drivesizer.control.loop_models import (
     current_open_loop,
     position_open_loop,
@@ -31,7 +31,7 @@ from drivesizer.control.loop_records import Bode, Loop, Loops
 from drivesizer.control.sampled import Response, System, fed_back, frequency_response, poles, step_response, value_at
 from drivesizer.control.validation import Gains
 
-__all__ = ["analyse", "loop_of", "margin_and_bandwidth"]
+__all__ = ["analyse", "loop_of", "margin_and_bandwidth", "opened_loops"]
 
 Array = NDArray[np.float64]
 _Values = NDArray[np.complex128]
@@ -56,34 +56,43 @@ def analyse(train: DriveTrain, controller: Cascade | Gains) -> Loops:
     Loops
         From the inside out.
     """
-    every = modes(train)
-
-    def velocity(train: DriveTrain) -> Loop:
-        if isinstance(controller, Gains):
-            return _worse("velocity", every, lambda mode: voltage_open_loop(train, mode, controller))
-        return _worse("velocity", every, lambda mode: velocity_open_loop(train, mode, controller))
-
-    outer, inner = velocity(train), None
-    position = None
-    if isinstance(controller, Cascade):
-        inner = loop_of("current", current_open_loop(train, controller))
-        if controller.position_kp and controller.position_period:
-            position = _worse("position", every, lambda mode: position_open_loop(train, mode, controller))
+    loops = {name: _worse(name, opened) for name, opened in opened_loops(train, controller).items()}
     # braking, the load's inertia counts less: that resonance is the lower one
-    found = resonance(train, every[Regime.FORWARD_BRAKING]) if train.flexible else (math.nan, math.nan)
-    return Loops(
-        current=inner,
-        velocity=outer,
-        position=position,
-        anti_resonance=found[0],
-        resonance=found[1],
-        rigid_bandwidth=(velocity(replace(train, stiffness=math.inf)) if train.flexible else outer).bandwidth,
-    )
+    found = resonance(train, modes(train)[Regime.FORWARD_BRAKING]) if train.flexible else (math.nan, math.nan)
+    rigid = loops["velocity"]
+    if train.flexible:
+        rigid = _worse("velocity", opened_loops(replace(train, stiffness=math.inf), controller)["velocity"])
+    return Loops(**loops, anti_resonance=found[0], resonance=found[1], rigid_bandwidth=rigid.bandwidth)
 
 
-def _worse(name: str, every: tuple[Mode, ...], opened: Callable[[Mode], System]) -> Loop:
+def opened_loops(train: DriveTrain, controller: Cascade | Gains) -> dict[str, dict[str, System]]:
+    """The open loops of a controller by name and direction of power.
+
+    Parameters
+    ----------
+    train, controller
+        As :func:`analyse`.
+
+    Returns
+    -------
+    dict
+        From the inside out; the current loop has no direction, ``""``.
+    """
+
+    def both(opened: Callable[..., System]) -> dict[str, System]:
+        return {direction: opened(train, modes(train)[r], controller) for direction, r in _DIRECTIONS.items()}
+
+    if isinstance(controller, Gains):
+        return {"velocity": both(voltage_open_loop)}
+    found = {"current": {"": current_open_loop(train, controller)}, "velocity": both(velocity_open_loop)}
+    if controller.position_kp and controller.position_period:
+        found["position"] = both(position_open_loop)
+    return found
+
+
+def _worse(name: str, opened: Mapping[str, System]) -> Loop:
     """Of driving and braking the loop nearer to instability, with the least margins and bandwidth of both."""
-    found = [loop_of(name, opened(every[r]), direction) for direction, r in _DIRECTIONS.items()]
+    found = [loop_of(name, system, direction) for direction, system in opened.items()]
     unstable = [loop for loop in found if not loop.stable]
     if unstable:  # it has no margins, whatever the other direction's are
         return max(unstable, key=lambda loop: loop.pole_radius)

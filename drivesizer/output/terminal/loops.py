@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 from rich.text import Text
@@ -11,7 +13,10 @@ from drivesizer.control.loop_records import Loop
 from drivesizer.output.loop_table import cell, loop_figures, loop_name
 from drivesizer.output.terminal.tables import STYLE, bare, width_of
 
-__all__ = ["loops"]
+if TYPE_CHECKING:
+    from drivesizer.control.second_look import Compared
+
+__all__ = ["looked_twice", "loops"]
 
 _FIRST = 6  # figures that 80 columns have room for
 
@@ -37,6 +42,29 @@ def loops(found: Sequence[Loop], width: int) -> Table:
         if width_of(table) <= width:
             return table
     return _table(found, _FIRST, "\n")
+
+
+def looked_twice(rows: Sequence[Compared]) -> Table:
+    """Figures of loops by two programs, a line each.
+
+    Parameters
+    ----------
+    rows
+        The figures.
+
+    Returns
+    -------
+    Table
+        With a mark where they differ by more than a part in ten thousand.
+    """
+    heads = (("loop", "left"), ("figure", "left"), ("drivesizer", "right"), ("python-control", "right"), ("", "left"))
+    table = bare(*heads, title="The same loops by python-control")
+    for row in rows:
+        known = {figure.name: figure for figure in loop_figures(row.loop)}[row.figure]
+        both = (cell(replace(known, value=value)) for value in (row.ours, row.theirs))
+        mark = Text("agree", style=STYLE["pass"]) if row.agrees else Text("DIFFER", style=STYLE["fail"])
+        table.add_row(loop_name(row.loop), known.title, *both, mark)
+    return table
 
 
 def _table(found: Sequence[Loop], shown: int, line: str) -> Table:

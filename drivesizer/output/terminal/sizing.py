@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.table import Table
@@ -13,7 +14,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.output.pieces_table import by_case
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.answer import next_commands, recommended, side_by_side
-from drivesizer.output.terminal.loops import loops
+from drivesizer.output.terminal.loops import looked_twice, loops
 from drivesizer.output.terminal.machine import machine
 from drivesizer.output.terminal.pieces import pieces
 from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
@@ -25,7 +26,10 @@ from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import Explanation, SizingResult, verdict, worst
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["DETAILS", "explained", "sizing", "validation", "validations"]
+if TYPE_CHECKING:
+    from drivesizer.control.second_look import Compared
+
+__all__ = ["DETAILS", "explained", "second_look", "sizing", "validation", "validations"]
 
 DETAILS = frozenset({"derivation", "checks", "paper", "ranking", "rejected"})
 """Details that :func:`sizing` shows on request beside the answer."""
@@ -283,6 +287,17 @@ def validation(proof: Validation) -> None:
     console.print(tables.loose(proof.figures, f"Figures of the {proof.loop}"))
     if proof.loops:
         console.print(loops(proof.loops, console.width))
+
+
+def second_look(rows: Sequence[Compared]) -> None:
+    """Print the figures of loops as this program and as python-control finds them.
+
+    Parameters
+    ----------
+    rows
+        As :func:`drivesizer.simulate.second_look` gives them.
+    """
+    tables.console().print(looked_twice(rows))
 
 
 def validations(proofs: Sequence[Validation], objective: str) -> None:
