@@ -13,6 +13,7 @@ import sys
 import time
 from pathlib import Path
 
+from goals import line
 from second_start import second_start
 
 SPEC = Path(__file__).resolve().parent.parent / "examples" / "sps_robot.yaml"
@@ -52,7 +53,7 @@ def rates(folder: Path, variants: int, single: int, runs: int) -> dict[str, floa
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--variants", type=int, default=300, help="of the small study")
+    parser.add_argument("--variants", type=int, default=2000, help="of the small study")
     parser.add_argument("--large", type=int, default=40, help="variants over the whole catalogue")
     parser.add_argument("--runs", type=int, default=2, help="of each")
     given = parser.parse_args()
@@ -65,6 +66,9 @@ def main() -> None:
             for what, rate in found.items():
                 ratio = rate / found["size, one by one"]
                 print(f"{title + ', ' + str(variants):28}{what:22}{rate:9.2f} variants/s{ratio:8.1f}")
+            if not whole:
+                one, two = found["study, 1 process"], found["study, 2 processes"]
+                print(line("variants", one), line("two processes", two / one), sep="\n")
 
 
 if __name__ == "__main__":

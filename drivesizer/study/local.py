@@ -75,8 +75,7 @@ def on_processes(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[
         When a process ended before its work was done.
     """
     pending, others = tasks(plan, chunks), multiprocessing.active_children()
-    context = multiprocessing.get_context("spawn")  # a forked process would hold the study's lock
-    with _one_thread_each(), ProcessPoolExecutor(processes, context, _initialise) as pool:
+    with _one_thread_each(), ProcessPoolExecutor(processes, _context(), _initialise) as pool:
         running = {_submit(pool, plan.job, task): task[0] for task in islice(pending, _AHEAD * processes)}
         try:
             while running:
@@ -93,6 +92,18 @@ def on_processes(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[
             for child in multiprocessing.active_children() if running else ():
                 if child not in others:
                     child.terminate()  # interrupted: their results are not awaited
+
+
+def _context() -> Any:
+    """How processes start: as copies of one that has the program loaded; where a system has no copies, each anew.
+
+    A copy of this process would hold the study's lock, and its threads' locks as they are.
+    """
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([rows_of.__module__])
+    return context
 
 
 def _submit(pool: ProcessPoolExecutor, job: Job, task: Task) -> Future[Part]:
