@@ -95,7 +95,7 @@ def on_processes(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[
 
 
 def _context() -> Any:
-    """How processes start: as copies of one that has the program loaded; where a system has no copies, each anew.
+    """Start of processes: as copies of one that has the program loaded; where a system has no copies, each anew.
 
     A copy of this process would hold the study's lock, and its threads' locks as they are.
     """
