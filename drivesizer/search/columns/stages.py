@@ -41,7 +41,7 @@ from drivesizer.spec.mounting import loss_at_flange
 __all__ = ["Examined", "brakes_of", "encoders_of", "examine", "felt"]
 
 Array = NDArray[np.float64]
-_PIECES = 256  # of a cycle that count: of a longer one bounds decide, which have no more
+_SHORT, _BLOCKS = 256, 64  # pieces of a cycle that count: a longer one is first looked at in so many blocks
 _CELLS = 400_000  # candidates times pieces, up to which several belts are looked at together
 _BELTS = 16
 
@@ -119,7 +119,8 @@ class _Moved(NamedTuple):
 
 def _together(waiting: Sequence[_Moved]) -> bool:
     """Whether so much is little enough to be looked at in one go."""
-    pieces = max(min(len(cycle.base.warming.duration), _PIECES) for cycle in waiting[0].cycles)
+    longest = max(len(cycle.base.warming.duration) for cycle in waiting[0].cycles)
+    pieces = longest if longest <= _SHORT else _BLOCKS
     count = sum(len(one.parts.motor.rows) for one in waiting)
     return len(waiting) <= _BELTS and pieces * count <= _CELLS
 

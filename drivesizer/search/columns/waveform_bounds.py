@@ -241,7 +241,10 @@ def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, A
     top, bottom = product(current, found.high.T), product(current, found.low.T)
     certainly, perhaps = np.maximum(bottom, -top) > limit, np.maximum(top, -bottom) > limit
     pieces = found.duration, np.zeros_like(found.duration), found.duration
-    return np.maximum(longest_run(*pieces, certainly), _SOME), longest_run(*pieces, perhaps)
+    least, ever = np.full(len(current), _SOME), np.flatnonzero(certainly.any(axis=1))
+    if len(ever):
+        least[ever] = np.maximum(longest_run(*pieces, certainly[ever]), _SOME)
+    return least, longest_run(*pieces, perhaps)
 
 
 def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array, feed: Feed) -> Array:
