@@ -10,11 +10,9 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog
-from drivesizer.control.validation import Validation
 from drivesizer.output.pieces_table import by_case
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.answer import next_commands, recommended, side_by_side
-from drivesizer.output.terminal.loops import looked_twice, loops
 from drivesizer.output.terminal.machine import machine
 from drivesizer.output.terminal.pieces import pieces
 from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
@@ -28,6 +26,7 @@ from drivesizer.spec.select import OBJECTIVES
 
 if TYPE_CHECKING:
     from drivesizer.control.second_look import Compared
+    from drivesizer.control.validation import Validation
 
 __all__ = ["DETAILS", "explained", "second_look", "sizing", "validation", "validations"]
 
@@ -279,6 +278,8 @@ def _changes(console: Console, found: DriveSet) -> None:
 
 def validation(proof: Validation) -> None:
     """Print a validation, in closed loop or of a stepper."""
+    from drivesizer.output.terminal.loops import loops  # with what a sizing need not load
+
     console = tables.console()
     tables.heading(console, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
     console.print(Text(proof.drive_set.label))
@@ -297,6 +298,8 @@ def second_look(rows: Sequence[Compared]) -> None:
     rows
         As :func:`drivesizer.simulate.second_look` gives them.
     """
+    from drivesizer.output.terminal.loops import looked_twice
+
     tables.console().print(looked_twice(rows))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import isnan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.console import Console, RenderableType
@@ -14,9 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog, columns_of
-from drivesizer.control.validation import Validation
 from drivesizer.output.figure_confidence import LESS, confidences, not_quoted
-from drivesizer.output.loop_table import gain_rows
 from drivesizer.output.probability import about
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
 from drivesizer.results.requirement import Requirement
@@ -24,6 +22,9 @@ from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.robot import AS_SPECIFIED
 from drivesizer.spec.select import OBJECTIVES
 from drivesizer.units import label, show
+
+if TYPE_CHECKING:
+    from drivesizer.control.validation import Validation
 
 __all__ = [
     "MARK", "STYLE", "bare", "checks", "console", "gains", "heading", "loose", "objective", "parts", "percent", "plain",
@@ -345,6 +346,8 @@ def loose(figures: Iterable[Figure], title: str) -> Table:
 
 def gains(proof: Validation) -> Table:
     """The controller's gains in SI, and in its own units where they are known."""
+    from drivesizer.output.loop_table import gain_rows  # with what a sizing need not load
+
     table = bare(("", "left"), ("", "right"), title=f"{proof.set_up}: {proof.gains.rule}", headed=False)
     for row in gain_rows(proof.gains):
         table.add_row(row.title, f"{row.value:.4g} {label(row.unit)}")
