@@ -108,14 +108,17 @@ def taken(source: YamlSource) -> tuple[Any, tuple[Toleranced, ...]]:
 
 def _refused(path: Path_, data: Any) -> str:
     """Reason for which a figure takes no tolerance; empty where it may have one."""
-    section, *rest = path[2:] if path[0] == "cases" else path
+    section, *rest = (path[2:] if path[0] == "cases" else path) or ("",)
     if section == "load" and rest[:1] == ["screw"]:
         return "it chooses among screws of the catalogues"
     if section != "transmission" or len(rest) < 2:
         return ""
     if rest[1] == "pulleys":
         return "it chooses among pulleys of the catalogues"
-    of_belt = rest[1] == "ratio" and data["transmission"][rest[0]].get("kind") == "belt"
+    stage = data
+    for step in path[: len(path) - len(rest) + 1]:
+        stage = stage[step]
+    of_belt = rest[1] == "ratio" and isinstance(stage, dict) and stage.get("kind") == "belt"
     return "ratios of a belt are searched as they are" if of_belt or rest[1] == "ratios" else ""
 
 

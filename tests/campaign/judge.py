@@ -22,7 +22,8 @@ _STRANGE = re.compile(  # words of Python and of libraries that say nothing to a
 )
 _OTHERS = ("drivesizer: Invalid value for '--", "drivesizer: a request of the page")  # typer's own, and of no user
 _PLACED = re.compile(
-    r'[\w./-]+\.(yaml|csv|urdf|xml|json)|--?[a-z]|: (?:[a-z]+ )?"|parts of one kind|/dev/|a request of the page|memory'
+    r'[\w./-]+\.(yaml|csv|urdf|xml|json)|--?[a-z]|: (?:[a-z]+ )?"|(parts of one|objective) |/dev/|'
+    r"a request of the page|memory"
 )
 
 

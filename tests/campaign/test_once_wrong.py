@@ -28,6 +28,10 @@ SIZE = ["size", "robot.yaml"]
     [
         ("rest_time: 1 s", "there_and_back: -0.0", SIZE, 'motion.there_and_back: "-0.0" is neither true nor false'),
         ("name: once", "cases: 5", SIZE, 'cases: "5" is not a list; expected entries between [ and ]'),
+        ("name: once", "cases: 5 +- 10 %", SIZE, 'cases: "5" is not a list'),
+        ("name: once", "cases: [5 +- 10 %]", SIZE, "robot.yaml:1: cases[1]: "),
+        ("name: once", "transmission: [[5 +- 10 %, {ratio: 5 +- 10 %}]]", SIZE, "robot.yaml:1: transmission[1]: "),
+        ("name: once", "cases: [{transmission: [{kind: belt, ratio: 2 +- 5 %}]}]", SIZE, "ratios of a belt are "),
         ("name: once", f"{'x' * 900}: 1", SIZE, f"robot.yaml:1: {'x' * 59}…: unknown key; expected one of name"),
     ],
 )  # fmt: skip
