@@ -132,15 +132,18 @@ def take_in(
         guess = guessed(header, units, section)
         planned = replace(planned, columns=guess)
     imported = import_table(text, file, planned, target)
-    terminal_findings.taken(imported, guessed=bool(guess))
+    written = []  # before anything is printed, whose reader may go away
     if guess and not dry_run:
         beside = target.with_suffix(".map.yaml")
         named = {theirs: theirs for theirs in header if theirs in imported.columns.values()}
         new(beside, map_text(named | guess, header, stated).encode())
-        typer.echo(f"{beside} written: mend it where the guess is wrong, and import again with --map {beside}")
+        written.append(f"{beside} written: mend it where the guess is wrong, and import again with --map {beside}")
     if not dry_run:
         new(target, imported.text.encode())
-        typer.echo(f"{target} written; it states no compatibility yet: add it at its end")
+        written.append(f"{target} written; it states no compatibility yet: add it at its end")
+    terminal_findings.taken(imported, guessed=bool(guess))
+    for line in written:
+        typer.echo(line)
 
 
 def _target(output: Path | None, dry_run: bool) -> Path:

@@ -98,6 +98,8 @@ def _grouped(chunks: Iterable[list[Row]]) -> Iterator[list[Row]]:
 def _whole(path: Path) -> Iterator[BinaryIO]:
     """Stream to a temporary file that replaces the target when complete, for content larger than memory."""
     ready(path)
+    if path.exists() and not path.is_file():  # a device or a pipe, which a file would take the place of
+        raise InputError(f"{path}: cannot be written, it is no file; remove it, or choose another folder with -o")
     target = path.resolve()
     temporary = target.with_name(f"{target.name}.part")
     try:

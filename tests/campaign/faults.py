@@ -116,11 +116,25 @@ FAULTS: dict[str, Fault] = {
     "clock of 1970": Fault(shell="faketime -f '@1970-01-02 00:00:00' {command}"),
     "clock of 2100": Fault(shell="faketime -f '@2100-01-01 00:00:00' {command}"),
 }  # fmt: skip
+
+
+def _full_device(path: Path) -> None:
+    """A link to a device as /dev/full, of its own: what replaces it by a file must not spoil the machine's."""
+    try:
+        os.mknod(path.with_name("full"), 0o20666, os.makedev(1, 7))
+    except PermissionError:
+        path.symlink_to("/dev/full")
+    else:
+        path.symlink_to("full")
+
+
 TARGETS: dict[str, Callable[[Path], None]] = {
     "is a folder": lambda path: (path.mkdir(parents=True), (path / "kept").touch())[0],
     "is in a loop of links": lambda path: path.symlink_to(path.name),
     "is a pipe": lambda path: os.mkfifo(path),
-    "is /dev/full": lambda path: path.symlink_to("/dev/full"),
+    "is a device": lambda path: (os.mknod(path.with_name("full"), 0o20666, os.makedev(1, 7)), path.symlink_to("full"))[
+        1
+    ],
     "leads nowhere": lambda path: path.symlink_to("nothing/there"),
     "is an input": lambda path: path.hardlink_to("robot.yaml" if path.name != "new.yaml" else "parts.csv"),
 }

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from small_catalogue import CATALOGUE
+from small_catalogue import CATALOGUE, MAP, TABLE
 from starters import STARTERS
 
 from drivesizer import cli
@@ -20,6 +20,7 @@ from drivesizer.commands import ends
 from drivesizer.errors import InputError
 from drivesizer.files.cache import CacheWarning, keep
 from drivesizer.files.writing import new, put, ready_all
+from drivesizer.output.export.fmu import render as render_fmu
 from drivesizer.output.terminal.tables import console
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="devices, pipes and signals of another kind")
@@ -213,6 +214,25 @@ def test_python_without_docstrings_is_one_line(run, monkeypatch):
     monkeypatch.setattr(sys, "flags", SimpleNamespace(optimize=2))
     status, out, err = run("equations")
     assert (status, out, err.count("\n")) == (2, "", 1) and "PYTHONOPTIMIZE=2" in err
+
+
+def test_an_import_is_written_before_its_reader_can_go_away(run, monkeypatch):
+    def gone(*_, **__):
+        raise BrokenPipeError
+
+    monkeypatch.setattr("drivesizer.output.terminal.findings.taken", gone)
+    Path("parts.csv").write_text(TABLE)
+    Path("map.yaml").write_text(MAP)
+    words = ("catalog", "import", "parts.csv", "--section", "motors", "--map", "map.yaml", "-o", "new.yaml")
+    assert run(*words) == (0, "", "")
+    assert "M 16" in Path("new.yaml").read_text(encoding="utf-8")
+
+
+def test_an_fmu_in_a_year_that_zip_files_do_not_know_is_one_line(monkeypatch):
+    monkeypatch.setattr("time.time", lambda: 86_400.0)
+    drive = SimpleNamespace(stepper=False, train=SimpleNamespace(motor_inertia=1e-6))
+    with pytest.raises(InputError, match="no dates before 1980; set this machine's clock"):
+        render_fmu(drive)
 
 
 @pytest.mark.slow

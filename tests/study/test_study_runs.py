@@ -323,6 +323,12 @@ def test_a_table_that_cannot_be_written_is_one_line_and_the_rows_are_kept(run, t
     (tmp_path / "study" / "results.csv").mkdir()
     status, _, err = run("--no-maps")
     assert (status, err) == (2, "drivesizer: study/results.csv: cannot be written, it is a folder\n")
+    (tmp_path / "study" / "results.csv").rmdir()
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "study" / "results.csv").symlink_to(tmp_path / "pipe")
+    status, _, err = run("--no-maps")
+    assert status == 2 and err.startswith("drivesizer: study/results.csv: cannot be written, it is no file;")
+    assert (tmp_path / "pipe").is_fifo()
     assert len(chunks(tmp_path)) == 4
 
 

@@ -14,6 +14,7 @@ import hashlib
 import io
 import sys
 import tempfile
+import time
 import uuid
 import zipfile
 from collections.abc import Iterator
@@ -29,6 +30,7 @@ from drivesizer.output.export.markup import document, text
 
 __all__ = ["parameters", "render"]
 
+_1980 = 315_619_200.0  # s since 1970, the second day of that year in every time zone
 _DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip file can hold
 _DIGITS = 16  # of the digest in a name: 64 bits
 _SPACE = uuid.UUID("9c4b7d1e-1a44-5d0e-8a1b-2f0f3a6f5b10")  # of GUIDs of this program
@@ -78,7 +80,8 @@ def render(of: Export) -> bytes:
     Raises
     ------
     InputError
-        When PythonFMU is not installed, the rotor's inertia is unknown, or the motor is a stepper.
+        When PythonFMU is not installed, the rotor's inertia is unknown, the motor is a stepper, or this machine's clock
+        says a year before 1980.
     """
     if of.stepper:
         raise InputError(
@@ -94,6 +97,8 @@ def render(of: Export) -> bytes:
         from pythonfmu.builder import FmuBuilder  # type: ignore[import-untyped, unused-ignore]
     except ImportError:
         raise InputError("--format: fmu needs PythonFMU; pip install 'drivesizer[fmu]'") from None
+    if time.time() < _1980:
+        raise InputError("--format: an FMU is a ZIP archive, which has no dates before 1980; set this machine's clock")
     with tempfile.TemporaryDirectory(prefix="drivesizer-") as folder:
         script, motor = _modules(of, Path(folder))
         with _tidy():

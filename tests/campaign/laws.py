@@ -1,0 +1,305 @@
+"""Laws that every sizing keeps, on random machines.
+
+    python tests/campaign/laws.py 1000             # machines 0 to 999
+    python tests/campaign/laws.py 1000 --first 5000 --only monotony
+
+A machine is a spec of ``laws_machines``; its best drives and closest rejected ones are looked at. What breaks a law is
+printed with the number that makes the machine again; counts and the share of each law stand at the end. A line is a
+question, no verdict: a heavier load on a slope, say, helps a brake.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import sys
+import tempfile
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator
+from math import isclose, isnan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import yaml
+
+sys.path.insert(0, str(Path(__file__).parent))
+from laws_machines import LOAD, Plain, catalogue, in_other_units, machine, scaled_by, several_cases
+
+from drivesizer.errors import DrivesizerError, InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.results.check import Check
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import SizingResult
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.spec.several_axes.machine_file import load_machine
+
+__all__ = ["LAWS", "Case", "broken"]
+
+DRIVES = 3  # of a machine that are looked at, best ones and closest rejected
+SAME = 1e-8  # of a figure, within which it is the same
+RANKS = {"fail": 0, "unknown": 1, "open": 1, "pass": 2}
+
+
+class Case(NamedTuple):
+    """A machine, its sizing, and the drives that are looked at, each explained alone."""
+
+    data: Plain
+    folder: Path
+    found: SizingResult
+    drives: tuple[DriveSet, ...]
+
+    def again(self, data: Plain, drive: DriveSet) -> DriveSet:
+        """The same motor, gearhead and belt for another spec."""
+        spec = spec_of(data, self.folder)
+        parts = catalogue(*spec.select.catalogs)
+        return explained(spec, drive, parts)
+
+
+def spec_of(data: Plain, folder: Path) -> RobotSpec:
+    return read_spec(YamlSource(yaml.safe_dump(data, sort_keys=False), str(folder / "robot.yaml")))
+
+
+def explained(spec: RobotSpec, drive: DriveSet, parts: Any) -> DriveSet:
+    made = explain(spec, drive.motor.part, "" if drive.actuator else drive.gearhead.part, catalog=parts)
+    return min(made, key=lambda one: abs(one.belt_ratio - drive.belt_ratio))
+
+
+def case_of(number: int, folder: Path) -> Case | None:
+    """The machine of a number; None where no drive is to be looked at."""
+    data = machine(number, folder)
+    try:
+        spec = spec_of(data, folder)
+        parts = catalogue(*spec.select.catalogs)
+        found = size(spec, catalog=parts, top=DRIVES)
+    except InputError:
+        return None
+    some = (*found.sets, *found.misses)[:DRIVES]
+    return Case(data, folder, found, tuple(explained(spec, one, parts) for one in some)) if some else None
+
+
+def parts_of(drive: DriveSet) -> tuple[str, ...]:
+    return tuple(
+        part.part if part else "none"
+        for part in (drive.motor, drive.gearhead, drive.encoder, drive.controller, drive.brake)
+    )
+
+
+def alike(one: float, other: float) -> bool:
+    return (isnan(one) and isnan(other)) or one == other or isclose(one, other, rel_tol=SAME, abs_tol=1e-12)
+
+
+def differences(one: DriveSet, other: DriveSet) -> Iterator[str]:
+    """What two drives that should be one and the same have different: parts, checks, demands, limits, verdicts."""
+    if parts_of(one) != parts_of(other):
+        yield f"parts {parts_of(one)} / {parts_of(other)}"
+    first, second = ({c.name: c for c in drive.own_checks} for drive in (one, other))
+    if first.keys() != second.keys():
+        yield f"checks {sorted(first.keys() ^ second.keys())}"
+    for name in first.keys() & second.keys():
+        a, b = first[name], second[name]
+        if a.status != b.status and not (alike(a.demand, b.demand) and isclose(a.demand, a.limit, rel_tol=1e-7)):
+            yield f"{name} {a.status} / {b.status} ({a.demand:.6g} of {a.limit:.6g} / {b.demand:.6g} of {b.limit:.6g})"
+        elif not (alike(a.demand, b.demand) and alike(a.limit, b.limit)):
+            yield f"{name} {a.demand!r} of {a.limit!r} / {b.demand!r} of {b.limit!r}"
+
+
+def same_everywhere(case: Case, other: Plain) -> Iterator[str]:
+    for drive in case.drives:
+        for text in differences(drive, case.again(other, drive)):
+            yield f"{drive.label}: {text}"
+
+
+# --- laws -------------------------------------------------------------------------------------------------------------
+
+
+def search_and_explain(case: Case) -> Iterator[str]:
+    """The search and ``explain`` say the same of a drive: its encoder, controller, brake, checks."""
+    for drive, alone in zip((*case.found.sets, *case.found.misses), case.drives, strict=False):
+        for text in differences(drive, alone):
+            yield f"{drive.label}: {text}"
+
+
+def units(case: Case) -> Iterator[str]:
+    """The units in which a spec is written change nothing."""
+    kept = {name: case.data[name] for name in ("name", "select")}
+    yield from same_everywhere(case, in_other_units(case.data) | kept)
+
+
+def _two(case: Case) -> list[Plain]:
+    hot = {"name": "hot", "environment": {"ambient": "48 degC"}}
+    slower = scaled_by(case.data, "load", LOAD, 1.3)["load"]
+    changed = {key: value for key, value in slower.items() if value != case.data["load"].get(key)}
+    return (
+        [hot, {"name": "laden", "load": changed}]
+        if changed
+        else [hot, {"name": "mild", "environment": {"ambient": "1 degC"}}]
+    )
+
+
+def order_of_cases(case: Case) -> Iterator[str]:
+    """The order of the load cases changes nothing."""
+    cases = _two(case)
+    there, back = several_cases(case.data, cases), several_cases(case.data, cases[::-1])
+    for drive in case.drives:
+        for text in differences(case.again(there, drive), case.again(back, drive)):
+            yield f"{drive.label}: {text}"
+
+
+def given_twice(case: Case) -> Iterator[str]:
+    """A load case that is the spec once more changes no check."""
+    yield from same_everywhere(
+        case, several_cases(case.data, [{"name": "again", "environment": case.data["environment"]}])
+    )
+
+
+def worst_case(case: Case) -> Iterator[str]:
+    """Of two cases every check has the worse margin, for the same encoder, controller and brake."""
+    (_, second) = _two(case)
+    for drive in case.drives:
+        both = case.again(several_cases(case.data, [second]), drive)
+        merged = copy.deepcopy(case.data)
+        for section in ("load", "environment"):
+            merged[section] = merged.get(section, {}) | second.get(section, {})
+        alone = case.again(merged, drive)
+        if len({parts_of(one) for one in (both, drive, alone)}) > 1:
+            continue
+        tables = [{c.name: c for c in one.own_checks} for one in (both, drive, alone)]
+        for name in tables[0].keys() & tables[1].keys() & tables[2].keys():
+            of_both, *each = (table[name] for table in tables)
+            margins = [c.margin for c in each]
+            if not any(map(isnan, (*margins, of_both.margin))) and not alike(of_both.margin, min(margins)):
+                yield f"{drive.label}: {name} {of_both.margin!r} of {margins}"
+
+
+def order_of_catalogues(case: Case) -> Iterator[str]:
+    """The order of catalogues changes no drive and no figure."""
+    names = case.data["select"]["catalogs"]
+    other = size(case.found.spec, catalog=catalogue(*reversed([*names, "amc"])), top=DRIVES)
+    first = size(case.found.spec, catalog=catalogue(*names, "amc"), top=DRIVES)
+    for one, two in zip(first.sets, other.sets, strict=False):
+        for text in differences(one, two):
+            yield f"{one.label}: {text}"
+    if len(first.sets) != len(other.sets):
+        yield f"{len(first.sets)} / {len(other.sets)} drives"
+
+
+def one_axis(case: Case) -> Iterator[str]:
+    """A machine of one axis is the plain spec."""
+    shared = {
+        key: value for key, value in case.data.items() if key in ("name", "supply", "select", "environment", "margins")
+    }
+    axis = {key: value for key, value in case.data.items() if key not in shared}
+    if case.data["load"]["kind"] == "recorded":
+        axis["load"] = axis["load"] | {"file": str(case.folder / axis["load"]["file"])}
+    result = size_machine(load_machine(shared | {"axes": {"only": axis}}), top=1)
+    found = result.axes[0].best
+    first = case.found.sets[0] if case.found.sets else None
+    if (found is None) != (first is None):
+        yield f"{first and first.label} / {found and found.label}"
+    elif found is not None and first is not None:
+        yield from differences(first, found)
+
+
+# --- monotony ---------------------------------------------------------------------------------------------------------
+
+
+def burdens(data: Plain) -> Iterator[tuple[str, Plain]]:
+    """Specs that require more, each in one respect."""
+    yield "heavier", scaled_by(data, "load", {"mass", "inertia"}, 1.25)
+    supply = data.get("supply", {})
+    if "min" in supply:
+        yield "lower voltage", data | {"supply": supply | {"min": f"{0.9 * float(supply['min'].split()[0]):.6g} V"}}
+    yield "hotter", data | {"environment": {"ambient": f"{int(data['environment']['ambient'].split()[0]) + 15} degC"}}
+    yield "shorter rest", scaled_by(data, "motion", {"rest_time", "pause"}, 0.5)
+
+
+def monotony(case: Case) -> Iterator[str]:
+    """More mass, a lower voltage, hotter surroundings, shorter rests: no check that failed passes, parts alike."""
+    for name, other in burdens(case.data):
+        if other == case.data:
+            continue
+        try:
+            again = [case.again(other, drive) for drive in case.drives]
+        except InputError:  # a wheel that slips
+            continue
+        for drive, laden in zip(case.drives, again, strict=True):
+            if parts_of(drive) != parts_of(laden):
+                continue
+            before, after = ({c.name: c for c in one.own_checks} for one in (drive, laden))
+            for check in before.keys() & after.keys():
+                if RANKS[before[check].status] == 0 < RANKS[after[check].status]:
+                    yield f"{name}: {drive.label}: {check}: {_said(before[check])} / {_said(after[check])}"
+
+
+def _said(check: Check) -> str:
+    return f"{check.status} {check.demand:.5g} of {check.limit:.5g}"
+
+
+def needs_cost(case: Case) -> Iterator[str]:
+    """A further need makes no best drive better."""
+    if not case.found.sets or case.found.sets[0].status != "pass":
+        return
+    best = case.found.sets[0].objective
+    more: tuple[Plain, ...] = ({"diameter": "45 mm"}, {"encoder_counts": 500}, {"length": "150 mm"})
+    for need in more:
+        try:
+            spec = spec_of(case.data | {"needs": need | case.data.get("needs", {})}, case.folder)
+            found = size(spec, catalog=catalogue(*spec.select.catalogs), top=1)
+        except InputError:
+            continue
+        if found.sets and found.sets[0].status == "pass" and found.sets[0].objective < best * (1.0 - SAME):
+            yield f"{need}: {found.sets[0].objective:.6g} of {found.sets[0].label}, without {best:.6g}"
+
+
+LAWS: dict[str, Callable[[Case], Iterator[str]]] = {
+    "search and explain": search_and_explain,
+    "units": units,
+    "order of cases": order_of_cases,
+    "a case twice": given_twice,
+    "worst case": worst_case,
+    "order of catalogues": order_of_catalogues,
+    "one axis": one_axis,
+    "monotony": monotony,
+    "needs cost": needs_cost,
+}
+
+
+def broken(case: Case, law: str) -> list[str]:
+    """What breaks a law on a machine; a refusal counts too, for the machine itself was none."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        try:
+            return list(LAWS[law](case))
+        except DrivesizerError as error:
+            return [f"refused: {error}"]
+
+
+def main() -> int:
+    """Try some machines; 1 where a law is broken."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("count", type=int)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--only", default="", help="laws whose name begins so")
+    given = parser.parse_args()
+    laws = [name for name in LAWS if name.startswith(given.only)]
+    tried, wrong = 0, Counter[str]()
+    with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for number in range(given.first, given.first + given.count):
+            case = case_of(number, Path(scratch))
+            tried += case is not None
+            for law in laws if case else ():
+                lines = broken(case, law)  # type: ignore[arg-type]
+                wrong[law] += bool(lines)
+                for line in lines[:3]:
+                    print(f"{number} {law}: {line}", flush=True)
+    print(f"{tried} machines with drives to look at; broken: {dict(wrong)}")
+    return bool(sum(wrong.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
