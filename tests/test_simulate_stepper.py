@@ -24,6 +24,7 @@ from drivesizer.machine.pull_out import torque_of_drive, torque_of_part
 from drivesizer.output.export import Export, export_of, fmu, json_document, mjcf, ros2_control, sdf, urdf
 from drivesizer.output.json.documents import as_text, validation
 from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table.csv import report_csv
 from drivesizer.output.report.workbook import sheets
 from drivesizer.results.drive_set import DriveSet
@@ -225,10 +226,10 @@ def test_commands_say_open_loop(path: Path, tmp_path: Path, monkeypatch: pytest.
 
 def test_reports_show_the_open_loop(path: Path, proof: Validation) -> None:
     found = size(load_spec(spec_of(path)))
-    pages = {one.name: one for one in sheets(found, proof)}
+    pages = {one.name: one for one in sheets(Content(found, proof))}
     assert {"Open loop", "Time series"} <= set(pages) and "Closed loop" not in pages
     assert pages["Time series"].drawn == ("speed_reference", "speed", "load_angle")
-    assert b"Open loop, trapezoid" in report_csv(found, proof)
+    assert b"Open loop, trapezoid" in report_csv(Content(found, proof))
     assert [names for names, _ in closed_loop_rows(proof)][-1] == ("load_angle",)
 
 

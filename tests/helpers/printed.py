@@ -16,6 +16,7 @@ from pdf_text import texts_of
 
 from drivesizer.output.report import pdf
 from drivesizer.output.report.figures.all_figures import report_drawings
+from drivesizer.output.report.sections.content import Content
 
 DOTS = 40  # per inch, of a page as a picture
 _BLANK = b'<svg xmlns="http://www.w3.org/2000/svg" width="468pt" height="72pt" viewBox="0 0 468 72"></svg>'
@@ -45,7 +46,7 @@ def printed(*given: Any, **more: Any) -> Printed:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(typst, "compile", both)
-        content = pdf.report_pdf(*given, **more)
+        content = pdf.report_pdf(Content(*given), **more)
     (pages,) = seen
     pages = pages if isinstance(pages, list) else [pages]
     return Printed(content, [imread(io.BytesIO(page))[..., :3].min(axis=2) for page in pages])

@@ -29,6 +29,7 @@ from drivesizer.output.report.html.field_plot import field_plot
 from drivesizer.output.report.html.mathematics import mathml
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.html.templates import environment
+from drivesizer.output.report.sections.content import Content
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
@@ -41,7 +42,7 @@ def proof(result: SizingResult) -> Validation:
 
 @pytest.fixture(scope="module")
 def content(result: SizingResult, proof: Validation) -> bytes:
-    return report_html(result, proof)
+    return report_html(Content(result, proof))
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +59,7 @@ def hostile(tmp_path_factory, catalog) -> SizingResult:
 
 @pytest.fixture(scope="module")
 def hostile_page(hostile):
-    return parsed(report_html(hostile, None))
+    return parsed(report_html(Content(hostile)))
 
 
 FAMILY = "</td><script>alert(2)</script>{{ 7*7 }}<a href='javascript:1'>x</a>"
@@ -69,7 +70,7 @@ def named_page(hostile):
     """The page of a motor whose family is markup."""
     best = hostile.sets[0]
     named = replace(best, motor=replace(best.motor, family=FAMILY))
-    return parsed(report_html(replace(hostile, sets=(named, *hostile.sets[1:])), None))
+    return parsed(report_html(Content(replace(hostile, sets=(named, *hostile.sets[1:])))))
 
 
 def words(element) -> str:
@@ -256,7 +257,7 @@ def test_a_block_without_a_renderer_is_an_error(result, monkeypatch):
 
     monkeypatch.setattr(page_module, "document", renamed)
     with pytest.raises(jinja2.UndefinedError):
-        report_html(result, None)
+        report_html(Content(result))
 
 
 # -- mathematics
@@ -322,7 +323,7 @@ def test_unknown_figures_leave_their_lines_out(result):
     motor = replace(best.motor, nominal_torque=nan, max_winding_temperature=nan)
     gearhead = replace(best.gearhead, inertia=nan, intermittent_torque=nan, mass=nan)
     bare = replace(best, motor=motor, gearhead=gearhead, controller=None, mass=nan)
-    page = parsed(report_html(replace(result, sets=(bare,), misses=()), None))
+    page = parsed(report_html(Content(replace(result, sets=(bare,), misses=()))))
     found = figures_of(page)
     labels = [entry["label"] for entry in found["field"]["legend"]]
     assert not {"continuous", "continuous, nominal torque", "intermittent", "load cycle"} & set(labels)
@@ -358,7 +359,7 @@ def test_every_starter_has_its_page(kind, tmp_path, catalog):
     (tmp_path / "robot.yaml").write_bytes((STARTERS / f"{kind}.yaml").read_bytes())
     found = size(read_spec(read(tmp_path / "robot.yaml")), catalog=catalog, top=2)
     with blank_figures():  # those of every starter stand in the PDF
-        page = parsed(report_html(found, None))
+        page = parsed(report_html(Content(found)))
     assert found.sets[0].motor.part in words(page.xpath("//table[contains(@class, 'parts')]")[0])
     assert {"profile", "cycle", "field"} <= set(figures_of(page)) and "Closed loop" not in words(page.xpath("//nav")[0])
 
@@ -376,7 +377,7 @@ def test_a_page_without_a_set_names_the_nearest_misses(example_text, tmp_path):
     (tmp_path / "robot.yaml").write_text(example_text.replace("speed: 1.5 m/s", "speed: 9 m/s"), encoding="utf-8")
     result = size(read_spec(read(tmp_path / "robot.yaml")))
     assert not result.sets
-    page = parsed(report_html(result, None))
+    page = parsed(report_html(Content(result)))
     verdict = words(page.xpath("//div[contains(@class, 'verdict')]")[0])
     assert verdict.startswith("No drive.") and "it fails on:" in verdict and result.misses[0].label in verdict
     assert "The closest rejected drive" in [words(h) for h in page.xpath("//h2")]
@@ -384,7 +385,7 @@ def test_a_page_without_a_set_names_the_nearest_misses(example_text, tmp_path):
 
 def test_a_page_without_anything_to_look_at(result):
     empty = replace(result.counts, considered=0, feasible=0, failed_by={})
-    page = parsed(report_html(replace(result, sets=(), misses=(), counts=empty, unrestricted=None), None))
+    page = parsed(report_html(Content(replace(result, sets=(), misses=(), counts=empty, unrestricted=None))))
     assert "no combination of motor and gearhead" in words(page.xpath("//div[contains(@class, 'verdict')]")[0])
     assert list(figures_of(page)) == ["profile", "cycle"]
 

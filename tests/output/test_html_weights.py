@@ -129,7 +129,7 @@ def test_energies_below_zero_and_numbers_of_parts(weighed):
 
 def test_it_follows_the_candidates_and_is_missing_without_drives(result, weighed):
     with blank_figures():
-        page, without = (parsed(report_html(one, None)) for one in (weighed, result))
+        page, without = (parsed(report_html(Content(one))) for one in (weighed, result))
     names = page.xpath("//h2/@id")
     assert names[names.index("candidates") + 1] == "weights"
     assert "Choose by weights" in words(page.xpath("//nav")[0])

@@ -23,6 +23,7 @@ from drivesizer.output.json import documents as json_documents
 from drivesizer.output.loop_table import cell, loop_figures, settled
 from drivesizer.output.report import pdf, write_loop_figures
 from drivesizer.output.report.figures import bode_and_step, load_and_loop
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.terminal import sizing as terminal
 from drivesizer.output.terminal.loops import loops
@@ -254,8 +255,10 @@ def test_the_terminal_prints_the_loops_of_a_validation(proof, capsys, monkeypatc
 def test_the_report_has_table_figures_and_the_controllers_own_units(result, proof):
     own = ControllerGain(place="0x30A0:01", name="current controller P gain", value=250_000, unit="µV/A")
     with blank_figures():
-        content = pdf.report_pdf(result, replace(proof, loops=(*UNSTABLE, CASCADE[2]), controller_gains=(own,)))
-        bare = text_of(pdf.report_pdf(result, replace(proof, loops=())))
+        content = pdf.report_pdf(
+            Content(result, replace(proof, loops=(*UNSTABLE, CASCADE[2]), controller_gains=(own,)))
+        )
+        bare = text_of(pdf.report_pdf(Content(result, replace(proof, loops=()))))
     text = text_of(content)
     for said in (
         "The loops by linear theory", "velocity, braking unstable", "1.6", "Frequency response",
@@ -267,7 +270,7 @@ def test_the_report_has_table_figures_and_the_controllers_own_units(result, proo
 
 
 def test_the_csv_report_has_a_row_for_each_figure_of_a_loop(result, proof):
-    content = csv_tables.report_csv(result, replace(proof, loops=UNSTABLE)).decode()
+    content = csv_tables.report_csv(Content(result, replace(proof, loops=UNSTABLE))).decode()
     rows = {r["name"]: r for r in csv.DictReader(io.StringIO(content)) if r["section"] == "loop"}
     assert float(rows["current_bandwidth"]["si_value"]) == UNSTABLE[0].bandwidth
     assert float(rows["current_phase_margin"]["value"]) == pytest.approx(degrees(UNSTABLE[0].phase_margin))

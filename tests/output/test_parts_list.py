@@ -12,6 +12,7 @@ from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.output.parts import parts_list, totals
 from drivesizer.output.report import write
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
@@ -145,7 +146,7 @@ def test_the_list_as_a_file_of_its_own(result, tmp_path):
 
 
 def test_the_list_as_a_section_of_the_table(result):
-    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(result, None).decode())))
+    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(Content(result)).decode())))
     found = {r["name"]: r for r in rows if r["section"] == "part"}
     assert (found["gearhead"]["value"], found["gearhead_quantity"]["value"]) == ("406764", "4")
     assert (found["gearhead_price"]["value"], found["gearhead_price"]["unit"]) == ("127.73", "EUR")
@@ -160,7 +161,9 @@ def test_a_set_that_falls_is_not_bought(result, tmp_path):
     fallen = replace(result, sets=(), misses=result.sets)
     assert [path.name for path in write(fallen, None, [tmp_path / "report.csv"])] == ["report.csv"]
     assert not [
-        r for r in csv.DictReader(io.StringIO(csv_tables.report_csv(fallen, None).decode())) if r["section"] == "part"
+        r
+        for r in csv.DictReader(io.StringIO(csv_tables.report_csv(Content(fallen)).decode()))
+        if r["section"] == "part"
     ]
 
 

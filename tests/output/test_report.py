@@ -19,6 +19,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.writing import put
 from drivesizer.output.derivation import found_failures, step
 from drivesizer.output.report import pdf, write, write_series, write_sets
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.results.drive_set import Relaxation
 from drivesizer.results.objectives import objective_figure
@@ -29,7 +30,7 @@ from drivesizer.sizing import size
 
 
 def test_csv_read_back_has_every_number_of_the_result(result):
-    rows = rows_of(csv_tables.report_csv(result, None))
+    rows = rows_of(csv_tables.report_csv(Content(result)))
     wheel = {r["name"]: r for r in rows if r["section"] == "requirement" and not r["set_rank"]}
     for r in result.requirements:
         row = wheel[r.name]
@@ -46,7 +47,7 @@ def test_csv_read_back_has_every_number_of_the_result(result):
 
 
 def test_csv_shows_the_units_of_the_trade(result):
-    rows = {r["name"]: r for r in rows_of(csv_tables.report_csv(result, None)) if r["set_rank"] in ("", "1")}
+    rows = {r["name"]: r for r in rows_of(csv_tables.report_csv(Content(result))) if r["set_rank"] in ("", "1")}
     # EQUATIONS.md: n_nom = 208.865 rpm; the set of the paper
     assert rows["nominal_speed"]["unit"] == "rpm"
     assert float(rows["nominal_speed"]["value"]) == pytest.approx(208.865, abs=0.0005)
@@ -97,7 +98,7 @@ def test_no_cell_of_text_is_a_formula(result, start):
 
 
 def test_negative_numbers_stay_numbers(result):
-    rows = {r["name"]: r for r in rows_of(csv_tables.report_csv(result, None)) if not r["set_rank"]}
+    rows = {r["name"]: r for r in rows_of(csv_tables.report_csv(Content(result))) if not r["set_rank"]}
     assert float(rows["deceleration_torque"]["value"]) < 0
 
 
@@ -117,7 +118,7 @@ def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_pa
     (path,) = write(result, validation, [tmp_path / "report.pdf"])
     content = path.read_bytes()
     assert content.startswith(b"%PDF")
-    assert pdf.report_pdf(result, validation) == content
+    assert pdf.report_pdf(Content(result, validation)) == content
     assert b"CreationDate" not in content
     text, best = text_of(content), result.sets[0]
     for part in (best.motor, best.gearhead, best.encoder, best.controller):
@@ -144,7 +145,7 @@ def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_pa
 def test_letters_of_other_scripts_and_control_characters_do_no_harm(result):
     named = result.spec.model_copy(update={"name": "測試 робот 😀 \x00\x1b[31m \u202e"})
     with blank_figures():
-        content = pdf.report_pdf(replace(result, problem=replace(result.problem, machine=named)), None)
+        content = pdf.report_pdf(Content(replace(result, problem=replace(result.problem, machine=named))))
     assert "робот" in text_of(content)
     assert "\\x1b[31m" in text_of(content)
 
@@ -153,8 +154,8 @@ def test_nothing_to_look_at_at_all(result):
     empty = replace(result.counts, considered=0, feasible=0, failed_by={})
     bare = replace(result, sets=(), misses=(), counts=empty, unrestricted=None)
     with blank_figures():
-        assert "no combination of motor and gearhead" in text_of(pdf.report_pdf(bare, None))
-    assert csv_tables.report_csv(bare, None)
+        assert "no combination of motor and gearhead" in text_of(pdf.report_pdf(Content(bare)))
+    assert csv_tables.report_csv(Content(bare))
 
 
 def test_every_requirement_has_its_numbers_put_in(result):
@@ -183,7 +184,7 @@ def test_the_kept_failures_of_printed_forms_are_those_that_are_found():
 def test_every_starter_has_its_reports(kind, tmp_path, catalog):
     found = size(starter(kind, tmp_path), catalog=catalog, top=2)
     best = found.sets[0]
-    text = text_of(pdf.report_pdf(found, None), most=9)  # the contents, and all that differs from load to load
+    text = text_of(pdf.report_pdf(Content(found)), most=9)  # the contents, and all that differs from load to load
     assert text.count(best.motor.part) >= 2 and "How to repeat this" in text
     wheels, platform = kind == "wheeled_vehicle", kind == "mecanum_platform"
     assert ("at the load's shaft" in text) is not (wheels or platform)
@@ -191,7 +192,7 @@ def test_every_starter_has_its_reports(kind, tmp_path, catalog):
     assert "paper's own method" not in text.replace("’", "'") and "by the method of the paper" not in text
     assert ("Each driven wheel is a load case" in text) is platform
     assert "Closed loop" not in text and "Current limit to set" in text
-    rows = rows_of(csv_tables.report_csv(found, None))
+    rows = rows_of(csv_tables.report_csv(Content(found)))
     figures = {r["name"]: r for r in rows if r["section"] == "figure" and r["set_rank"] == "1"}
     assert list(figures) == [f.name for f in best.figures]
     for figure in best.figures:
@@ -222,7 +223,7 @@ cases:
 
 @pytest.fixture(scope="module")
 def cased_pdf(cased) -> bytes:
-    return pdf.report_pdf(cased, None)
+    return pdf.report_pdf(Content(cased))
 
 
 def test_load_cases_margins_and_objectives_are_told(cased, cased_pdf):
@@ -230,7 +231,9 @@ def test_load_cases_margins_and_objectives_are_told(cased, cased_pdf):
     assert 'case #eval("1+1") $x$ `raw`' in text  # the load case in which a check is worst
     assert "needs +20 %" in text and "needs +15 %" in text
     assert "best of them by 2 mass + 1 price" in text and "in the worst load case" in text
-    rows = [r for r in rows_of(csv_tables.report_csv(cased, None)) if r["section"] == "check" and r["set_rank"] == "1"]
+    rows = [
+        r for r in rows_of(csv_tables.report_csv(Content(cased))) if r["section"] == "check" and r["set_rank"] == "1"
+    ]
     for row, check in zip(rows, cased.sets[0].checks, strict=True):
         assert (row["case"], float(row["needed_margin"])) == (check.case, check.needed)
     assert {0.0, 0.2, 0.15} == {float(row["needed_margin"]) for row in rows}
@@ -244,7 +247,7 @@ def test_a_front_is_printed_drawn_and_in_the_tables(cased, cased_pdf):
     assert "The Pareto front" in text and "energy per cycle" in text
     for one in cased.front[:5]:
         assert one.motor.part in text
-    rows = [r for r in rows_of(csv_tables.report_csv(cased, None)) if r["section"] == "front"]
+    rows = [r for r in rows_of(csv_tables.report_csv(Content(cased))) if r["section"] == "front"]
     for one in cased.front:
         mine = {r["name"]: r for r in rows if r["set_rank"] == str(one.rank)}
         assert mine["motor"]["value"] == one.motor.part
@@ -277,7 +280,7 @@ def test_changes_are_told_with_numbers(cased):
     )  # fmt: skip
     miss = replace(cased.sets[0], status="fail", changes=moves)
     nothing = replace(cased, sets=(), misses=(miss,), relaxations=moves[:1])
-    rows = [r for r in rows_of(csv_tables.report_csv(nothing, None)) if r["section"] == "change"]
+    rows = [r for r in rows_of(csv_tables.report_csv(Content(nothing))) if r["section"] == "change"]
     assert [(r["name"], r["value"], r["limit"], r["unit"]) for r in rows] == [
         ("load.inertia", "3.0", "2.5", "kg*m^2"),
         ("environment.ambient", "40.0", "25.5", "degC"),
@@ -285,8 +288,8 @@ def test_changes_are_told_with_numbers(cased):
         ("load.inertia", "3.0", "2.5", "kg*m^2"),
     ]
     with blank_figures():
-        text = text_of(pdf.report_pdf(nothing, None))
-        without = text_of(pdf.report_pdf(replace(nothing, relaxations=()), None))
+        text = text_of(pdf.report_pdf(Content(nothing)))
+        without = text_of(pdf.report_pdf(Content(replace(nothing, relaxations=()))))
     for said in ("Changes after which this drive passes", "Changes after which a drive passes", "load › inertia"):
         assert said in text
     assert "No single figure" in without and "No single figure" not in text
@@ -295,7 +298,7 @@ def test_changes_are_told_with_numbers(cased):
 def test_what_has_no_end_is_told_from_what_is_unknown(cased):
     best = cased.sets[0]
     figures = (replace(best.figures[0], value=inf), replace(best.figures[1], value=nan))
-    rows = rows_of(csv_tables.report_csv(replace(cased, sets=(replace(best, figures=figures),), misses=()), None))
+    rows = rows_of(csv_tables.report_csv(Content(replace(cased, sets=(replace(best, figures=figures),), misses=()))))
     assert [r["si_value"] for r in rows if r["section"] == "figure"] == ["inf", ""]
 
 

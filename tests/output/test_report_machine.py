@@ -22,6 +22,7 @@ from drivesizer.output.report.figures.time_windows import Window, thinned
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.pdf import report_pdf
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.machine import consumers, masses, unknown_consumers
 from drivesizer.output.report.sections.texts import text_of as text_of_cell
 from drivesizer.results.figures_behind_checks import unknown_figures
@@ -238,7 +239,7 @@ def test_unknown_masses_are_named_where_unknown_checks_are(result):
 
 
 def test_the_workbook_has_masses_and_says_what_the_machine_is(result):
-    book = {sheet.name: sheet for sheet in workbook.sheets(result, None)}
+    book = {sheet.name: sheet for sheet in workbook.sheets(Content(result))}
     rows = [row for row in book["Machine"].rows if row["set_rank"] == 1 and row["section"] == "mass"]
     assert [(row["title"], row["how_many"]) for row in rows][:2] == [("motor", 4), ("gearhead", 4)]
     assert {row["title"] for row in rows if row["status"] == "unknown"} == {"battery"}
@@ -259,11 +260,11 @@ def test_a_drive_that_fails_on_the_machines_budget_says_so_first(change, title):
     result = size(changed(change, ("select: {", "select: {motor: {family: [DCX 22 L, RE 25]}, ")), top=2)
     assert not result.sets and result.misses
     with blank_figures():
-        summary, found, _ = text_of(report_pdf(result, None), most=2).partition("CONTENTS")
-        page = re.sub(r"\s+", " ", report_html(result, None).decode())
+        summary, found, _ = text_of(report_pdf(Content(result)), most=2).partition("CONTENTS")
+        page = re.sub(r"\s+", " ", report_html(Content(result)).decode())
     assert found and re.search(rf"fails on:[^.]*{title}", summary)
     assert re.search(rf"it fails on: [^<]*{title}", page)
-    verdict = next(row for row in workbook.sheets(result, None)[0].rows if row.get("title") == "Verdict")
+    verdict = next(row for row in workbook.sheets(Content(result))[0].rows if row.get("title") == "Verdict")
     assert verdict["status"] == "fail"
 
 

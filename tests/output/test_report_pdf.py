@@ -16,6 +16,7 @@ from synthetic_validation import synthetic_validation
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError
 from drivesizer.output.report import pdf
+from drivesizer.output.report.sections.content import Content
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
@@ -104,7 +105,7 @@ def test_a_date_is_printed_where_it_is_given_and_nowhere_else(sheets, text):
 
 def test_an_unknown_paper_is_refused_in_a_line(result):
     with pytest.raises(InputError, match=r'paper "a5" is not known; expected a4 or us-letter'):
-        pdf.report_pdf(result, None, paper="a5")
+        pdf.report_pdf(Content(result), paper="a5")
 
 
 # -- other machines, long names, other scripts, markup

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from synthetic_validation import synthetic_validation
 
 from drivesizer.output.cells import LONGEST, csv_cell, visible
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
@@ -59,7 +60,7 @@ def is_number(cell: str) -> bool:
 @pytest.mark.parametrize("text", PAYLOADS)
 def test_no_cell_is_computed_however_the_file_is_split(text, result):
     found = hostile(result, text)
-    content = csv_tables.report_csv(found, None)
+    content = csv_tables.report_csv(Content(found))
     # A comma that is no separator leaves the rest of the row in the cell: only its start is looked at.
     computed = {c for c in every_cell(content) if c.lstrip(" ").startswith(STARTS) and not is_number(c.split(",")[0])}
     assert computed == set()
@@ -67,14 +68,14 @@ def test_no_cell_is_computed_however_the_file_is_split(text, result):
 
 @pytest.mark.parametrize("text", PAYLOADS)
 def test_the_text_is_still_there(text, result):
-    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(hostile(result, text), None).decode(), newline="")))
+    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(Content(hostile(result, text))).decode(), newline="")))
     told = next(row for row in rows if row["section"] == "requirement")["title"].replace("'", "")
     assert told == text.replace("\r\n", "\n").replace("\r", "\n").replace("'", "")
 
 
 def test_negative_numbers_are_numbers(result):
     proof = synthetic_validation(result, step=0.5)
-    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(result, proof).decode())))
+    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(Content(result, proof)).decode())))
     assert any(float(r["value"]) < 0 for r in rows if r["name"] == "deceleration_torque")
     margins = [r["margin"] for r in rows if r["margin"].startswith("-")]
     assert margins and all(float(m) < 0 for m in margins)  # of the nearest misses
@@ -113,7 +114,7 @@ def test_a_text_is_cut_where_no_cell_would_hold_it():
 
 def test_the_table_has_a_section_for_everything(result):
     proof = synthetic_validation(result, step=0.5)
-    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(result, proof).decode())))
+    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(Content(result, proof)).decode())))
     assert {"requirement", "count", "set", "check", "part", "validation"} <= {r["section"] for r in rows}
     counts = {r["name"]: r["value"] for r in rows if r["section"] == "count"}
     assert (counts["considered"], counts["feasible"]) == ("18", "1")

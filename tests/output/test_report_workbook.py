@@ -20,6 +20,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import workbook, write
 from drivesizer.output.report.sections import candidates
 from drivesizer.output.report.sections import loop as loop_section
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.report.workbook import writer
@@ -41,7 +42,7 @@ def result(spec: RobotSpec) -> SizingResult:
 
 @pytest.fixture(scope="module")
 def content(result) -> bytes:
-    return written(workbook.sheets(result, loop(result)))
+    return written(workbook.sheets(Content(result, loop(result))))
 
 
 @pytest.fixture(scope="module")
@@ -169,7 +170,9 @@ def test_the_summary_names_set_and_parts_once(book, result):
     assert told["Verdict"] == f"a drive was found: {result.sets[0].label}"
     table = result.catalog.controllers
     named = table.record(table.rows["EPOS4 Module 60/20"])  # a part that is called as its family
-    page = opened(workbook.sheets(replace(result, sets=(replace(result.sets[0], controller=named),)), None))["Summary"]
+    page = opened(workbook.sheets(Content(replace(result, sets=(replace(result.sets[0], controller=named),)))))[
+        "Summary"
+    ]
     told = {row[0]: row[4] for row in page.iter_rows(values_only=True)}
     assert told["Controller"].startswith("maxon EPOS4 Module 60/20: ")
 
@@ -214,7 +217,7 @@ def test_no_text_is_computed_or_made_a_link(text, result):
         warnings=(text,),
         sets=(replace(best, checks=(replace(best.checks[0], note=text, case=text), *best.checks[1:])),),
     )
-    content = written(workbook.sheets(named, replace(loop(result), profile=text, warnings=(text,))))
+    content = written(workbook.sheets(Content(named, replace(loop(result), profile=text, warnings=(text,)))))
     book = openpyxl.load_workbook(io.BytesIO(content))
     assert sum(cell.value == text for cell in cells(book)) >= 4
     assert {cell.data_type for cell in cells(book)} <= {"s", "n"}
@@ -264,7 +267,7 @@ def test_a_long_record_is_thinned_with_its_peaks_and_a_note(result, monkeypatch)
     proof = loop(result, 0.01)
     peaks = {name: (values.min(), values.max()) for name, values in proof.series.items()}
     monkeypatch.setattr(loop_section, "MOST_SAMPLES", 1000)
-    found = {sheet.name: sheet for sheet in workbook.sheets(result, proof)}
+    found = {sheet.name: sheet for sheet in workbook.sheets(Content(result, proof))}
     series = found["Time series"]
     assert len(series.rows) <= 1000 < len(proof.series["time"])
     assert (
@@ -312,12 +315,12 @@ def test_figures_of_the_data_sheets_carry_their_confidence(book, result):
 
 def test_without_a_set_all_sheets_are_there_and_say_so(result):
     bare = replace(result, sets=(), misses=(), counts=replace(result.counts, considered=0, feasible=0, failed_by={}))
-    book = opened(workbook.sheets(bare, None))
+    book = opened(workbook.sheets(Content(bare)))
     assert book.sheetnames == NAMES
     assert [row[0].value for row in book["Parts list"].iter_rows(min_row=2)] == []
     told = [cell.value for cell in book["About"]["A"]]
     assert "Parts list: no drive meets all limits: nothing to buy" in told
-    miss = opened(workbook.sheets(replace(result, sets=(), misses=result.misses), None))
+    miss = opened(workbook.sheets(Content(replace(result, sets=(), misses=result.misses))))
     assert "The closest rejected drive: it fails" in [cell.value for cell in miss["Summary"]["A"]]
     assert miss["Parts list"].max_row == 1
 
@@ -325,8 +328,8 @@ def test_without_a_set_all_sheets_are_there_and_say_so(result):
 def test_a_workbook_loads_neither_matplotlib_nor_typst(example):
     code = (
         "import sys; from drivesizer import load_spec, size; from drivesizer.output.report import workbook; "
-        "from drivesizer.output.json import file;"
-        "workbook.render(size(load_spec(sys.argv[1]), top=1), None, 'x'); "
+        "from drivesizer.output.report.sections.content import Content; from drivesizer.output.json import file; "
+        "workbook.render(Content(size(load_spec(sys.argv[1]), top=1)), 'x'); "
         "print({'matplotlib', 'typst'} & set(sys.modules), 'xlsxwriter' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code, str(example)], capture_output=True, text=True, check=True)

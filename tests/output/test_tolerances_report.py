@@ -23,6 +23,7 @@ from drivesizer.output.report import workbook, write
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.tornado import swings, tornado
 from drivesizer.output.report.lines.reliability import drive_cells, error_and_weakest, reported
+from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.report.workbook.writer import share
 from drivesizer.output.terminal.sizing import DETAILS, sizing
@@ -119,8 +120,8 @@ def test_without_tolerances_a_table_has_no_further_column_and_a_workbook_no_furt
     bare = size(spec, catalog=catalog)
     heads = next(csv.reader(io.StringIO(csv_tables.sets_csv(bare).decode())))
     assert not any("probability" in head or "passes" in head or "_95" in head for head in heads)
-    assert csv_tables.report_csv(bare, None).decode().splitlines()[0] == ",".join(csv_tables.COLUMNS)
-    assert not any("olerance" in sheet.name or "ncertain" in sheet.name for sheet in workbook.sheets(bare, None))
+    assert csv_tables.report_csv(Content(bare)).decode().splitlines()[0] == ",".join(csv_tables.COLUMNS)
+    assert not any("olerance" in sheet.name or "ncertain" in sheet.name for sheet in workbook.sheets(Content(bare)))
 
 
 def test_the_other_columns_are_those_of_the_nominal_spec(example_text: str) -> None:

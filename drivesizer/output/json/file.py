@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from math import isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.json.documents import as_text, sizing, validation
+from drivesizer.output.json.documents import sizing, validation
 from drivesizer.output.parts import HEADS, PartLine, machine_parts
 from drivesizer.output.thinning import on_curves
 from drivesizer.results.sizing import SizingResult
@@ -21,30 +20,9 @@ from drivesizer.units import KINDS
 if TYPE_CHECKING:
     from drivesizer.output.json import schema
 
-__all__ = ["MOST_SAMPLES", "document", "render", "simulated"]
+__all__ = ["MOST_SAMPLES", "document", "simulated"]
 
 MOST_SAMPLES = 2000  # of the time series: finer than a screen
-
-
-def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
-    """The file of a JSON report.
-
-    Parameters
-    ----------
-    result
-        The sizing.
-    validation
-        The closed loop, where it was simulated.
-    path
-        The file.
-
-    Returns
-    -------
-    dict of Path to bytes
-        Content by path.
-    """
-    text = as_text(document(result, validation)) + "\n"
-    return {path: text.encode("utf-8", "backslashreplace")}  # a lone surrogate, which a spec may have, becomes \udxxx
 
 
 def document(result: SizingResult, proof: Validation | None) -> schema.Report:

@@ -60,7 +60,10 @@ def write(
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
         then, and older files stay unchanged.
     """
-    return written(OF_ONE, "render", (result, validation), paths, {"paper": paper, "date": date})
+    from drivesizer.output.report.sections.content import Content
+
+    content = Content(result, validation)  # one for all kinds: what takes time is computed once
+    return written(OF_ONE, "render", (content,), paths, {"paper": paper, "date": date})
 
 
 def write_machine(

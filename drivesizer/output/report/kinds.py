@@ -23,7 +23,7 @@ OF_ONE: Renderers = {
     ".html": ("report.html.page", ("date",)),
     ".xlsx": ("report.workbook", ()),
     ".csv": ("report.table.csv", ()),
-    ".json": ("json.file", ()),
+    ".json": ("report.json", ()),
 }
 KNOWN = tuple(OF_ONE)
 # the same of machines, each a function ``render_machine``

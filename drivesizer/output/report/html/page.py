@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from drivesizer.control.validation import Validation
 from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.field import conditions
 from drivesizer.output.report.figures.field_panels import panels
@@ -30,7 +29,6 @@ from drivesizer.output.report.html.weights import weights_section
 from drivesizer.output.report.sections.candidates import candidate_numbers
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
-from drivesizer.results.sizing import SizingResult
 
 __all__ = ["SCRIPTS", "STILL", "filled_page", "movable", "page_parts", "render", "report_html"]
 
@@ -47,14 +45,12 @@ STILL = (
 _MOST_PANELS = 6  # of the motor's field that can be moved
 
 
-def render(
-    result: SizingResult, validation: Validation | None, path: Path, *, date: str | None = None
-) -> dict[Path, bytes]:
+def render(content: Content, path: Path, *, date: str | None = None) -> dict[Path, bytes]:
     """The file of an HTML report; see :func:`report_html`.
 
     Parameters
     ----------
-    result, validation, date
+    content, date
         As there.
     path
         Where to.
@@ -63,18 +59,16 @@ def render(
     -------
     dict[Path, bytes]
     """
-    return {path: report_html(result, validation, date=date)}
+    return {path: report_html(content, date=date)}
 
 
-def report_html(result: SizingResult, validation: Validation | None, *, date: str | None = None) -> bytes:
+def report_html(content: Content, *, date: str | None = None) -> bytes:
     """The report as one HTML file.
 
     Parameters
     ----------
-    result
-        The sizing; without a drive that passes, the closest rejected ones are reported.
-    validation
-        The closed loop, where it was simulated.
+    content
+        What the report is about; without a drive that passes, the closest rejected ones are reported.
     date
         Printed as it is given; without it there is none.
 
@@ -83,7 +77,7 @@ def report_html(result: SizingResult, validation: Validation | None, *, date: st
     bytes
         The file in that form.
     """
-    return filled_page(*page_parts(Content(result, validation), date))
+    return filled_page(*page_parts(content, date))
 
 
 def page_parts(content: Content, date: str | None = None) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:

@@ -12,12 +12,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from drivesizer.control.validation import Validation
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.output.report.figures.all_figures import IN_TABLES, Drawing
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
-from drivesizer.results.sizing import SizingResult
 
 __all__ = ["PAPERS", "ReportError", "fonts", "render", "report_pdf", "typeset"]
 
@@ -32,14 +30,12 @@ PAPERS = ("a4", "us-letter")
 _SOURCE = ("page", "fragments", "blocks", "report")  # files of one source, in order
 
 
-def render(
-    result: SizingResult, validation: Validation | None, path: Path, *, paper: str = "a4", date: str | None = None
-) -> dict[Path, bytes]:
+def render(content: Content, path: Path, *, paper: str = "a4", date: str | None = None) -> dict[Path, bytes]:
     """The file of a PDF report; see :func:`report_pdf`.
 
     Parameters
     ----------
-    result, validation, paper, date
+    content, paper, date
         As there.
     path
         Where to.
@@ -48,20 +44,16 @@ def render(
     -------
     dict[Path, bytes]
     """
-    return {path: report_pdf(result, validation, paper=paper, date=date)}
+    return {path: report_pdf(content, paper=paper, date=date)}
 
 
-def report_pdf(
-    result: SizingResult, validation: Validation | None, *, paper: str = "a4", date: str | None = None
-) -> bytes:
+def report_pdf(content: Content, *, paper: str = "a4", date: str | None = None) -> bytes:
     """The report as a PDF file.
 
     Parameters
     ----------
-    result
-        The sizing; without a drive that passes, the closest rejected ones are reported.
-    validation
-        The closed loop, where it was simulated.
+    content
+        What the report is about; without a drive that passes, the closest rejected ones are reported.
     paper
         Format of the sheets: ``a4`` or ``us-letter``.
     date
@@ -79,7 +71,6 @@ def report_pdf(
         When the typesetter refuses.
     """
     _refuse(paper)
-    content = Content(result, validation)
     drawings = {name: draw for name, draw in content.drawings.items() if name not in IN_TABLES}
     return typeset(document(content, date), drawings, paper)
 

@@ -33,13 +33,13 @@ __all__ = [
 ]  # fmt: skip
 
 
-def render(result: SizingResult, validation: Validation | None, path: Path) -> dict[Path, bytes]:
+def render(content: Content, path: Path) -> dict[Path, bytes]:
     """The files of a CSV report: the table, and beside it the parts list and the time series when there are such.
 
     Parameters
     ----------
-    result, validation
-        The sizing, and the closed loop where it was simulated.
+    content
+        What the report is about.
     path
         Of the table; the others have its name with ``-parts`` and ``-timeseries``.
 
@@ -47,39 +47,38 @@ def render(result: SizingResult, validation: Validation | None, path: Path) -> d
     -------
     dict[Path, bytes]
     """
-    files = {path: report_csv(result, validation)}
-    if result.sets:
-        files[path.with_name(f"{path.stem}-parts{path.suffix}")] = parts_csv(Content(result).bought)
-    if validation is not None:
-        files[path.with_name(f"{path.stem}-timeseries{path.suffix}")] = timeseries_csv(validation)
+    files = {path: report_csv(content)}
+    if content.result.sets:
+        files[path.with_name(f"{path.stem}-parts{path.suffix}")] = parts_csv(content.bought)
+    if content.validation is not None:
+        files[path.with_name(f"{path.stem}-timeseries{path.suffix}")] = timeseries_csv(content.validation)
     return files
 
 
-def report_csv(result: SizingResult, validation: Validation | None) -> bytes:
+def report_csv(content: Content) -> bytes:
     """Requirements, sets, what they do, checks, changes, the Pareto front, the parts list, the closed loop.
 
     One figure in a row.
 
     Parameters
     ----------
-    result, validation
-        The sizing, and the closed loop where it was simulated.
+    content
+        What the report is about.
 
     Returns
     -------
     bytes
     """
-    columns = COLUMNS if result.uncertainty is None else (*COLUMNS, *QUANTILES)
-    return encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(result, validation)))
+    columns = COLUMNS if content.result.uncertainty is None else (*COLUMNS, *QUANTILES)
+    return encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(content)))
 
 
-def _rows(result: SizingResult, validation: Validation | None) -> Iterator[Row]:
+def _rows(content: Content) -> Iterator[Row]:
     """Rows of every section: before the drives, of each drive with its rank, and after them."""
-    content = Content(result, validation)
     found = [rows_of(section, content) for section in SECTIONS]
     for one in found:
         yield from one.before(content)
-    for where, drive in every_list(result, front=False):
+    for where, drive in every_list(content.result, front=False):
         for one in found:
             yield from (row | {"set_rank": drive.rank} for row in one.of_drive(content, where, drive))
     for one in found:

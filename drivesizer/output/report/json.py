@@ -1,0 +1,29 @@
+"""JSON: a report as one document for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drivesizer.output.json.documents import as_text
+from drivesizer.output.json.file import document
+from drivesizer.output.report.sections.content import Content
+
+__all__ = ["render"]
+
+
+def render(content: Content, path: Path) -> dict[Path, bytes]:
+    """The file of a JSON report.
+
+    Parameters
+    ----------
+    content
+        What the report is about.
+    path
+        Where to.
+
+    Returns
+    -------
+    dict[Path, bytes]
+    """
+    text = f"{as_text(document(content.result, content.validation))}\n"
+    return {path: text.encode("utf-8", "backslashreplace")}  # a lone surrogate, which a spec may have, becomes \udxxx
