@@ -126,7 +126,8 @@ def _plain_values(text: str, below: int | None, rising: int, factors: list[float
         start = end
     if sum(map(len, found)) != lines:  # a blank line was left out
         return None
-    values: NDArray[np.float64] = np.concatenate(found) * np.array(factors)
+    with np.errstate(over="ignore"):  # beyond all numbers is not finite: looked at more closely
+        values: NDArray[np.float64] = np.concatenate(found) * np.array(factors)
     plain = np.isfinite(values).all() and (np.diff(values[:, rising]) > 0.0).all()
     return values if plain else None
 
