@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import threading
 import time
@@ -17,6 +18,7 @@ from drivesizer.errors import DrivesizerError, InputError
 __all__ = [
     "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "load",
     "load_whole", "print_notes", "progress", "simulating", "working",
+    "writing_report",
 ]  # fmt: skip
 
 Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
@@ -181,3 +183,17 @@ def working(on: str) -> Iterator[None]:
         late.cancel()
         late.join()
         line.stop()
+
+
+@contextmanager
+def writing_report() -> Iterator[None]:
+    """As :func:`working`; the search for cyclic garbage leaves out all that is there before, which it would not free.
+
+    What the report itself makes is searched as ever, so that a large machine's does not pile up.
+    """
+    gc.freeze()
+    try:
+        with working("writing the report"):
+            yield
+    finally:
+        gc.unfreeze()

@@ -22,6 +22,7 @@ from drivesizer.commands.common import (
     progress,
     simulating,
     working,
+    writing_report,
 )
 from drivesizer.commands.proving import proven
 from drivesizer.commands.setup import start_by_questions
@@ -87,7 +88,7 @@ def size(
     if csv:
         write_sets(result, csv)
     if pdf:
-        with working("writing the report"):
+        with writing_report():
             write(*proven(result), [pdf])
     if json:
         from drivesizer.output.json import documents as json_documents
@@ -169,7 +170,7 @@ def report(
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples), choices)
     with simulating("simulating the drive in closed loop"):
         result, proof = proven(result, profile)
-    with working("writing the report"):
+    with writing_report():
         written = write(result, proof, output, paper=paper, date=date)
         if drawings:
             written += write_figures(result, proof, drawings)
