@@ -187,9 +187,9 @@ def working(on: str) -> Iterator[None]:
 
 @contextmanager
 def writing_report() -> Iterator[None]:
-    """As :func:`working`; the search for cyclic garbage leaves out all that is there before, which it would not free.
+    """Status line while a report is written; the search for cyclic garbage leaves out all that was there before.
 
-    What the report itself makes is searched as ever, so that a large machine's does not pile up.
+    That would free nothing. What the report itself makes is searched as ever, so that a large machine's does not pile up.
     """
     gc.freeze()
     try:
