@@ -185,15 +185,21 @@ def working(on: str) -> Iterator[None]:
         line.stop()
 
 
+_GARBAGE = 500_000  # objects that are made before it is looked which of them are garbage: some 50 MB at most
+
+
 @contextmanager
 def writing_report() -> Iterator[None]:
-    """Status line while a report is written; the search for cyclic garbage leaves out all that was there before.
+    """Status line while a report is written; all that was there before is not searched for cyclic garbage.
 
-    That would free nothing. What the report itself makes is searched as ever, so that a large machine's does not pile up.
+    What the report itself makes is searched as soon as it is much: figures of a large machine must not pile up.
     """
+    before = gc.get_threshold()
     gc.freeze()
+    gc.set_threshold(_GARBAGE, *before[1:])
     try:
         with working("writing the report"):
             yield
     finally:
+        gc.set_threshold(*before)
         gc.unfreeze()
