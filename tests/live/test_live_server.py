@@ -9,7 +9,7 @@ import resource
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -229,12 +229,16 @@ def test_many_at_once_are_answered_or_refused(server: Serving) -> None:
     assert all(POLICY.items() <= one.headers.items() for one in found)
     for _ in range(200):
         server.connect().close()
-    answered, until = False, time.monotonic() + 20.0  # s: those that wait to be accepted come first
-    while not (answered and _descriptors(server) <= before) and time.monotonic() < until:
-        time.sleep(0.02)
-        answered = server.get("/").status == 200
-    assert answered and _descriptors(server) <= before
+    assert _within(20.0, lambda: _descriptors(server) <= before)
+    assert _within(20.0, lambda: server.get("/").status == 200)  # those that wait to be accepted come first
     assert _memory(server) < 400e6
+
+
+def _within(seconds: float, holds: Callable[[], bool]) -> bool:
+    until = time.monotonic() + seconds
+    while not holds() and time.monotonic() < until:
+        time.sleep(0.02)
+    return time.monotonic() < until
 
 
 def _descriptors(server: Serving) -> int:
