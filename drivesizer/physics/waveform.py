@@ -140,13 +140,21 @@ def in_halves(duration: Array, current: Array, lines: Sequence[Array]) -> tuple[
         Duration of the halves [s], and the lines over them, of twice as many segments.
     """
     share = crossing(current)
-    durations = np.stack([duration * share, duration * (1.0 - share)], axis=2).reshape(len(share), -1)
-    halves = []
+    count, segments = share.shape
+    durations, halves = _room(share, (count, 2 * segments)), []
+    durations[:, ::2], durations[:, 1::2] = duration * share, duration * (1.0 - share)
     for ends in lines:
         middle = ends[..., 0] + share * (ends[..., 1] - ends[..., 0])
-        points = np.stack([ends[..., 0], middle, middle, ends[..., 1]], axis=2)
-        halves.append(points.reshape(len(share), -1, 2))
+        points = _room(share, (count, 2 * segments, 2))
+        points[:, ::2, 0], points[:, 1::2, 1] = ends[..., 0], ends[..., 1]
+        points[:, ::2, 1] = points[:, 1::2, 0] = middle
+        halves.append(points)
     return durations, halves
+
+
+def _room(like: Array, shape: tuple[int, ...]) -> Array:
+    """Room for figures that lie in memory as others do: of many samples of one drive these side by side."""
+    return np.empty(shape, order="F" if like.strides[0] < like.strides[-1] else "C")
 
 
 def mean_square(found: Wave) -> Array:
@@ -216,7 +224,7 @@ def _parts(found: Wave) -> Array:
     """
     one, other = crossing(found.current), crossing(found.voltage)
     first, second = (_work(found, cut) for cut in (np.minimum(one, other), np.maximum(one, other)))
-    parts = np.empty((*one.shape, 3))
+    parts = _room(one, (*one.shape, 3))
     parts[..., 0] = first
     np.subtract(second, first, out=parts[..., 1])
     np.subtract(_work(found, 1.0), second, out=parts[..., 2])

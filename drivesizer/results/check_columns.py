@@ -56,8 +56,11 @@ class CheckColumn:
 
         What neither passes nor fails has none, whatever its figures: they may be least ones.
         """
+        limit, demand = self.limit, self.demand
+        if not isinstance(self.zero, float) or self.zero != 0.0:  # most count from 0
+            limit, demand = limit - self.zero, demand - self.zero
         with np.errstate(all="ignore"):
-            found = (self.limit - self.zero) / (self.demand - self.zero) - 1.0
+            found = limit / demand - 1.0
         decided = self.passed | self.failed if self.opened is None else self.passed | self.failed | self.opened
         known = decided & (self.demand != self.zero)
         return np.where(known & ~np.isinf(found), found, nan)
@@ -68,7 +71,11 @@ class CheckColumn:
 
         Of what hangs on estimated figures the smaller one of the two ends of their bands.
         """
-        margin = self.margin if self.least_margin is None else self.least_margin
+        return self.tight(self.margin)
+
+    def tight(self, margin: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The tightness where the margin is at hand."""
+        margin = margin if self.least_margin is None else self.least_margin
         return np.where(np.isnan(margin) | (self.by_choice & self.passed) | self.advice, np.inf, margin)
 
     def at(

@@ -116,15 +116,17 @@ def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], proc
 
 def _over(check: CheckColumn, count: int) -> Over:
     """Figures that are kept of a check; one figure where all samples have the same."""
-    return Over(*(_as_many(x, count) for x in (check.passed, check.failed, check.margin, _beyond(check))))
+    margin = check.margin
+    figures = check.passed, check.failed, margin, _beyond(check, margin)
+    return Over(*(_as_many(x, count) for x in figures))
 
 
 _OF_A_FACTOR = ("pull_out_torque",)  # whose margin is required to be some 100 %: what exceeds that is the tight part
 
 
-def _beyond(check: CheckColumn) -> NDArray[np.float64]:
+def _beyond(check: CheckColumn, margin: Array) -> Array:
     """Tightness of a check over samples; of the pull-out torque by what it exceeds the required factor."""
-    tight = check.tightness
+    tight = check.tight(margin)
     return (1.0 + tight) / (1.0 + check.needed) - 1.0 if check.name in _OF_A_FACTOR else tight
 
 
@@ -230,10 +232,9 @@ def quantiles(values: Array) -> tuple[float, float, float]:
         return (float(values[0]),) * 3
     if np.isnan(values).any():
         return (math.nan,) * 3
-    low, middle, high = (int(q * len(values)) for q in _QUANTILES)
-    halves = np.partition(values, middle)
-    below, above = np.partition(halves[: middle + 1], low), np.partition(halves[middle:], high - middle)
-    return float(below[low]), float(halves[middle]), float(above[high - middle])
+    places = [int(q * len(values)) for q in _QUANTILES]
+    low, middle, high = np.partition(values, places)[places].tolist()
+    return low, middle, high
 
 
 # --- sensitivity
@@ -333,7 +334,7 @@ def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
     for block in blocks(given, catalog, [one.rows.belt]):
         tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal if not check.advice}
         found = checks_of(catalog, one.rows, block)
-        tight |= {name: _beyond(found[name]) for name in found if name in tight or name in BATTERY_SAMPLED}
+        tight |= {name: _beyond(found[name], found[name].margin) for name in found if name in tight or name in BATTERY_SAMPLED}
         parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
     return np.concatenate(parts)
 

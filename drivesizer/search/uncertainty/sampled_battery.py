@@ -99,7 +99,7 @@ def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Dra
     list of CheckColumn
         Columns over the samples.
     """
-    total = at.load_cycle.total
+    total = at.total
     speed = _travel(spec, at) / total if feeds.travels else np.full_like(total, nan)
     return columns_of(spec, feeds, total, speed, draws)
 
@@ -140,4 +140,4 @@ def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequenc
 
 def _travel(spec: Any, at: AtSamples) -> Any:
     """Distance that the machine travels in a cycle [m]."""
-    return spec.load.distance if isinstance(spec.load, WheelLoad) else at.load_cycle.travel
+    return spec.load.distance if isinstance(spec.load, WheelLoad) else at.travel

@@ -68,6 +68,18 @@ class AtSamples(AtGearhead):
         return bounded(value, when, left_out)
 
     @cached_property
+    def total(self) -> Array:
+        """Length of each cycle [s]."""
+        found: Array = self.load_cycle.total
+        return found
+
+    @cached_property
+    def travel(self) -> Array:
+        """Travel of the load over each cycle, there and back [m]."""
+        found: Array = self.load_cycle.travel
+        return found
+
+    @cached_property
     def speeds(self) -> Array:
         """Speed at the gearhead's output, at both ends of each segment [rad/s]: shape (segments, 2, samples)."""
         scaled: Array = self.base.functions[SPEED] * self.belt
