@@ -192,6 +192,7 @@ def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, ...]]) -> tup
     tuple of Class
         Each once.
     """
-    found = {one for pair in dict.fromkeys(rows) for one in holding_of_a_set(catalog, given, *pair)}
+    parts = dict.fromkeys(pair for one in rows for pair in zip(_SECTIONS, one, strict=False))
+    found = {one for part, row in parts for one in holding(catalog, given, part, row)}
     order = {key: place for place, key in enumerate(CLASSES)}
     return tuple(sorted(found, key=lambda one: (order[one.part, one.figure], one.whose, one.text, one.why)))

@@ -225,6 +225,7 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
         factors,
         one.spec.tolerances.given,
         {belt: one.problem.belt_drive(belt) for belt in belts},
+        {},
     )
 
 

@@ -175,8 +175,9 @@ def reduced(every: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
     for number, over in enumerate(every.values()):
         failed |= over.failed
         tighter = over.tightness < smallest
-        place[tighter] = number
-        smallest = np.minimum(smallest, over.tightness)
+        if tighter.any():  # few checks are ever the tightest
+            place[tighter] = number
+            smallest = np.minimum(smallest, over.tightness)
     weakest = np.bincount(place + 1, minlength=len(every) + 1)[1:] / count
     spreads = [
         _spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)
@@ -228,10 +229,9 @@ def quantiles(values: Array) -> tuple[float, float, float]:
     tuple of float
         NaN where one of the values is unknown.
     """
-    if values.strides == (0,):  # all the same
-        return (float(values[0]),) * 3
-    if np.isnan(values).any():
-        return (math.nan,) * 3
+    least = float(values.min())
+    if least != least or least == values.max():  # NaN, or all the same
+        return (least,) * 3
     places = [int(q * len(values)) for q in _QUANTILES]
     low, middle, high = np.partition(values, places)[places].tolist()
     return low, middle, high

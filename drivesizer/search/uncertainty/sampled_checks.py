@@ -81,11 +81,13 @@ class Block(NamedTuple):
     factors: Mapping[Class, Array]  # of the catalogue's figures
     given: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
     belts: Mapping[float, BeltDrive | None]  # by ratio, where they are out of the catalogues
+    held: dict[tuple[str, int], tuple[Class, ...]]  # of parts that were looked at: many drives have the same
 
     def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
         """Factors of the figures of a part that are sampled, by figure."""
-        held = holding(catalog, self.given, part, row)
-        return {one.figure: self.factors[one] for one in held if one in self.factors}
+        if (part, row) not in self.held:
+            self.held[part, row] = holding(catalog, self.given, part, row)
+        return {one.figure: self.factors[one] for one in self.held[part, row] if one in self.factors}
 
 
 def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
