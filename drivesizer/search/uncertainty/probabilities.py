@@ -334,7 +334,8 @@ def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
     for block in blocks(given, catalog, [one.rows.belt]):
         tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal if not check.advice}
         found = checks_of(catalog, one.rows, block)
-        tight |= {name: _beyond(found[name], found[name].margin) for name in found if name in tight or name in BATTERY_SAMPLED}
+        counted = (name for name in found if name in tight or name in BATTERY_SAMPLED)
+        tight |= {name: _beyond(found[name], found[name].margin) for name in counted}
         parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
     return np.concatenate(parts)
 
