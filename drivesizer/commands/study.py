@@ -51,7 +51,7 @@ def study(
         typer.echo(f"drivesizer: {target}: stopped; results so far are kept, and the same command resumes", err=True)
         raise typer.Exit(STOPPED) from None
     status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
-    typer.echo(f"{plan.total} variants: {status}; {found.examined} drives examined")
+    typer.echo(f"{found.variants.total()} variants: {status}; {found.examined} drives examined")
     for written in found.written:
         typer.echo(written)
     print_notes(tuple(found.notes))

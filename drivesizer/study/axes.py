@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -34,7 +34,7 @@ class Axis:
     kind: str = ""  # of its quantity; empty where it is none
     unit: str = ""  # of its figures in tables, as the study spells it
     values: tuple[Any, ...] = ()  # as they go into the spec
-    span: tuple[float, float] | None = None  # in that unit
+    span: tuple[float, float] | None = None  # of a range, in that unit
 
     @property
     def head(self) -> str:
@@ -51,12 +51,32 @@ class Axis:
             return value if isinstance(value, int) and not isinstance(value, bool) else _text(value)
         return _figure(value, self.kind, self.unit)
 
+    @property
+    def stepped(self) -> bool:
+        """Whether it is a range with steps."""
+        return self.span is not None and bool(self.values)
+
+    def at(self, place: int, parts: int) -> Any:
+        """The value at a place, counted in parts of a step where it is a range with steps."""
+        if not self.stepped:
+            return self.values[place]
+        whole, rest = divmod(place, parts)
+        if not rest:
+            return self.values[whole]
+        low, high = self.span or (0.0, 0.0)
+        return self.text(_between(low, high, place, (len(self.values) - 1) * parts))
+
     def sample(self, share: float) -> Any:
         """The value at a share of the range or the list, 0 to below 1."""
         if self.span is None:
             return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
         low, high = self.span
         return self.text(float(f"{low + share * (high - low):.{_DIGITS}g}"))
+
+
+def _between(low: float, high: float, place: int, places: int) -> float:
+    """The figure of a step; to the same bits with twice as many steps, as twice is exact."""
+    return float(f"{low + (high - low) * place / places:.{_DIGITS}g}")
 
 
 def _text(value: Any) -> str:
@@ -201,6 +221,5 @@ def _stepped(place: Place, axis: Axis, steps: Any) -> Axis:
     if steps > 100_000:
         raise place.error(f"{quoted(steps)} is too many; expected at most 100000", "steps")
     low, high = axis.span or (0.0, 0.0)
-    figures = [float(f"{low + (high - low) * n / (steps - 1):.{_DIGITS}g}") for n in range(steps - 1)] + [high]
-    values = tuple(axis.text(figure) for figure in figures)
-    return Axis(name=axis.name, path=axis.path, kind=axis.kind, unit=axis.unit, values=values)
+    figures = [_between(low, high, n, steps - 1) for n in range(steps - 1)] + [high]
+    return replace(axis, values=tuple(axis.text(figure) for figure in figures))

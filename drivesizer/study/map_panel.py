@@ -41,6 +41,7 @@ class Dimension(NamedTuple):
     head: str  # of its column
     values: tuple[Any, ...]
     numeric: bool
+    stepped: bool = False  # whether its values are even steps, which refinement halves
 
 
 class Panel(NamedTuple):
@@ -105,21 +106,49 @@ def _places(one: Dimension, rows: Sequence[dict[str, Any]]) -> NDArray[np.float6
 
 def _cells(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, Any]]) -> None:
     x, y = _edges(scene.across), _edges(up)
-    places = zip(_places(scene.across, rows), _places(up, rows), strict=True)
-    boxes = [(*_within(x, across), *_within(y, high)) for across, high in places]
+    rounds = [row.get("round", 0) for row in rows]
+    places = zip(_places(scene.across, rows), _places(up, rows), rounds, strict=True)
+    boxes = [(*_within(x, across, scene.across, n), *_within(y, high, up, n)) for across, high, n in places]
     faces = [_face(scene, row) for row in rows]
-    _filled(axes, boxes, [face for face, _ in faces])
-    for pattern in sorted({hatch for _, hatch in faces if hatch}):
-        _hatched(axes, [box for box, (_, hatch) in zip(boxes, faces, strict=True) if hatch == pattern], pattern)
+    for finer in sorted(set(rounds)):  # over the coarser ones
+        _laid(axes, [(box, face) for box, face, n in zip(boxes, faces, rounds, strict=True) if n == finer])
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-    texts = [_text(scene, row) for row in rows] if len(rows) <= _MOST_TEXTS else []
-    extent = x[-1] - x[0], y[-1] - y[0]
-    if all(_fits(axes, text, (w / extent[0], h / extent[1])) for text, (_, w, _, h) in zip(texts, boxes, strict=False)):
-        for text, (left, width, low, height), (face, hatch) in zip(texts, boxes, faces, strict=False):
-            put = axes.text(left + width / 2, low + height / 2, text, ha="center", va="center", fontsize=6)
-            put.set_color(_ink(face))
-            if hatch and text:
-                put.set_bbox({"boxstyle": "round,pad=0.12", "facecolor": face, "edgecolor": "none"})
+    if len(rows) <= _MOST_TEXTS:
+        _lettered(axes, [_text(scene, row) for row in rows], boxes, faces, rounds)
+
+
+def _laid(axes: Axes, cells: Sequence[tuple[Box, tuple[Any, str]]]) -> None:
+    """Cells with their colours and patterns."""
+    _filled(axes, [box for box, _ in cells], [face for _, (face, _) in cells])
+    for pattern in sorted({hatch for _, (_, hatch) in cells if hatch}):
+        _hatched(axes, [box for box, (_, hatch) in cells if hatch == pattern], pattern)
+
+
+def _lettered(
+    axes: Axes, texts: Sequence[str], boxes: Sequence[Box], faces: Sequence[tuple[Any, str]], rounds: Sequence[int]
+) -> None:
+    """Texts in all cells or in none; of a refined map in those that have room and no finer ones over them."""
+    (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
+    fits = [_fits(axes, text, (w / (x1 - x0), h / (y1 - y0))) for text, (_, w, _, h) in zip(texts, boxes, strict=True)]
+    if not any(rounds):
+        fits = [all(fits)] * len(fits)
+    for n, (left, width, low, height) in enumerate(boxes):
+        finer = (box for box, other in zip(boxes, rounds, strict=True) if other > rounds[n])
+        if not fits[n] or any(_overlap(boxes[n], box) for box in finer):
+            continue
+        face, hatch = faces[n]
+        put = axes.text(left + width / 2, low + height / 2, texts[n], ha="center", va="center", fontsize=6)
+        put.set_color(_ink(face))
+        if hatch and texts[n]:
+            put.set_bbox({"boxstyle": "round,pad=0.12", "facecolor": face, "edgecolor": "none"})
+
+
+def _overlap(one: Box, other: Box) -> bool:
+    """Whether two cells share more than an edge."""
+    gaps = [max(a, b) - min(a + wide, b + broad) for a, wide, b, broad in (
+        (*one[:2], *other[:2]), (*one[2:], *other[2:])
+    )]  # fmt: skip
+    return all(gap < -1e-9 * max(one[1], one[3]) for gap in gaps)
 
 
 def _corners(boxes: Sequence[Box]) -> list[list[tuple[float, float]]]:
@@ -144,10 +173,14 @@ def _hatched(axes: Axes, boxes: Sequence[Box], pattern: str) -> None:
     axes.add_collection(PolyCollection(_corners(boxes), **look))
 
 
-def _within(edges: NDArray[np.float64], value: float) -> tuple[float, float]:
-    """Lower edge and width of a value's cell."""
+def _within(edges: NDArray[np.float64], value: float, one: Dimension, halvings: int) -> tuple[float, float]:
+    """Lower edge and width of a value's cell after some halvings of the steps."""
     n = int(np.searchsorted(edges, value)) - 1
-    return float(edges[n]), float(edges[n + 1] - edges[n])
+    if not (halvings and one.stepped):
+        return float(edges[n]), float(edges[n + 1] - edges[n])
+    half = float(edges[n + 1] - edges[n]) / 2 ** (halvings + 1)
+    low = float(edges[0]) if value == one.values[0] else value - half
+    return low, (float(edges[-1]) if value == one.values[-1] else value + half) - low
 
 
 def _edges(one: Dimension) -> NDArray[np.float64]:

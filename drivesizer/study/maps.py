@@ -86,7 +86,7 @@ def chosen(plan: Plan, names: Sequence[str]) -> Chosen | None:
 def _dimensions(plan: Plan) -> list[Dimension]:
     """Axes of the study in the order of the table's columns."""
     found = [
-        Dimension(axis.name, axis.head, tuple(axis.table_value(value) for value in axis.values), bool(axis.kind))
+        Dimension(axis.name, axis.head, tuple(map(axis.table_value, axis.values)), bool(axis.kind), axis.stepped)
         for axis in plan.job.axes
     ]
     found += [Dimension("spec", "spec", plan.names, False), Dimension("catalogs", "catalogs", plan.catalogs, False)]
@@ -110,20 +110,22 @@ def points(plan: Plan, over: Chosen, chunks: Iterable[list[Row]]) -> Points:
     Returns
     -------
     dict
-        Rows by the values of the other axes.
+        Rows by the values of the other axes; those that refinement added at other values have no panel.
     """
     heads = [column.head for column in columns_of(plan)]
     wanted = {over.across.head, *([over.up.head] if over.up else []), *(one.head for one in over.beside), "status"}
     wanted |= {name for one in MAPS for name in (one.column, one.lacks) if name in heads}
     places = {name: heads.index(name) for name in wanted}
-    rank = heads.index("rank")
+    rank, number = heads.index("rank"), heads.index("variant")
     found: Points = {key: [] for key in product(*(one.values for one in over.beside))}
     for rows in chunks:
         for row in rows:
             if row[rank] not in (None, 1):
                 continue
             point = {name: row[place] for name, place in places.items()}
-            found[tuple(point[one.head] for one in over.beside)].append(point)
+            key = tuple(point[one.head] for one in over.beside)
+            if key in found:
+                found[key].append(point | {"round": plan.round_of(row[number])})
     return found
 
 

@@ -1,7 +1,8 @@
 """A study as a plan: the number of its variants, and the variant of each number.
 
 The last of sampled fields, catalogues and objectives changes fastest. No list of variants is ever made: a grid's
-variant follows from its number, a Latin hypercube's from its row of shares.
+variant follows from its number, a Latin hypercube's from its row of shares. Only the points that refinement adds
+(``refine``) are a list: each round of them follows the variants before it.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,8 +26,9 @@ from drivesizer.study.axes import Axis, Place, axes_of, once
 from drivesizer.study.machine_job import machine_job
 from drivesizer.study.schema import Hypercube, StudyFile, schema_of
 
-__all__ = ["MOST", "Job", "Plan", "Variant", "read_study"]
+__all__ = ["MOST", "Job", "Places", "Plan", "Variant", "read_study"]
 
+Places = tuple[int, ...]  # of a point on each axis; of ranges counted in the smallest parts of their steps
 MOST = 10_000_000  # variants of a study
 _CHUNKS = 128  # at least, where there are as many variants
 _LARGEST = 100  # variants of a chunk: at most so many are lost by each killed process
@@ -64,6 +67,9 @@ class Plan:
     job: Job
     catalogs: tuple[str, ...]  # as in tables; empty: the spec's own
     shares: NDArray[np.float64] | None  # (points, axes) of a Latin hypercube, 0 up to 1; None: a grid
+    depth: int = 0  # how often steps are halved where the best drive changes
+    rounds: tuple[int, ...] = ()  # number of points that each halving added
+    added: tuple[Places, ...] = ()  # these points, in turn
 
     @property
     def titles(self) -> tuple[str, ...]:
@@ -72,25 +78,35 @@ class Plan:
 
     @property
     def points(self) -> int:
-        """Number of combinations of the varied fields, or of specs."""
+        """Number of combinations of the varied fields, or of specs, before refinement."""
         if self.shares is not None:
             return len(self.shares)
         return len(self.job.specs) * math.prod(len(axis.values) for axis in self.job.axes)
 
     @property
+    def parts(self) -> int:
+        """Number of parts that refinement makes of a step at most."""
+        return 1 << self.depth
+
+    @property
+    def of_each(self) -> int:
+        """Number of variants of each point."""
+        return len(self.job.catalogs) * len(self.job.objectives)
+
+    @property
     def total(self) -> int:
         """Number of variants."""
-        return self.points * len(self.job.catalogs) * len(self.job.objectives)
+        return (self.points + len(self.added)) * self.of_each
 
     @property
     def chunk(self) -> int:
-        """Number of variants that are computed and stored together; independent of the number of processes."""
-        return min(max(self.total // _CHUNKS, 1), _LARGEST)
+        """Number of variants that are computed and stored together; independent of processes and refinement."""
+        return min(max(self.points * self.of_each // _CHUNKS, 1), _LARGEST)
 
     @property
     def chunks(self) -> int:
-        """Number of chunks."""
-        return -(-self.total // self.chunk)
+        """Number of chunks; each round of refinement begins with one of its own."""
+        return sum(-(-points * self.of_each // self.chunk) for points in (self.points, *self.rounds))
 
     def head(self, variant: Variant) -> list[Any]:
         """First cells of a variant's row: its number, spec, values and catalogues."""
@@ -101,23 +117,45 @@ class Plan:
 
     def size(self, chunk: int) -> int:
         """Number of variants of a chunk."""
-        return min(self.chunk, self.total - chunk * self.chunk)
+        return len(self._numbers(chunk))
 
     def variants(self, chunk: int) -> list[Variant]:
         """The variants of a chunk; chunks count from 0."""
-        first = chunk * self.chunk
-        return [self.variant(n) for n in range(first + 1, min(first + self.chunk, self.total) + 1)]
+        return [self.variant(n) for n in self._numbers(chunk)]
+
+    def _numbers(self, chunk: int) -> range:
+        first = 1
+        for points in (self.points, *self.rounds):
+            end = first + points * self.of_each
+            if first + chunk * self.chunk < end:
+                return range(first + chunk * self.chunk, min(first + (chunk + 1) * self.chunk, end))
+            chunk -= -(-(end - first) // self.chunk)
+            first = end
+        return range(0)
 
     def variant(self, number: int) -> Variant:
         """The variant of a number; numbers count from 1."""
-        sizes = self.points, len(self.job.catalogs), len(self.job.objectives)
-        point, catalogs, objective = _digits(number - 1, sizes)
+        point, rest = divmod(number - 1, self.of_each)
+        catalogs, objective = divmod(rest, len(self.job.objectives))
         if self.shares is not None:
             values = tuple(a.sample(share) for a, share in zip(self.job.axes, self.shares[point].tolist(), strict=True))
             return Variant(number, 0, values, catalogs, objective)
-        spec, *places = _digits(point, [len(self.job.specs), *(len(axis.values) for axis in self.job.axes)])
-        values = tuple(axis.values[place] for axis, place in zip(self.job.axes, places, strict=True))
+        spec, places = self.places(point)
+        values = tuple(axis.at(place, self.parts) for axis, place in zip(self.job.axes, places, strict=True))
         return Variant(number, spec, values, catalogs, objective)
+
+    def places(self, point: int) -> tuple[int, Places]:
+        """Spec and places of a point of a grid; points count from 0, those that refinement added come last."""
+        if point >= self.points:
+            return 0, self.added[point - self.points]
+        spec, *places = _digits(point, [len(self.job.specs), *(len(axis.values) for axis in self.job.axes)])
+        steps = zip(self.job.axes, places, strict=True)
+        return spec, tuple(place * self.parts if axis.stepped else place for axis, place in steps)
+
+    def round_of(self, number: int) -> int:
+        """The halving that added a variant; 0 before any."""
+        ends = accumulate((self.points, *self.rounds))
+        return sum((number - 1) // self.of_each >= end for end in ends)
 
 
 def _digits(number: int, sizes: Sequence[int]) -> list[int]:
@@ -176,8 +214,9 @@ def read_study(path: str | Path) -> Plan:
         ),
         catalogs=tuple(" + ".join(names) for names in study.catalogs or [[]]),
         shares=None,
+        depth=study.refine,
     )
-    return _sampled(plan, hypercube) if hypercube else _few_enough(plan, plan.total)
+    return _sampled(plan, hypercube) if hypercube else _refinable(_few_enough(plan, plan.total))
 
 
 def _spec(place: Place, name: str, folder: Path) -> YamlSource:
@@ -220,6 +259,23 @@ def _few_enough(plan: Plan, total: int) -> Plan:
         raise InputError(
             f"{where}: makes {total} variants; expected at most {MOST}, by fewer steps or as several studies"
         )
+    return plan
+
+
+def _refinable(plan: Plan) -> Plan:
+    """Refuse a refinement without a range, or one that may need too many variants."""
+    if not plan.depth:
+        return plan
+    place, axes = Place(plan.source, ("refine",)), plan.job.axes
+    if not any(axis.stepped for axis in axes):
+        raise place.error(
+            "halves the steps of ranges, and no field under vary is one; expected "
+            "e.g. load.mass: {from: 30 kg, to: 60 kg, steps: 4}"
+        )
+    sizes = [(len(axis.values) - 1) * plan.parts + 1 if axis.stepped else len(axis.values) for axis in axes]
+    finest = math.prod(sizes) * plan.of_each
+    if finest > MOST:
+        raise place.error(f"{plan.depth} makes up to {finest} variants; expected at most {MOST}, by fewer halvings")
     return plan
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
@@ -18,6 +18,7 @@ from drivesizer.study.lock import locked
 from drivesizer.study.maps import MOST_POINTS, Chosen, chosen, drawings, points
 from drivesizer.study.plan import Plan
 from drivesizer.study.provenance import made_of, refuse_if_all_invalid
+from drivesizer.study.refine import refined
 from drivesizer.study.store import Store, opened
 from drivesizer.study.table import has_parquet, write_csv, write_parquet
 from drivesizer.study.variant import Part
@@ -89,7 +90,7 @@ def carry_out(
         _made(folder)
         with locked(folder):
             store = opened(folder, plan, origin, fresh=fresh)
-            _compute(plan, store, compute, progress)
+            plan, store = _rounds(plan, store, compute, progress)
             _tables(plan, store, outcome)
             if over is not None:
                 _maps(plan, store, over, outcome)
@@ -130,6 +131,15 @@ def _workers(processes: int, scheduler: str | None) -> Iterator[Compute]:
 
     with connected(scheduler) as client:
         yield lambda plan, chunks: on_cluster(client, plan, chunks)
+
+
+def _rounds(plan: Plan, store: Store, compute: Compute, progress: Progress | None) -> tuple[Plan, Store]:
+    """Compute the study and its refinement; both with all points."""
+    _compute(plan, store, compute, progress)
+    while finer := refined(plan, store.every_row()):
+        plan, store = finer, replace(store, chunks=finer.chunks)
+        _compute(plan, store, compute, progress)
+    return plan, store
 
 
 def _compute(plan: Plan, store: Store, compute: Compute, progress: Progress | None) -> None:

@@ -63,6 +63,9 @@ class StudyFile(Section):
         default=None, description="by field, such as load.mass: a range or a list"
     )
     sampling: Sampling = Field(default="grid", description="every combination, or a Latin hypercube")
+    refine: Annotated[int, Field(ge=0, le=6)] = Field(
+        default=0, description="how often the steps of ranges are halved where the best drive changes"
+    )
     catalogs: Annotated[list[Names], _several("[[maxon], [maxon, faulhaber]]")] | None = Field(
         default=None, description="each entry in place of the spec's catalogues"
     )
@@ -78,6 +81,8 @@ class StudyFile(Section):
             raise ValueError("vary: expected spec, the one that is varied, not specs")
         if isinstance(self.sampling, Hypercube) and not self.vary:
             raise ValueError("sampling: expected fields under vary that the Latin hypercube samples")
+        if isinstance(self.sampling, Hypercube) and self.refine:
+            raise ValueError("refine: a Latin hypercube has no steps to halve; expected sampling: grid, or no refine")
         return self
 
 
