@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from goals import line
 
 from drivesizer.catalog import load
 from drivesizer.catalog.view.search_view import search_view
@@ -141,12 +142,14 @@ def main() -> None:
         loops = loop_rate(short, 2000), loop_rate(long, 200)
         at_once, by_rows = reading(Path(folder), short, options.runs)
     print(f"{'':28}{'3 segments':>14}{'36 000 samples':>16}")
-    print(f"{'drives per second':28}{fast:14,.0f}{slow:16,.0f}   goal: 5,000,000")
+    print(f"{'drives per second':28}{fast:14,.0f}{slow:16,.0f}")
     print(f"{'the same without estimates':28}{printed[0]:14,.0f}{printed[1]:16,.0f}")
     print(f"{'drives that pass':28}{passing:14,}{same:16,}")
     print(f"{'loop, drives per second':28}{loops[0]:14,.0f}{loops[1]:16,.0f}")
-    print(f"{'search / loop':28}{fast / loops[0]:14,.0f}{slow / loops[1]:16,.0f}   goal: 200")
-    print(f"{'long / short, time':28}{fast / slow:14.2f}{'':16}   goal: 1.2")
+    print(f"{'search / loop':28}{fast / loops[0]:14,.0f}{slow / loops[1]:16,.0f}")
+    print(
+        line("search", fast / 1e6), line("search / loop", fast / loops[0]), line("long / short", fast / slow), sep="\n"
+    )
     print(f"{'peak memory':28}{megabytes:11,.0f} MB{'':16}   goal: 400 MB at a million drives")
     print(f"{'the same, ten times as many':28}{many:11,.0f} MB")
     print(f"{'a million samples read':28}{at_once:12.2f} s{'':16}   row by row: {by_rows:.2f} s")

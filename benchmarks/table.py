@@ -39,10 +39,11 @@ def measured() -> dict[str, float]:
 
 
 def table(found: dict[str, float]) -> str:
-    """The table of the page; a goal that no benchmark has measured is a fault."""
+    """The table of the page; a goal that no benchmark measures yet has no figure, and is not reached."""
     rows = [
-        f"| {goal.what} | {goal.beside} | {shown(found[name], goal)} | {goal.sense} {goal.value:g} {goal.unit}".rstrip()
-        + f" | {'' if holds(name, found[name]) else 'no'} |"
+        f"| {goal.what} | {goal.beside} | {shown(found[name], goal) if name in found else ''} | "
+        + f"{goal.sense} {goal.value:g} {goal.unit}".rstrip()
+        + f" | {'yes' if name in found and holds(name, found[name]) else 'no'} |"
         for name, goal in GOALS.items()
     ]
     return "\n".join(["", "| what | beside | measured | goal | reached |", "|---|---|---|---|---|", *rows, "", ""])

@@ -27,6 +27,7 @@ from drivesizer.units import show
 __all__ = ["AxisPower", "CommonBus", "common_bus"]
 
 _SHOWN = 20  # of the longest period, where there is no common one
+_MOST_SHOWN = 1_000_000  # pieces
 
 
 class AxisPower(NamedTuple):
@@ -120,6 +121,13 @@ def _shown(powers: Sequence[DrivePower]) -> float:
     """Time over which courses without a common period are shown [s]: some of the longest, as pieces allow."""
     longest = max(power.total for power in powers)
     pieces = sum(len(power.duration) * longest / power.total for power in powers)
+    if pieces > _MOST_SHOWN:
+        shortest = min(power.total for power in powers)
+        raise FieldError(
+            ("axes",),
+            f"cycles of the axes last from {shortest:.4g} s to {longest:.4g} s, too far apart to be taken together; "
+            "expected e.g. shorter motions of the slow axis",
+        )
     return longest * max(1, min(_SHOWN, int(MOST_PIECES / pieces)))
 
 

@@ -30,7 +30,10 @@ def confidences(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict
         By the name of the figure.
     """
     section = section_of(part)
-    known = catalog.confidence(section, catalog.table(section).rows[part.part])
+    row = catalog.table(section).rows.get(part.part)
+    if row is None:  # a brake that the spec describes
+        return {}
+    known = catalog.confidence(section, row)
     estimated = {one.figure for one in found.estimated if one.part == role}
     return {
         name: known[name]
