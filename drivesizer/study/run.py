@@ -100,9 +100,12 @@ def carry_out(
 def _usable(folder: Path) -> None:
     """Refuse a folder that cannot be created, is a file, or holds other files."""
     try:
-        names = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
-        if folder.exists() and not folder.is_dir():
+        folder.stat()  # is_dir gives False for a name that is too long, in Python 3.14
+        if not folder.is_dir():
             raise InputError(f"{folder}: is a file; expected a folder for the results, -o names another")
+        names = {path.name for path in folder.iterdir()}
+    except (FileNotFoundError, NotADirectoryError):
+        names = set()
     except OSError as error:
         raise InputError(f"{folder}: cannot be read ({reason_of(error)})") from None
     if not folder.parent.is_dir():

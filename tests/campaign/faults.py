@@ -1,6 +1,6 @@
 """Every command with something amiss around it: full disks, closed pipes, odd terminals, kills at any moment.
 
-    python tests/campaign/faults.py                  # every command with every fault: some 40 min of processor time
+    python tests/campaign/faults.py                  # every command with every fault
     python tests/campaign/faults.py kill --count 300 # kills at random moments; another --seed, other moments
     python tests/campaign/faults.py --only report    # commands whose name begins so
 

@@ -75,4 +75,5 @@ def test_the_algorithm_is_that_of_mj_inverse(tmp_path: Path) -> None:
     data.qpos[:], data.qvel[:], data.qacc[:] = q, v, a
     mujoco.mj_inverse(model, data)
     found = torques_of(read_description(path), {}, [], names(5), (q[None], v[None], a[None]), GRAVITY)
-    assert found.torque[0, 0] == pytest.approx(data.qfrc_inverse, rel=1e-9)
+    # MuJoCo before 3.14 differs by 3e-9, and only where it reads the file itself
+    assert found.torque[0, 0] == pytest.approx(data.qfrc_inverse, rel=1e-8)

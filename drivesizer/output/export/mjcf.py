@@ -1,7 +1,8 @@
 """MJCF: the drive as MuJoCo's DC motor on a shaft with the load, and the designed controller.
 
-MuJoCo 3.12 or later, the first whose DC motor has controller inputs. Inputs of the file, set at every step: reference
-angle, reference speed and feedforward torque of the motor; torque of the load beyond friction, inertia and weight.
+MuJoCo 3.12 or later, the first whose DC motor has controller inputs; 4.0 for a cycle of more than 500 points. Inputs
+of the file, set at every step: reference angle, reference speed and feedforward torque of the motor; torque of the load
+beyond friction, inertia and weight.
 
 MuJoCo has no gear efficiency: a load T requires T/e while it is driven, and e T while it drives the motor.
 
@@ -17,6 +18,7 @@ holds for cycles that are short compared with the housing's time constant.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from math import isnan, pi, sqrt
 from xml.etree.ElementTree import Element, SubElement
 
@@ -29,14 +31,15 @@ from drivesizer.output.export.markup import brief, document, number, remark, tex
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 
 __all__ = [
-    "DAMPING", "LOAD", "MOST_POINTS", "MOTOR", "PER_PERIOD", "PLUMB", "SHAFT", "current_scale", "feedforward", "hard",
-    "motor_figures", "render", "tree",
+    "DAMPING", "LOAD", "MOST_POINTS", "MOTOR", "PER_PERIOD", "PLUMB", "SHAFT", "add_rows", "current_scale",
+    "feedforward", "hard", "motor_figures", "render", "tree",
 ]  # fmt: skip
 
 SHAFT, MOTOR, DAMPING, LOAD, PLUMB = "shaft", "motor", "motor_damping", "load_torque", "plumb_line"
 PER_PERIOD = 4  # steps in a period of the velocity loop: MuJoCo's is of first order in its step
 _HARD = "0.9999 0.9999 0.001 0.5 2"  # its dry friction is a constraint, this is as hard as it gets
 MOST_POINTS = 2000  # of the cycle in the file
+_ROW_OF_3 = 500  # figures that MuJoCo 3 reads in a row
 _ZERO_CELSIUS = 273.15
 _SHOWN = {"mass": "0", "contype": "0", "conaffinity": "0"}  # of a shape that is for display only
 
@@ -319,5 +322,21 @@ def _cycle(root: Element, of: Export) -> None:
         remark(custom, f"The cycle has more than {MOST_POINTS} points and is left out; --format json has it.")
         return
     remark(custom, "One cycle, straight lines between points: time [s], speed of the shaft [rad/s], load [N*m].")
-    for name, column in columns.items():
-        SubElement(custom, "numeric", name=name, data=" ".join(number(x) for x in column))
+    add_rows(custom, columns)
+
+
+def add_rows(custom: Element, rows: Mapping[str, Iterable[float]]) -> None:
+    """Add rows of figures under their names, with a remark where they are too long for some versions of MuJoCo.
+
+    Parameters
+    ----------
+    custom
+        Gets them.
+    rows
+        Figures by the name that they are read by.
+    """
+    held = {name: list(row) for name, row in rows.items()}
+    if max(map(len, held.values())) > _ROW_OF_3:
+        remark(custom, f"Rows of more than {_ROW_OF_3} figures: for MuJoCo 4.0 or later.")
+    for name, row in held.items():
+        SubElement(custom, "numeric", name=name, data=vector(row))

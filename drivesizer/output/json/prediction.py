@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import ConfigDict, Field, TypeAdapter
+from pydantic import Field, TypeAdapter
 from typing_extensions import TypedDict
 
 from drivesizer.output.json.documents import SCHEMA_VERSION
@@ -115,7 +115,7 @@ def _estimate(one: EstimatedFigure) -> EstimatedOf:
 
 def prediction_schema() -> dict[str, Any]:
     """The JSON Schema of ``drivesizer predict --json``."""
-    made = TypeAdapter(list[BenchPrediction], config=ConfigDict(extra="forbid")).json_schema(schema_generator=Generator)
+    made = TypeAdapter(list[BenchPrediction]).json_schema(schema_generator=Generator)
     document: dict[str, Any] = made["$defs"].pop("BenchPrediction")
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "drivesizer prediction"}
     return document | dialect | {"$defs": made["$defs"]}

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, NamedTuple, NotRequired
 
-from pydantic import ConfigDict, Field, TypeAdapter
+from pydantic import Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 from typing_extensions import TypedDict
 
@@ -227,7 +227,11 @@ Machine = TypedDict("Machine", {
 
 
 class Generator(GenerateJsonSchema):
-    """Schemas without the titles that only repeat their keys."""
+    """Schemas of records with their keys and no other, without the titles that only repeat their keys."""
+
+    def typed_dict_schema(self, schema: Any) -> dict[str, Any]:
+        """A record; pydantic before 2.11 does not hand a configuration to the records inside of one."""
+        return {**super().typed_dict_schema(schema), "additionalProperties": False}
 
     def field_title_should_be_set(self, schema: Any) -> bool:
         """None of them."""
@@ -245,7 +249,7 @@ def machine_report_schema() -> dict[str, Any]:
 
 
 def _document(of: Any, title: str) -> dict[str, Any]:
-    every = TypeAdapter(list[of], config=ConfigDict(extra="forbid")).json_schema(schema_generator=Generator)
+    every = TypeAdapter(list[of]).json_schema(schema_generator=Generator)
     document: dict[str, Any] = every["$defs"].pop(of.__name__)
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title}
     return document | dialect | {"$defs": every["$defs"]}

@@ -20,7 +20,7 @@ from drivesizer.output.export.machine.joint_motor import add_motor, armature, ef
 from drivesizer.output.export.machine.record import JointDrive, MachineExport, RobotExport
 from drivesizer.output.export.machine.remarks import head, of_drive
 from drivesizer.output.export.markup import brief, document, number, remark, text, vector
-from drivesizer.output.export.mjcf import MOST_POINTS, PER_PERIOD, hard
+from drivesizer.output.export.mjcf import MOST_POINTS, PER_PERIOD, add_rows, hard
 from drivesizer.output.export.mjcf import tree as of_one
 from drivesizer.spec.description.record import Joint, Link
 
@@ -298,8 +298,7 @@ def _cycle(custom: Element, robot: RobotExport) -> None:
     for column, name in enumerate(motion.joints):
         for what, values in (("position", motion.position), ("speed", motion.speed)):
             columns[f"{name}_{what}"] = np.append(values[:, 0, column], values[-1, 1, column])
-    for name, values in columns.items():
-        SubElement(custom, "numeric", name=name, data=vector(values.tolist()))
+    add_rows(custom, columns)
 
 
 def _start(sections: dict[str, Element], robot: RobotExport) -> None:

@@ -25,7 +25,7 @@ from drivesizer.joints.record import Array
 from drivesizer.output.export.machine.joint_motor import add_motor, armature, effort, motor_remark
 from drivesizer.output.export.machine.record import JointDrive
 from drivesizer.output.export.markup import document, number, remark, text, vector
-from drivesizer.output.export.mjcf import MOST_POINTS, PER_PERIOD, hard
+from drivesizer.output.export.mjcf import MOST_POINTS, PER_PERIOD, add_rows, hard
 from drivesizer.output.export.platform.record import BASE, PlatformExport, wheel_name
 from drivesizer.output.export.platform.remarks import head, of_wheel, rollers
 
@@ -216,5 +216,4 @@ def _cycle(custom: Element, of: PlatformExport) -> None:
     remark(custom, "The motion: time [s], speeds of the driven wheels [rad/s].")
     columns = {"cycle_time": of.time}
     columns |= {f"{wheel_name(place)}_speed": of.kinematics.E[place] @ of.eta for place in of.drives}
-    for name, values in columns.items():
-        SubElement(custom, "numeric", name=name, data=vector(values.tolist()))
+    add_rows(custom, columns)
