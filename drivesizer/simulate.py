@@ -111,7 +111,9 @@ def validate(
         When the profile is wrong or too long, the catalogue lacks a figure that the simulation needs, or ``control``
         requires the impossible.
     """
-    cases, driven = _case_of(spec, drive_set, load_case)
+    spec = for_drive(spec, drive_set.chosen_screw)
+    cases = {name: case for _, name, case in load_cases(spec)}
+    driven = next(iter(cases)) if load_case is None else load_case
     spec = cases[driven]
     motion = _motion(spec, profile)
     name = driven if len(cases) > 1 else ""
@@ -142,15 +144,15 @@ def validate(
     )
 
 
-def second_look(
-    spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None, load_case: str | None = None
-) -> tuple[Compared, ...]:
-    """The loops of a drive, analysed by this program and by python-control.
+def second_look(proof: Validation, *, profile: str | Profile | None = None) -> tuple[Compared, ...]:
+    """The loops of a validation, analysed by python-control too.
 
     Parameters
     ----------
-    spec, drive_set, profile, load_case
-        As :func:`validate`.
+    proof
+        What :func:`validate` gave.
+    profile
+        The profile that it was given.
 
     Returns
     -------
@@ -160,23 +162,15 @@ def second_look(
     Raises
     ------
     InputError
-        As :func:`validate`, and for a stepper, which has no loop.
+        For a stepper, which has no loop.
     """
     from drivesizer.control.closed_loop.set_up import prepared
-    from drivesizer.control.loop_analysis import analyse
     from drivesizer.control.second_look import compared
 
-    if drive_set.steps:
+    if proof.drive_set.steps:
         raise InputError("--second-look: a stepper follows its pulses without a loop; leave the option out")
-    cases, driven = _case_of(spec, drive_set, load_case)
-    made = prepared(cases[driven], drive_set, _motion(cases[driven], profile))
-    return compared(made.train, made.controller, analyse(made.train, made.controller).all)
-
-
-def _case_of(spec: RobotSpec, drive_set: DriveSet, name: str | None) -> tuple[dict[str, RobotSpec], str]:
-    """The load cases with the drive's own screw, and the name of the one to simulate."""
-    cases = {name: case for _, name, case in load_cases(for_drive(spec, drive_set.chosen_screw))}
-    return cases, next(iter(cases)) if name is None else name
+    made = prepared(proof.spec, proof.drive_set, _motion(proof.spec, profile))
+    return compared(made.train, made.controller, proof.loops)
 
 
 def _motion(spec: RobotSpec, profile: str | Profile | None) -> Profile:

@@ -70,10 +70,9 @@ def validate(
     if json and second:
         raise InputError("--second-look: it prints a table; leave out --json")
     found = pick(robot, chosen)
-    case = case or hardest_case(robot, found)
     with simulating("simulating the drive in closed loop"):
-        proof = validated(robot, found, profile=profile, load_case=case)
-        looks = second_look(robot, found, profile=profile, load_case=case) if second else ()
+        proof = validated(robot, found, profile=profile, load_case=case or hardest_case(robot, found))
+        looks = second_look(proof, profile=profile) if second else ()
     if drawings:
         from drivesizer.output.report import write_loop_figures
 

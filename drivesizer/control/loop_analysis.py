@@ -79,8 +79,10 @@ def opened_loops(train: DriveTrain, controller: Cascade | Gains) -> dict[str, di
         From the inside out; the current loop has no direction, ``""``.
     """
 
+    every = modes(train)
+
     def both(opened: Callable[..., System]) -> dict[str, System]:
-        return {direction: opened(train, modes(train)[r], controller) for direction, r in _DIRECTIONS.items()}
+        return {direction: opened(train, every[r], controller) for direction, r in _DIRECTIONS.items()}
 
     if isinstance(controller, Gains):
         return {"velocity": both(voltage_open_loop)}

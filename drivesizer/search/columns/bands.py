@@ -62,8 +62,9 @@ def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> NDA
     def differ() -> NDArray[np.bool_]:
         low, high = (end.table(section) for end in catalog.ends)
         found = np.zeros(len(low), bool)
+        counted = None if method == "physics" else _paper_figures(section)
         for name, column in columns_of(section).items():
-            if column.kind != "text" and name not in left and (method == "physics" or name in _paper_figures(section)):
+            if column.kind != "text" and name not in left and (counted is None or name in counted):
                 found |= (low[name] != high[name]) & ~np.isnan(low[name])
         return found
 
