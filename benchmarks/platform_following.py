@@ -18,7 +18,7 @@ import numpy as np
 from drivesizer import load_spec
 from drivesizer.control.path_following import following, kernel_loop
 from drivesizer.control.path_following.following import Followed, Model
-from drivesizer.control.path_following.runs import Case, follow_case
+from drivesizer.control.path_following.runs import FollowingRun, follow_case
 from drivesizer.load_cases.platform_drive import Driving, driving, with_trajectory
 from drivesizer.platform.trajectory import Trajectory
 
@@ -35,7 +35,7 @@ def timed(act: Callable[[], Any], runs: int) -> tuple[float, Any]:
 
 
 def driven(found: Driving, model: Model) -> Followed:
-    return follow_case(found, None, Case(model, integral=True, poses=False, exact=False))
+    return follow_case(found, None, FollowingRun(model, integral=True, poses=False, exact=False))
 
 
 def beginning(found: Driving, pieces: int) -> Driving:

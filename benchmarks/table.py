@@ -2,7 +2,8 @@
 
     python benchmarks/table.py [--dry]      # what make bench does
 
-Each benchmark compares within its own run; the machine's load changes from one to the next.
+Each benchmark compares within its own run; the machine's load changes from one to the next. One that fails leaves its
+lines empty, and the exit status is 1.
 """
 
 from __future__ import annotations
@@ -27,15 +28,18 @@ SCRIPTS = (
 _PART = re.compile(r"(?<=<!-- measured -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 
-def measured() -> dict[str, float]:
-    """Results of all benchmarks by name; what they print is printed."""
+def measured() -> tuple[dict[str, float], list[str]]:
+    """Results of all benchmarks by name, and the benchmarks that failed; what they print is printed."""
+    failed = []
     with tempfile.TemporaryDirectory() as folder:
         kept = Path(folder) / "results"
+        kept.touch()
         for script in SCRIPTS:
             print(f"\n== {script}", flush=True)
-            subprocess.run([sys.executable, HERE / f"{script}.py"], check=True,
-                           env=os.environ | {"BENCH_RESULTS": str(kept)})  # fmt: skip
-        return dict(json.loads(row) for row in kept.read_text(encoding="utf-8").splitlines())
+            run = subprocess.run([sys.executable, HERE / f"{script}.py"], check=False,
+                                 env=os.environ | {"BENCH_RESULTS": str(kept)})  # fmt: skip
+            failed += [script] * bool(run.returncode)
+        return dict(json.loads(row) for row in kept.read_text(encoding="utf-8").splitlines()), failed
 
 
 def table(found: dict[str, float]) -> str:
@@ -59,11 +63,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--dry", action="store_true", help="leave the page as it is")
     dry = parser.parse_args().dry
-    text = table(measured())
+    found, failed = measured()
+    text = table(found)
     print(text)
     if not dry:
         page = PAGE.read_text(encoding="utf-8")
         PAGE.write_text(_PART.sub(lambda _: text, page), encoding="utf-8")
+    if failed:
+        sys.exit(f"failed: {', '.join(failed)}")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,26 @@
+"""Benchmarks are run by hand: what they take of the program is there."""
+
+from __future__ import annotations
+
+import ast
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).resolve().parent.parent / "benchmarks"
+SOURCES = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.py"))}
+
+
+def imports(source: str) -> list[tuple[str, str]]:
+    """Module and name of all that a script imports of the program."""
+    nodes = (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.ImportFrom))
+    return [(node.module, alias.name) for node in nodes if (node.module or "").startswith("drivesizer")
+            for alias in node.names]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [name for name, source in SOURCES.items() if imports(source)])
+def test_what_a_benchmark_imports_exists(name):
+    for module, taken in imports(SOURCES[name]):
+        there = import_module(module)
+        assert hasattr(there, taken) or import_module(f"{module}.{taken}"), (module, taken)
