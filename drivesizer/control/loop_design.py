@@ -24,7 +24,7 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["designed", "edges_of", "stated_margin"]
+__all__ = ["designed", "edges_of", "stated_margin", "train_behind"]
 
 _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's is unknown
 
@@ -61,6 +61,31 @@ def designed(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Gains 
     )
     _refuse_slower(spec, ("control", "bandwidth"), spec.control.bandwidth, slower)
     return train, gains, [*said, *_reported(slower)]
+
+
+def train_behind(spec: RobotSpec, drive_set: DriveParts, controller: Gains | Cascade) -> tuple[DriveTrain, list[str]]:
+    """The drive train behind a controller that was designed before, of this machine or of one like it.
+
+    Parameters
+    ----------
+    spec, drive_set
+        The machine and the drive.
+    controller
+        It decides how often the current or voltage is set.
+
+    Returns
+    -------
+    tuple
+        Drive train, assumptions as sentences.
+
+    Raises
+    ------
+    InputError
+        When the catalogue lacks a figure without which nothing moves.
+    """
+    period = controller.period if isinstance(controller, Gains) else controller.current_period
+    rigid, said = drive_train(spec, drive_set, period)
+    return _with_shaft(spec, drive_set, rigid), said
 
 
 def _cascade(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Cascade, list[str]]:

@@ -10,6 +10,7 @@ from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.closed_loop.run import run
 from drivesizer.control.closed_loop.set_up import prepared
 from drivesizer.control.engine import simulate
+from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.results.drive_set import DriveSet
@@ -64,6 +65,16 @@ def test_at_nominal_figures_the_checks_are_those_of_validation(arm: tuple[RobotS
     for mine, theirs in zip(found, want, strict=True):
         assert (mine.name, mine.status) == (theirs.name, theirs.status)
         assert mine.demand == pytest.approx(theirs.demand, rel=1e-9, nan_ok=True)
+
+
+def test_a_sample_keeps_the_gains_of_the_nominal_machine_and_designs_none(arm: tuple[RobotSpec, DriveSet]) -> None:
+    spec, one = arm
+    made = prepared(spec, one, motion_of(spec))
+    assert prepared(spec, one, motion_of(spec), made.controller)[:5] == made[:5]
+    too_fast = spec.model_copy(update={"control": spec.control.model_copy(update={"bandwidth": 1e4})})
+    with pytest.raises(InputError, match="is too fast"):
+        prepared(too_fast, one, motion_of(spec))
+    assert prepared(too_fast, one, motion_of(spec), made.controller).controller == made.controller
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from drivesizer.catalog.parts import Controller
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, within_reach
 from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
-from drivesizer.control.loop_design import designed, edges_of
+from drivesizer.control.loop_design import designed, edges_of, train_behind
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
@@ -72,8 +72,10 @@ def prepared(
     InputError
         As :func:`drivesizer.control.closed_loop.run.run`.
     """
-    train, own, said = designed(spec, drive_set)
-    controller = controller or own
+    if controller is None:
+        train, controller, said = designed(spec, drive_set)
+    else:
+        train, said = train_behind(spec, drive_set, controller)
     within_reach(train, profile)
     _sampled(controller, profile)
     feed = spec.feed_of(drive_set.controller, drive_set.brake)
