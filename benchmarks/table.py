@@ -22,7 +22,7 @@ from goals import GOALS, shown
 HERE = Path(__file__).resolve().parent
 PAGE = HERE.parent / "docs" / "speed.md"
 SCRIPTS = (
-    "size_start", "catalog_load", "search_sets", "closed_loop", "report", "platform_hour", "platform_following",
+    "size_start", "catalog_load", "search_sets", "day", "closed_loop", "report", "platform_hour", "platform_following",
     "tolerances", "study", "machine",
 )  # fmt: skip
 _PART = re.compile(r"(?<=<!-- measured -->\n).*?(?=<!-- end -->)", re.DOTALL)

@@ -24,3 +24,10 @@ def test_what_a_benchmark_imports_exists(name):
     for module, taken in imports(SOURCES[name]):
         there = import_module(module)
         assert hasattr(there, taken) or import_module(f"{module}.{taken}"), (module, taken)
+
+
+def test_every_goal_is_measured_by_a_benchmark_of_the_table(monkeypatch):
+    monkeypatch.syspath_prepend(FOLDER)
+    goals, scripts = import_module("goals").GOALS, import_module("table").SCRIPTS
+    run = "".join(SOURCES[script] for script in scripts)
+    assert [name for name in goals if f'"{name}"' not in run] == []
