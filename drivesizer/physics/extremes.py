@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Envelope", "Extremes", "envelope", "extremes", "first_largest", "undominated"]
+__all__ = ["Envelope", "Extremes", "envelope", "extremes", "first_largest", "refined", "undominated"]
 
 Array = NDArray[np.float64]
 
@@ -40,6 +40,7 @@ class Envelope(NamedTuple):
     duration: Array  # s
     high: Array
     low: Array
+    first: NDArray[np.int64]  # first segment of each
 
 
 def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
@@ -62,7 +63,37 @@ def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
     starts = np.unique(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
     left, right = functions[:, 0], functions[:, 1]
     high, low = (extreme.reduceat(extreme(left, right), starts) for extreme in (np.maximum, np.minimum))
-    return Envelope(np.add.reduceat(duration, starts), high, low)
+    return Envelope(np.add.reduceat(duration, starts), high, low, starts)
+
+
+def refined(found: Envelope, chosen: NDArray[np.int64], duration: Array, functions: Array) -> Envelope:
+    """The same cycle, some of its pieces in single segments.
+
+    Parameters
+    ----------
+    found
+        The cycle in pieces.
+    chosen
+        Numbers of those that are taken segment by segment, rising.
+    duration, functions
+        Of each segment, as ``envelope`` takes them.
+
+    Returns
+    -------
+    Envelope
+        Bounds of each function in each piece and each of those segments.
+    """
+    ends = np.append(found.first, len(duration))
+    segments = np.concatenate([np.arange(0), *(np.arange(ends[k], ends[k + 1]) for k in chosen.tolist())])
+    first = np.concatenate([np.delete(found.first, chosen), segments])
+    order = np.argsort(first, kind="stable")
+    left, right = functions[segments, 0], functions[segments, 1]
+    whole = (
+        (found.duration, found.high, found.low),
+        (duration[segments], np.maximum(left, right), np.minimum(left, right)),
+    )
+    time, high, low = (np.concatenate([np.delete(a, chosen, axis=0), b])[order] for a, b in zip(*whole, strict=True))
+    return Envelope(time, high, low, first[order])
 
 
 def extremes(functions: Array, time: Array) -> Extremes:

@@ -5,7 +5,8 @@ its torque are 0 or more (``motor_demand``). In pieces of the cycle current and 
 
 .. math:: P = R I^2 + k_t w I + |k_e - k_t|\,|w I| + V_l |I|,
 
-the winding nowhere cooler and nowhere warmer than it may be.
+the winding nowhere cooler and nowhere warmer than it may be. In pieces of a noisy cycle these bounds are wide: those in
+which a drive may return most are taken segment by segment.
 Symbols: R resistance [ohm], I current [A], w speed [rad/s], V_l loss of the stage per ampere [V].
 """
 
@@ -17,20 +18,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
-from drivesizer.physics.extremes import Envelope
+from drivesizer.physics.extremes import Envelope, refined
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.products import product
-from drivesizer.physics.stress import Heat, Parts, Stress
+from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import most_stored
 from drivesizer.search.columns.limits_over_time import Moments, Pair, kept_on_the_bus, warmest_passing
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["closer_stored", "most_kept"]
+__all__ = ["closer_stored", "most_kept", "stored_by_segments"]
 
 Array = NDArray[np.float64]
 _CELLS = 1 << 16  # candidates times pieces in a block: what stays in the processor's cache
 _ROUNDING = 1e-9  # of a figure
+_SEGMENTS = 4096  # of a drive that are looked at one by one, the last piece of them made full
 
 
 def most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) -> Array:
@@ -102,12 +104,52 @@ def closer_stored(
     Pair
         Lower and upper bounds.
     """
-    motor, stage = parts.motor, spec.feed(parts.controller, parts.brake).stage
-    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
-    cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (spec.environment.ambient, warmest))
-    k_t, ohm, loss = np.broadcast_arrays(motor["torque_constant"], stage.resistance, stage.least_loss)
-    losing = _Losing(cool + ohm, hot + ohm, k_t, np.abs(demand.back_emf - k_t), loss)
-    least, most = _stored(cycle, cycle.envelope(count), demand, losing, kept_on_the_bus(spec))
+    losing = _losing(spec, cycle, demand, heating, stresses, parts, high)
+    found = _stored(cycle, cycle.envelope(count), demand, losing, kept_on_the_bus(spec))
+    return _no_wider(low, high, *found)
+
+
+def stored_by_segments(
+    spec: RobotSpec,
+    cycle: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
+    parts: Parts,
+    low: Moments,
+    high: Moments,
+    *,
+    count: int,
+) -> Pair:
+    """The same, the pieces in which each drive may return most segment by segment: some thousand show that much stays.
+
+    Parameters
+    ----------
+    spec, cycle, demand, heating, stresses, parts, low, high, count
+        As ``closer_stored`` takes them.
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds.
+    """
+    losing, pieces = _losing(spec, cycle, demand, heating, stresses, parts, high), cycle.envelope(count)
+    duration, functions = cycle.load_cycle.duration, cycle.base.functions
+    size = np.diff(np.append(pieces.first, len(duration)))
+    found = np.full((2, len(losing.hot)), np.nan)
+    for row in np.flatnonzero(np.isfinite(losing.hot)).tolist():
+        some = slice(row, row + 1)
+        one, of = on(demand, some), on(losing, some)
+        returned = -_in_pieces(cycle, pieces, one, of)[0][0] * pieces.duration
+        order = np.argsort(-returned, kind="stable")
+        order = order[: np.searchsorted(np.cumsum(size[order]), _SEGMENTS) + 1]
+        closely = refined(pieces, np.sort(order[returned[order] > 0.0]), duration, functions)
+        found[:, some] = _stored(cycle, closely, one, of, kept_on_the_bus(spec))
+    return _no_wider(low, high, *found)
+
+
+def _no_wider(low: Moments, high: Moments, least: Array, most: Array) -> Pair:
+    """Bounds with those of what is stored where these are closer."""
     most = np.where(np.isfinite(high.stored), np.fmin(most, high.stored), high.stored)
     return low._replace(stored=np.fmax(least, low.stored)), high._replace(stored=most)
 
@@ -121,22 +163,34 @@ class _Losing(NamedTuple):
     surplus: Array  # V*s/rad, by what the back-EMF constant differs
     loss: Array  # W per ampere, of the stage
 
-    def on(self, rows: slice) -> _Losing:
-        """Of some of the candidates, as columns over their pieces."""
-        return _Losing(*(column[rows, None] for column in self))
+
+def _losing(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts, high: Moments
+) -> _Losing:
+    motor, stage = parts.motor, spec.feed(parts.controller, parts.brake).stage
+    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
+    cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (spec.environment.ambient, warmest))
+    k_t, ohm, loss = np.broadcast_arrays(motor["torque_constant"], stage.resistance, stage.least_loss)
+    return _Losing(cool + ohm, hot + ohm, k_t, np.abs(demand.back_emf - k_t), loss)
 
 
 def _stored(cycle: AtGearhead, pieces: Envelope, demand: Demands, losing: _Losing, kept: float) -> tuple[Array, Array]:
     """Bounds of the energy that is stored at most, of drives that return less than they draw [J]; NaN unknown."""
-    low, high = (points * cycle.scale for points in (pieces.low, pieces.high))
-    found, size = np.empty((2, len(losing.k_t))), max(_CELLS // len(low), 1)
+    found, size = np.empty((2, len(losing.k_t))), max(_CELLS // len(pieces.duration), 1)
     for some in (slice(start, start + size) for start in range(0, found.shape[1], size)):
-        of, ratio = losing.on(some), demand.total_ratio[some, None]
-        c = demand.coefficients[some] / of.k_t
-        current, speed = [product(c, x.T) for x in (low, high)], [ratio * x[:, SPEED] for x in (low, high)]
-        for side, power in zip(found, reversed(_powers(current, speed, of)), strict=True):
+        powers = _in_pieces(cycle, pieces, on(demand, some), on(losing, some))
+        for side, power in zip(found, reversed(powers), strict=True):
             side[some] = most_stored(np.minimum(-power, -kept * power) * pieces.duration)
     return found[0] * (1.0 - _ROUNDING), found[1] * (1.0 + _ROUNDING)
+
+
+def _in_pieces(cycle: AtGearhead, pieces: Envelope, demand: Demands, losing: _Losing) -> tuple[Array, Array]:
+    """Least and largest power of some drives into the stage in each piece [W]."""
+    low, high = (points * cycle.scale for points in (pieces.low, pieces.high))
+    of, ratio = _Losing(*(column[:, None] for column in losing)), demand.total_ratio[:, None]
+    c = demand.coefficients / of.k_t
+    current, speed = [product(c, x.T) for x in (low, high)], [ratio * x[:, SPEED] for x in (low, high)]
+    return _powers(current, speed, of)
 
 
 def _powers(current: list[Array], speed: list[Array], of: _Losing) -> tuple[Array, Array]:

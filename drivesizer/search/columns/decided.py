@@ -22,7 +22,7 @@ from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
 from drivesizer.search.columns.block_bounds import closer as closer_in_blocks
 from drivesizer.search.columns.block_bounds import closer_power
-from drivesizer.search.columns.bus_bounds import closer_stored
+from drivesizer.search.columns.bus_bounds import closer_stored, stored_by_segments
 from drivesizer.search.columns.candidates import Rows
 from drivesizer.search.columns.limits_over_time import (
     Moments,
@@ -228,6 +228,9 @@ def _closer(
         if mask.any():
             found = _of_some(case, mask, found, partial(closer_stored, count=count))
             left = case.open(found, alive)
+    if (mask := left[_BUS]).any() and (case.staged or case.spec.supply.capacitance is None):
+        found = _of_some(case, mask, found, partial(stored_by_segments, count=_PIECES))
+        left = case.open(found, alive)
     mask = left[_WINDING]
     if mask.any():
         spec, cycle, demand, _, stresses, parts = case.some(mask)
