@@ -100,6 +100,7 @@ def thermal(heat: MotorHeat | None) -> dict[str, float]:
         "R_A": b.R_25 * (1.0 + COPPER * (heat.ambient - DATA_TEMPERATURE)), "ALPHA": COPPER * b.R_25,
         "AMBIENT": heat.ambient, "P_0": heat.loss, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
         "NODE_0": low - heat.ambient - _NODE, "NODE_D": _NODE, "NODES": _NODES,
+        "EVERY": heat.every,
     }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from drivesizer.control.engine.modes import gear_torque
 from drivesizer.control.engine.steady import carry_state, is_steady, periods_to_carry
 from drivesizer.control.engine.steps import advance
 from drivesizer.control.engine.tallies import add_steady_errors, keep_row, record_errors, record_gear_torque, square_of
-from drivesizer.control.engine.warming import heat
+from drivesizer.control.engine.warming import follow, heat
 
 __all__ = ["simulate_one"]
 
@@ -52,11 +52,16 @@ def status_of(p: Array, s: Array) -> int:
     return at.TOO_LONG if s[at.STEPS] > p[at.MOST] else at.GOOD
 
 
-def carry_steady(p: Array, s: Array, g: Array, mind: Array, piece: Array, k: int, u: float) -> int:
-    """Carry a steady state as far as possible; the number of periods."""
+def lag_at(p: Array, s: Array, piece: Array, k: int) -> float:
+    """Lag of the motor's angle behind a reference of constant speed [rad]."""
     h, speed = p[at.H], piece[3]
-    lag = s[at.TURN] + piece[5] + speed * ((k - 1) * h - piece[2]) + speed * h - s[at.X]
-    carry = periods_to_carry(p, s, int(piece[1]) - k) if is_steady(p, s, mind, lag) else 0
+    return float(s[at.TURN] + piece[5] + speed * ((k - 1) * h - piece[2]) + speed * h - s[at.X])
+
+
+def carry_steady(p: Array, s: Array, g: Array, piece: Array, k: int, u: float) -> int:
+    """Carry a steady state as far as possible; the number of periods."""
+    h, speed, lag = p[at.H], piece[3], lag_at(p, s, piece, k)
+    carry = periods_to_carry(p, s, int(piece[1]) - k)
     if carry > 0:
         behind = (lag + s[at.X]) / p[at.RATIO] - s[at.Y]
         add_steady_errors(p, s, g, speed - s[at.W], lag, behind, carry * h)
@@ -88,7 +93,8 @@ def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
     """
     h, near = p[at.H], size[3]
     n_v, cycle = int(p[at.N_V]), int(p[at.N_V] * max(p[at.N_P], 1.0))
-    corner, turned, swept, spent, u = 0, 0.0, 0.0, 0.0, 0.0
+    pause = n_v * int(max(p[at.EVERY], 1.0))
+    corner, turned, swept, spent, felt, since, u = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for n in range(pieces.shape[0]):
         piece = pieces[n]
         k, end, constant = int(piece[0]), int(piece[1]), piece[4] == 0.0 and piece[7] == 0.0
@@ -102,14 +108,19 @@ def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
             record_bus(p, g, (g[at.G_IN] - g[at.G_RETURNED] - taken) / h, t, h)
             turned, swept = turned + abs(s[at.X] - x), swept + square_of(w, s[at.W], s[at.X] - x, h)
             spent, k = spent + h, k + 1
+            steady = constant and k % cycle == 0 and is_steady(p, s, mind, lag_at(p, s, piece, k))
             if k % n_v == 0 or k == end:
+                felt, since = felt + s[at.SQUARE], since + spent
                 heat(p, s, g, turned, swept, spent)
                 turned = swept = spent = 0.0
+            if k % pause == 0 or k == end or steady:
+                follow(p, s, felt, since)
+                felt = since = 0.0
             status = status_of(p, s)
             if status != at.GOOD:
                 return status
-            if constant and k % cycle == 0:
-                k += carry_steady(p, s, g, mind, piece, k, u)
+            if steady:
+                k += carry_steady(p, s, g, piece, k, u)
     if rows.shape[0] > 0:
         piece = pieces[-1]
         t, since = piece[1] * h, piece[1] * h - piece[2]

@@ -8,7 +8,7 @@ import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import Array
 from drivesizer.control.engine.limits import available_voltage, record_bus
 from drivesizer.control.engine.tallies import add_energy, add_square, keep_demand, keep_peak, record_gear_torque
-from drivesizer.control.engine.warming import heat, warm
+from drivesizer.control.engine.warming import follow, heat, warm
 
 __all__: list[str] = []  # compiled into ``kernel``
 
@@ -27,6 +27,7 @@ def carry_state(p: Array, s: Array, g: Array, u: float, l: float, t: float, dura
     add_square(p, s, g, square, duration)
     record_gear_torque(p, s, g, int(s[at.CODE]), l, t, duration)
     heat(p, s, g, abs(s[at.W]) * duration, s[at.W] * s[at.W] * duration, duration)
+    follow(p, s, square, duration)
     work = (u - R * s[at.I]) * s[at.I] * duration + (s[at.Q] - Q0)  # what turns into motion, and the copper's heat
     add_energy(p, g, work, s[at.I] * duration, square)
     s[at.X] += s[at.W] * duration

@@ -36,8 +36,12 @@ def heat(p: Array, s: Array, g: Array, turned: float, swept: float, dt: float) -
         s[at.Q] += p[at.R25] * I2 * dt
         return
     warm(p, s, at.T_W, I2, p[at.P_0] + (p[at.P_1] * turned + p[at.P_2] * swept) / dt, p[at.R_A], dt)
-    if p[at.SENSE] != 0.0:
-        warm(p, s, at.WW, I2, 0.0, 0.0, dt)
-        warm(p, s, at.HW, I2, 0.0, 0.0, dt)
     g[at.G_WINDING], g[at.G_HOUSING] = max(g[at.G_WINDING], s[at.T_W]), max(g[at.G_HOUSING], s[at.T_H])
     s[at.RES] = p[at.R_A] + p[at.ALPHA] * s[at.T_W]
+
+
+def follow(p: Array, s: Array, square: float, dt: float) -> None:
+    """Follow the derivatives of both temperatures by those at the start; square: integral of I^2 over the time dt."""
+    if p[at.HEAT] != 0.0 and p[at.SENSE] != 0.0 and dt > 0.0:
+        warm(p, s, at.WW, square / dt, 0.0, 0.0, dt)
+        warm(p, s, at.HW, square / dt, 0.0, 0.0, dt)

@@ -17,7 +17,7 @@ from drivesizer.files.cache import digest_of, folder, keep, kept
 
 __all__ = ["sobol"]
 
-_PLACES = 64  # files at most; a new one takes the place of another
+_PLACES = 64  # files at most, and as many of few points; a new one takes the place of another
 _LARGEST = 2_000_000  # bytes of points that are kept
 
 
@@ -39,7 +39,8 @@ def sobol(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> NDArray[n
         Points, shape (seeds times 2 to the power, figures).
     """
     digest = digest_of(metadata.version("scipy").encode(), repr((figures, power, [*map(tuple, seeds)])).encode())
-    path = folder() / f"sobol{int(digest[:4], 16) % _PLACES}-{digest}.npy"
+    kind = "sobol" if len(seeds) > 1 else "sobol_of_one"  # of a fit: in no sample's place, which would be drawn anew
+    path = folder() / f"{kind}{int(digest[:4], 16) % _PLACES}-{digest}.npy"
     body = kept(path)
     if body is not None:
         found: NDArray[np.float64] = np.load(io.BytesIO(body), allow_pickle=False)
