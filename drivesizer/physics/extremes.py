@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Envelope", "Extremes", "envelope", "extremes", "first_largest", "refined", "undominated"]
+__all__ = ["Envelope", "Extremes", "envelope", "extremes", "first_largest", "near_largest", "refined", "undominated"]
 
 Array = NDArray[np.float64]
 
@@ -139,9 +139,26 @@ def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
     >>> first_largest(np.array([[0.3, 0.1 + 0.2, 0.0], [1.0, 2.0, 3.0]]))[1].tolist()
     [0, 2]
     """
+    return values.max(axis=-1), np.argmax(near_largest(values), axis=-1)
+
+
+def near_largest(values: Array) -> NDArray[np.bool_]:
+    """Places of each row that differ from its largest value by rounding alone; all of them where it is NaN.
+
+    Parameters
+    ----------
+    values
+        Shape (rows, places), or (places,) for one row.
+
+    Returns
+    -------
+    array
+        A mask of that shape.
+    """
     top = values.max(axis=-1)
     least = np.minimum(top * (1.0 - _ALIKE), top * (1.0 + _ALIKE))  # of infinite ones the same
-    return top, np.argmax(~(values < least[..., None]), axis=-1)
+    near: NDArray[np.bool_] = ~(values < least[..., None])
+    return near
 
 
 def _corners(points: Array) -> Array:

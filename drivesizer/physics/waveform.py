@@ -19,8 +19,8 @@ from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.products import product
 
 __all__ = [
-    "Energy", "Wave", "balanced", "crossing", "energy", "in_halves", "largest_power", "longest_above", "longest_run",
-    "lost", "mean_square", "most_stored", "share_above", "wave",
+    "Energy", "Wave", "balanced", "crossing", "energy", "highest_powers", "in_halves", "largest_power", "longest_above",
+    "longest_run", "lost", "mean_square", "most_stored", "share_above", "signed_energy", "wave",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -166,6 +166,16 @@ def mean_square(found: Wave) -> Array:
 
 def largest_power(found: Wave) -> tuple[Array, Array]:
     """Largest electrical power of each candidate [W], and when [s]; ends of segments and vertices between them."""
+    power, at = highest_powers(found)
+    largest, worst = first_largest(power)
+    rows = np.arange(len(power))
+    ends = np.cumsum(found.duration, axis=-1) - found.duration
+    start, duration = (np.broadcast_to(x, power.shape) for x in (ends, found.duration))
+    return largest, start[rows, worst] + at[rows, worst] * duration[rows, worst]
+
+
+def highest_powers(found: Wave) -> tuple[Array, Array]:
+    """Largest power in each segment [W], and after which share of it: shape (candidates, segments)."""
     I, V = found.current, found.voltage
     rise_I, rise_V = I[..., 1] - I[..., 0], V[..., 1] - V[..., 0]
     first, last = I[..., 0] * V[..., 0], I[..., 1] * V[..., 1]
@@ -174,12 +184,8 @@ def largest_power(found: Wave) -> tuple[Array, Array]:
         vertex = -(I[..., 0] * rise_V + V[..., 0] * rise_I) / (2 * bend)
     inside = (bend < 0.0) & (vertex > 0.0) & (vertex < 1.0)
     at = np.where(inside, vertex, np.where(last > first, 1.0, 0.0))
-    power = (I[..., 0] + at * rise_I) * (V[..., 0] + at * rise_V)
-    largest, worst = first_largest(power)
-    rows = np.arange(len(power))
-    ends = np.cumsum(found.duration, axis=-1) - found.duration
-    start, duration = (np.broadcast_to(x, power.shape) for x in (ends, found.duration))
-    return largest, start[rows, worst] + at[rows, worst] * duration[rows, worst]
+    power: Array = (I[..., 0] + at * rise_I) * (V[..., 0] + at * rise_V)
+    return power, at
 
 
 def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
@@ -199,7 +205,7 @@ def energy(found: Wave, kept: Any = 1.0, *, storing: bool = True) -> Energy:
     Energy
         Columns over candidates [J].
     """
-    parts = _parts(found)
+    parts = signed_energy(found)
     drawn, returned = np.maximum(parts, 0.0), np.maximum(-parts, 0.0)
     taken, back = drawn.sum((1, 2)), returned.sum((1, 2))
     if not storing:
@@ -217,7 +223,7 @@ def crossing(ends: Array) -> Array:
         return np.where(left * right < 0.0, left / (left - right), 1.0)
 
 
-def _parts(found: Wave) -> Array:
+def signed_energy(found: Wave) -> Array:
     """Energy of each segment up to where one of both changes its sign, from there to the other, and from there on [J].
 
     Power has one sign in each part: shape (candidates, segments, 3).

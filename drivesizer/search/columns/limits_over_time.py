@@ -14,18 +14,18 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak
-from drivesizer.physics.extremes import first_largest
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.power_stage import bus_voltage, least_capacitance, source_energy, source_power
+from drivesizer.physics.power_stage import bus_voltage, least_capacitance
 from drivesizer.physics.several_belts import AtGearheads, behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
-from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.physics.waveform import Wave, balanced, longest_above, mean_square, wave
+from drivesizer.physics.thermal import resistance_25
+from drivesizer.physics.waveform import Wave, longest_above, wave
 from drivesizer.physics.winding_course import current_and_winding
 from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.limits import winding_limit
+from drivesizer.search.columns.resisted import Resisted, energy_over_time, largest_voltage, most_power
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
@@ -245,18 +245,15 @@ def _moments(
 
     ``turning``: by what their constants differ, and the speed at both ends of each piece (see ``waveform.balanced``).
     """
-    R_25, *T = winding
-    ends, means = resistance_at(R_25[:, None, None], T[0]), resistance_at(R_25[:, None], T[1])
-    at_ends = flows._replace(voltage=flows.voltage + ends * flows.current)
-    feed = spec.feed(parts.controller, parts.brake)
-    voltage, when = _largest_voltage(at_ends, stresses.cold_voltage, feed.leads if spec.resists else None)
-    lost, total = means * mean_square(flows), flows.duration.sum()
-    copper = behind_each(cycle, lambda _, some: some @ flows.duration, lost) / total
+    at, feed = Resisted(flows, *winding, *turning), spec.feed(parts.controller, parts.brake)
+    voltage, when = largest_voltage(at, stresses.cold_voltage, feed.leads if spec.resists else None)
+    total = flows.duration.sum()
+    copper = behind_each(cycle, lambda _, some: some @ flows.duration, at.lost) / total
     nothing = np.full_like(voltage, np.nan)
     found = Moments(nothing, nothing, voltage, when, copper, *[nothing] * 6)
     if what == "winding":
         return found
-    power, power_time = source_power(balanced(at_ends, *turning), feed)
+    power, power_time = most_power(at, feed)
     above = longest_above(flows, controller_current(parts.controller, spec.environment.ambient))
     found = found._replace(power=power, power_time=power_time, above=above)
     if what == "power":
@@ -264,8 +261,7 @@ def _moments(
     kept = kept_on_the_bus(spec)
     if what == "limits" and not kept > 0.0:
         return found._replace(stored=np.zeros_like(power))
-    mean = flows._replace(voltage=flows.voltage + np.asarray(means)[:, :, None] * flows.current)
-    sums = source_energy(balanced(mean, *turning), feed, kept, storing=kept > 0.0)
+    sums = energy_over_time(at, feed, kept, storing=kept > 0.0)
     return found._replace(**(sums._asdict() | ({} if kept > 0.0 else {"stored": np.zeros_like(power)})))
 
 
@@ -308,18 +304,6 @@ def _slices(cycle: AtGearhead, count: int) -> list[slice]:
         return [slice(0, count)]
     belts = [rows for _, rows in cycle.parts] if isinstance(cycle, AtGearheads) else [slice(0, count)]
     return [slice(k, min(k + size, rows.stop)) for rows in belts for k in range(rows.start, rows.stop, size)]
-
-
-def _largest_voltage(found: Wave, cold: Peak, leads: Array | None) -> Peak:
-    """Largest absolute voltage and when: warm, or cold at the start; with that over ``leads`` where it is more."""
-    volts = np.abs(found.voltage)
-    if leads is not None:
-        volts = np.maximum(volts, np.abs(found.voltage + np.reshape(leads, (-1, 1, 1)) * found.current))
-    values = volts.reshape(len(volts), 2 * len(found.duration))
-    (value, worst), ends = first_largest(values), np.cumsum(found.duration)
-    time = np.stack([ends - found.duration, ends], axis=1).ravel()[worst]
-    colder = cold.value > value
-    return Peak(np.where(colder, cold.value, value), np.where(colder, cold.time, time))
 
 
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
