@@ -23,7 +23,7 @@ PART = 1 << 13  # segments at a time
 
 
 class Near(NamedTuple):
-    """What differs from the largest value of a part by rounding alone, and the very first."""
+    """Values of a part that differ from its largest by rounding alone, and its very first."""
 
     row: NDArray[np.intp]
     value: Array
@@ -142,7 +142,7 @@ def _drawn_and_returned(found: Wave) -> tuple[Array, Array]:
 
 
 class _Walk(NamedTuple):
-    """What is stored over a part, from nothing: at its end, lowest, highest, its largest rise, all that came [J]."""
+    """A store over a part, from nothing: at its end, lowest, highest, its largest rise, all that came [J]."""
 
     end: Array
     low: Array
