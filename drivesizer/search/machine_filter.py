@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -225,8 +226,8 @@ def _failed(checks: tuple[Check, ...]) -> set[str]:
     return {check.name for check in checks if check.status == "fail"}
 
 
-def divided(found: Found, weigh: Weigh, top: int, rows: Iterable[int]) -> tuple[list[int], list[int]]:
-    """Of some rows the best drives that pass the machine's budgets, and the better ones that fail on those.
+def divided(found: Found, weigh: Weigh, top: int, rows: Iterable[int], *, short: bool = False) -> list[int]:
+    """Of some rows the best drives that pass the machine's budgets, or the first ones that fail on those.
 
     Parameters
     ----------
@@ -235,23 +236,23 @@ def divided(found: Found, weigh: Weigh, top: int, rows: Iterable[int]) -> tuple[
     weigh
         Of ``weighing``.
     top
-        How many of each.
+        How many.
     rows
         Of drives that pass their own checks, in order.
+    short
+        Those that fail.
 
     Returns
     -------
-    tuple[list[int], list[int]]
-        Rows of drives that pass and of drives that fail.
+    list[int]
+        Rows.
     """
     evaluation = found.evaluation
-    best, short = list[int](), list[int]()
-    for row in rows:
-        fails = evaluation.failed[row] or _fails(evaluation.problem, weigh(evaluation, row).checks)
-        (short if fails else best).append(row)
-        if len(best) == top:
-            break
-    return best, short[:top]
+
+    def fails(row: int) -> bool:
+        return bool(evaluation.failed[row]) or _fails(evaluation.problem, weigh(evaluation, row).checks)
+
+    return list(islice((row for row in rows if fails(row) == short), top))
 
 
 def shortfall(short: Iterable[MachineBudget], better: int) -> list[str]:

@@ -56,7 +56,7 @@ class Shortlist:
     @property
     def short(self) -> list[int]:
         """Drives that pass their own checks but fail on a budget of the machine."""
-        return divided(self.found, self.weigh, self.top, self.found.short)[1]
+        return divided(self.found, self.weigh, self.top, self.found.short, short=True)
 
     @property
     def rejected(self) -> Iterable[int]:
@@ -141,10 +141,10 @@ def shortlist(
     )  # fmt: skip
     rows: Sequence[int] = range(found.passing)
     sampled = _sampled(found, rows[:pool], sampling, brief) if sampling and pool else None
-    best, _ = divided(found, weigh, top, sampled.good if sampled else rows)
+    best = divided(found, weigh, top, sampled.good if sampled else rows)
     if sampling and not sampled and best:
         sampled = _sampled(found, best, sampling, brief)
-    unsure = divided(found, weigh, top, sampled.bad)[0] if sampled else []
+    unsure = divided(found, weigh, top, sampled.bad) if sampled else []
     finalists = {} if brief else {row: drive_parts(found.evaluation, row) for row in best[:FINALISTS]}
     return Shortlist(
         problem=problem,
