@@ -122,6 +122,32 @@ def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
     assert figure(run, "steps") < 2e6
 
 
+def test_brief_temperatures_are_those_in_full():
+    """Of repeated laps too, which the derivatives extend; of a quick winding they are computed in full."""
+    task = Task(time=(0.0, 0.2, 0.5, 0.7, 1.0), speed=(0.0, 40.0, 40.0, 0.0, 0.0), cycles=400)
+
+    def both(bodies):
+        heat = MotorHeat(bodies=bodies, ambient=298.15, loss_torque=1e-3)
+        drive = Drive(train=machine(friction=0.02), controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0))
+        return [simulate(replace(drive, heat=replace(heat, brief=brief)), task, rows=0) for brief in (False, True)]
+
+    full, brief = both(MOTOR)
+    for name in (
+        "winding",
+        "winding_highest",
+        "housing",
+        "copper_heat",
+        "rms_current",
+        "voltage_demand",
+        "speed_error",
+    ):
+        assert figure(brief, name) == pytest.approx(figure(full, name), rel=1e-8)
+    assert figure(brief, "winding") > 303.0
+    assert figure(brief, "winding") != figure(full, "winding")
+    full, brief = both(replace(MOTOR, tau_w=1.0))
+    assert figure(brief, "winding") == figure(full, "winding")
+
+
 # --- against other programs
 
 

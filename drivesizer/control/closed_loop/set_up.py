@@ -190,4 +190,6 @@ def motor_heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None
     said = (
         ["the motor's losses other than copper loss are unknown and left out of its heating"] if known != losses else []
     )
-    return MotorHeat(bodies=bodies, ambient=spec.environment.ambient, **known), said
+    of_torque, of_speed = (known.get(name, 0.0) for name in losses)
+    found = MotorHeat(bodies=bodies, ambient=spec.environment.ambient, loss_torque=of_torque, loss_viscous=of_speed)
+    return found, said

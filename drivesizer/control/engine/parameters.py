@@ -18,6 +18,7 @@ __all__ = ["STILL", "STILL_WARM", "resistances", "table"]
 
 STILL, STILL_WARM = 1e-12, 1e-9  # change over a sample that is neglected, of full scale; while the resistance changes
 _RESTS = 1e-4  # of full speed, below which a motor counts as at rest: what is left is a loop settling
+_EVERY, _SLOW = 16.0, 1e4  # periods, and their number in a winding's time constant: steps are met to 2e-9 of a rise
 _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes are met to 4e-6 of themselves
 
 
@@ -41,7 +42,14 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
     named = parameters(drive, top, most) | controller(drive) | thermal(drive.heat)
     scale = named.get("PKP", 0.0)
     named["TOL_X"] = named["TOL_W"] / scale if scale else math.inf
+    named["EVERY"] = _periods(drive.heat, named["H"] * named["N_V"])
     return [named.get(name, 0.0) for name in PARAMETERS]
+
+
+def _periods(heat: MotorHeat | None, period: float) -> float:
+    """Periods after which derivatives of the temperatures follow; one where each is computed in full."""
+    brief = heat is not None and heat.brief and heat.bodies.tau_w > _SLOW * period
+    return _EVERY if brief else 1.0
 
 
 def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
@@ -100,7 +108,6 @@ def thermal(heat: MotorHeat | None) -> dict[str, float]:
         "R_A": b.R_25 * (1.0 + COPPER * (heat.ambient - DATA_TEMPERATURE)), "ALPHA": COPPER * b.R_25,
         "AMBIENT": heat.ambient, "P_0": heat.loss, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
         "NODE_0": low - heat.ambient - _NODE, "NODE_D": _NODE, "NODES": _NODES,
-        "EVERY": heat.every,
     }  # fmt: skip
 
 

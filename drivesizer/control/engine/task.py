@@ -59,7 +59,7 @@ class MotorHeat:
     loss: float = 0.0  # W at the housing, always
     loss_torque: float = 0.0  # N*m at the housing: times the speed
     loss_viscous: float = 0.0  # N*m*s/rad at the housing: times the square of the speed
-    every: float = 1.0  # periods of the velocity loop whose effect on ``Simulation.slopes`` is computed at once
+    brief: bool = False  # whether a period's step is one of the second order, and its derivatives follow now and then
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -28,6 +28,17 @@ def warm(p: Array, s: Array, place: int, I2: float, loss: float, R: float, dt: f
         s[place], s[place + 1], s[place + 2] = w + sum_w, hot + sum_h, s[place + 2] + copper
 
 
+def warm_briefly(p: Array, s: Array, I2: float, loss: float, dt: float) -> None:
+    """The same over a single period, far shorter than the winding's time constant: by the rates in its middle."""
+    g_1, g_2, by_w, by_h = 1.0 / p[at.R_1], 1.0 / p[at.R_2], 1.0 / p[at.C_W], 1.0 / p[at.C_H]
+    w, h, copper = s[at.T_W], s[at.T_H], 0.0
+    x, y = w, h
+    for reach in (0.5 * dt, dt):
+        copper, across = (p[at.R_A] + p[at.ALPHA] * x) * I2, (x - y) * g_1
+        x, y = w + reach * (copper - across) * by_w, h + reach * (across - y * g_2 + loss) * by_h
+    s[at.T_W], s[at.T_H], s[at.Q] = x, y, s[at.Q] + dt * copper
+
+
 def heat(p: Array, s: Array, g: Array, turned: float, swept: float, dt: float) -> None:
     """Temperatures after a period, or a long stretch at one speed; turned: angle [rad], swept: integral of w^2 dt."""
     I2 = s[at.SQUARE] / dt
@@ -35,7 +46,11 @@ def heat(p: Array, s: Array, g: Array, turned: float, swept: float, dt: float) -
     if p[at.HEAT] == 0.0:
         s[at.Q] += p[at.R25] * I2 * dt
         return
-    warm(p, s, at.T_W, I2, p[at.P_0] + (p[at.P_1] * turned + p[at.P_2] * swept) / dt, p[at.R_A], dt)
+    loss = p[at.P_0] + (p[at.P_1] * turned + p[at.P_2] * swept) / dt
+    if p[at.EVERY] > 1.0 and dt < 1.5 * p[at.N_V] * p[at.H]:
+        warm_briefly(p, s, I2, loss, dt)
+    else:
+        warm(p, s, at.T_W, I2, loss, p[at.R_A], dt)
     g[at.G_WINDING], g[at.G_HOUSING] = max(g[at.G_WINDING], s[at.T_W]), max(g[at.G_HOUSING], s[at.T_H])
     s[at.RES] = p[at.R_A] + p[at.ALPHA] * s[at.T_W]
 

@@ -35,7 +35,6 @@ __all__ = ["deviating", "loop_share"]
 Array = NDArray[np.float64]
 _LEFT = ("winding_temperature",)  # to the physics
 _LOST = "the loop does not come to an end"
-_EVERY = 16.0  # periods whose effect on later temperatures is followed at once: some 3 ms of seconds
 
 
 def loop_share(
@@ -110,7 +109,7 @@ def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts
     """The checks of each machine, with the nominal one's controller."""
     profiles = [_motion(nominal, spec) for spec, _ in machines]
     made = [
-        _coarse(prepared(*machine, motion, nominal.controller))
+        _brief(prepared(*machine, motion, nominal.controller))
         for machine, motion in zip(machines, profiles, strict=True)
     ]
     simulated, warm = _simulated(made), _warm(made, nominal)
@@ -120,10 +119,10 @@ def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts
     ]
 
 
-def _coarse(one: Prepared) -> Prepared:
-    """The same with what a kelvin at the start makes of later temperatures, of laps alone, in fewer steps."""
+def _brief(one: Prepared) -> Prepared:
+    """The same with temperatures in fewer operations: they do it for samples, which are counted and not printed."""
     heat = one.drive.heat
-    return one._replace(drive=replace(one.drive, heat=replace(heat, every=_EVERY))) if heat else one
+    return one._replace(drive=replace(one.drive, heat=replace(heat, brief=True))) if heat else one
 
 
 def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulation, ...]]:
