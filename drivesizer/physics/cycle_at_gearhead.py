@@ -78,8 +78,8 @@ class CycleAtBelt:
     def braked(self) -> Array:
         """Of one cycle: work of each function against the motion, of torques [J]: shape (6,)."""
         each = np.moveaxis(self.functions, 2, 0)
-        speed = np.broadcast_to(each[SPEED], each.shape)
-        return energy(Wave(self.load_cycle.duration, each, speed), storing=False).returned
+        waves = (Wave(self.load_cycle.duration, one[None], each[SPEED, None]) for one in each)  # a long one takes room
+        return np.concatenate([energy(one, storing=False).returned for one in waves])
 
     @cached_property
     def warming(self) -> Pieces:

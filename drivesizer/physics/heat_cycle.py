@@ -11,6 +11,7 @@ P_h loss at the housing [W]; in private functions w winding and h housing, rises
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -22,7 +23,10 @@ from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.heat_step import Array, Course, Modes, Weights, drive, modes, turning_time, weights
 from drivesizer.physics.thermal import TwoBodies
 
-__all__ = ["HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat", "tops"]
+__all__ = [
+    "HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat",
+    "periodic_in_parts", "tops",
+]  # fmt: skip
 
 _BEYOND = (
     1e9  # K: a winding that is warmer after one cycle has run away; the digits of a lower temperature after it are lost
@@ -102,14 +106,73 @@ def periodic(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) 
         Rises over ambient in periodic steady state; without meaning where ``settles`` is false.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        span, constant = modes(motor, I2), drive(motor, ambient, I2, P_h)
-        weight = weights(span.fast, span.slow, t)
-        course = Course(_maps(span, weight, constant))
-        whole = (*course.whole[:, :2].reshape(4, -1), *course.whole[:, 2], course.rises(0.0, 0.0)[0].max(axis=0))
+        spans = _spans(motor, ambient, t, I2, P_h)
+        whole = (*_matrix(spans.course), spans.course.rises(0.0, 0.0)[0].max(axis=0))
         start, settles = _fixed_point(*whole)
-        w, h = rises = np.concatenate([start[:, None], course.rises(*start)], axis=1)
-        slope_w, slope_h = (x + b for x, b in zip(span.slopes(w[:-1], h[:-1]), constant, strict=True))
-        pulls = span.pulls(slope_w, slope_h)
+        return _from(spans, start, whole, settles)
+
+
+def periodic_in_parts(
+    motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array, parts: Sequence[slice]
+) -> Iterator[Periodic]:
+    """The periodic state of known motors over a long cycle, part by part: each stays in the processor's cache.
+
+    Parameters
+    ----------
+    motor, ambient, t, I2, P_h
+        As ``periodic`` takes them.
+    parts
+        Segments of each, one after the other.
+
+    Yields
+    ------
+    Periodic
+        Of each part; ``whole`` and ``settles`` are those of the cycle.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        each = [_spans(motor, ambient, t[k], I2[k], P_h[k]) for k in parts]
+        between = Course(np.stack([spans.course.whole for spans in each], axis=2))
+        cold = _starts(between, np.zeros((2, I2.shape[1])))
+        warmth = np.max([x.course.rises(*c)[0].max(axis=0) for x, c in zip(each, cold, strict=True)], axis=0)
+        whole = (*_matrix(between), warmth)
+        start, settles = _fixed_point(*whole)
+        for spans, first in zip(each, _starts(between, start), strict=True):
+            yield _from(spans, first, whole, settles)
+
+
+class _Spans(NamedTuple):
+    """Segments and what they do, whatever they start from: the first fields of ``Periodic``, and the course."""
+
+    t: Array
+    span: Modes
+    constant: tuple[Array, Array]
+    weight: Weights
+    course: Course
+
+
+def _spans(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) -> _Spans:
+    span, constant = modes(motor, I2), drive(motor, ambient, I2, P_h)
+    weight = weights(span.fast, span.slow, t)
+    return _Spans(t, span, constant, weight, Course(_maps(span, weight, constant)))
+
+
+def _matrix(course: Course) -> tuple[Array, ...]:
+    """The map less one over all spans: matrix row by row, constant."""
+    return *course.whole[:, :2].reshape(4, -1), *course.whole[:, 2]
+
+
+def _starts(between: Course, start: Array) -> Array:
+    """Rises at the start of each part [K]: shape (parts, 2, motors)."""
+    found: Array = np.concatenate([start[:, None], between.rises(*start)[:, :-1]], axis=1).swapaxes(0, 1)
+    return found
+
+
+def _from(spans: _Spans, start: Array, whole: tuple[Any, ...], settles: NDArray[np.bool_]) -> Periodic:
+    """Rises over spans from those at their start."""
+    t, span, constant, weight, course = spans
+    w, h = rises = np.concatenate([start[:, None], course.rises(*start)], axis=1)
+    slope_w, slope_h = (x + b for x, b in zip(span.slopes(w[:-1], h[:-1]), constant, strict=True))
+    pulls = span.pulls(slope_w, slope_h)
     return Periodic(t, span, constant, weight, rises, (slope_w, slope_h), pulls, whole, settles)
 
 

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
-from drivesizer.physics.heat_cycle import Highest, Periodic, highest, mean_rise, periodic, tops
+from drivesizer.physics.extremes import first_largest
+from drivesizer.physics.heat_cycle import Highest, Periodic, highest, mean_rise, periodic, periodic_in_parts, tops
 from drivesizer.physics.heat_cycle_columns import some_of
 from drivesizer.physics.heat_step import Array
 from drivesizer.physics.load_cycle import Figure
@@ -28,6 +29,7 @@ from drivesizer.physics.waveform import Wave, mean_square, wave
 __all__ = ["Rises", "WindingCourse", "current_and_winding", "winding_course", "winding_rises"]
 
 _CELLS = 1 << 14  # motors times pieces in a block: what stays in the processor's cache
+_PART = 1 << 15  # pieces of a long cycle at a time
 
 
 class WindingCourse(NamedTuple):
@@ -131,6 +133,8 @@ def _block(
     motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array, steady: NDArray[np.bool_]
 ) -> WindingCourse:
     """Of motors all of whose figures are known."""
+    if len(t) > _PART:
+        return _in_parts(motor, ambient, t, I2, P_h, steady)
     columns = np.ascontiguousarray(I2.T), np.ascontiguousarray(P_h.T)
     found, peak, ends, means = winding_rises(motor, ambient, t[:, None], *columns, steady[:, None])
     with np.errstate(over="ignore", invalid="ignore"):  # where a motor runs away
@@ -142,6 +146,31 @@ def _block(
         np.where(good, mean + ambient, np.nan),
         np.where(good[:, None, None], np.moveaxis(ends, -1, 0) + ambient, np.nan),
         np.where(good[:, None], means.T + ambient, np.nan),
+    )
+
+
+def _in_parts(
+    motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array, steady: NDArray[np.bool_]
+) -> WindingCourse:
+    """The same over a long cycle, part by part."""
+    n, count = I2.shape
+    ends, means, tops, time = np.empty((n, count, 2)), np.empty((n, count)), list[Highest](), np.cumsum(t) - t
+    slices = [slice(first, min(first + _PART, count)) for first in range(0, count, _PART)]
+    good = np.zeros(n, bool)
+    with np.errstate(over="ignore", invalid="ignore"):  # where a motor runs away
+        for k, found in zip(slices, periodic_in_parts(motor, ambient, t[:, None], I2.T, P_h.T, slices), strict=True):
+            left, mean = _of_pieces(found, steady[k, None])
+            ends[:, k], means[:, k], good = np.moveaxis(left, -1, 0), mean.T, found.settles
+            tops.append(highest(found, 1.0, 0.0))
+        rise, part = first_largest(np.array([top.rise for top in tops]).T)
+        of_parts = [time[k][top.segment] + top.until for k, top in zip(slices, tops, strict=True)]
+        when = np.array(of_parts)[part, np.arange(n)]
+        mean = means @ t / t.sum()
+    for column in (rise, mean, ends, means):
+        column += ambient
+    ends[~good] = means[~good] = np.nan
+    return WindingCourse(
+        np.where(good, rise, np.inf), np.where(good, when, np.nan), np.where(good, mean, np.nan), ends, means
     )
 
 

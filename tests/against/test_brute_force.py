@@ -16,6 +16,7 @@ from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
+from drivesizer.physics import winding_course
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.stress import Parts, heat, stress
@@ -384,13 +385,14 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
 
 
 def test_a_long_waveform_in_parts_is_the_same(folder, catalog, monkeypatch):
-    """Largest moments, sums and what is stored over parts of seven segments, as over all at once."""
+    """Temperatures, largest moments, sums and what is stored over parts of seven segments, as over all at once."""
     for name in LOADS:
         spec = spec_of(name, folder)
         one = problem(spec, catalog)
         some = some_pairs(catalog, 60, f"parts {name}")
         whole = evaluate(one, some)
         monkeypatch.setattr(long_waveform, "PART", 7)
+        monkeypatch.setattr(winding_course, "_PART", 7)
         parted = evaluate(one, some)
         monkeypatch.undo()
         for a, b in zip(whole.checks, parted.checks, strict=True):

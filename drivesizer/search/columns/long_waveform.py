@@ -19,7 +19,7 @@ from drivesizer.physics.waveform import Energy, Wave, highest_powers, signed_ene
 __all__ = ["PART", "Near", "energy_of_source", "first_of", "in_parts", "near_power", "near_values"]
 
 Array = NDArray[np.float64]
-PART = 1 << 13  # segments at a time
+PART = 1 << 15  # segments at a time
 
 
 class Near(NamedTuple):
