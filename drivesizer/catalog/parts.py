@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from math import inf
 from types import MappingProxyType
@@ -23,7 +23,7 @@ from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
 
 __all__ = [
     "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor",
-    "columns_of", "lines", "one_of", "printed",
+    "by_name", "columns_of", "lines", "one_of", "printed",
 ]  # fmt: skip
 
 
@@ -275,6 +275,15 @@ def lines(encoder: Any) -> Any:
 
 # Parts that go with a motor, by the name of the list of pairs.
 RELATIONS = {"motor_gearhead": "gearheads", "motor_encoder": "encoders", "motor_brake": "brakes"}
+
+
+def by_name(part: Any) -> dict[str, Any]:
+    """Figures of a part by field name: ``dataclasses.asdict`` without copies, some ten times as fast.
+
+    >>> by_name(Encoder(counts=500))["counts"]
+    500
+    """
+    return {one.name: getattr(part, one.name) for one in fields(part)}
 
 
 def one_of(section: str) -> str:

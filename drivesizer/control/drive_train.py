@@ -9,12 +9,13 @@ forward motion. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K 
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from math import inf, isfinite, isnan
 
 import numpy as np
 
+from drivesizer.catalog.parts import by_name
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.load_cases.at_shaft import at_shaft
 from drivesizer.loads.course import Profile
@@ -172,13 +173,13 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
     motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
     encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
     brake = _known(drive_set.brake_inertia, "inertia of the brake", said)
-    gear_efficiency, idle = gear_loss(asdict(gearhead))
-    coulomb, viscous = (float(x) for x in friction(asdict(motor)))
+    gear_efficiency, idle = gear_loss(by_name(gearhead))
+    coulomb, viscous = (float(x) for x in friction(by_name(motor)))
     train = DriveTrain(
-        resistance=float(resistance_25(asdict(motor))),
+        resistance=float(resistance_25(by_name(motor))),
         inductance=motor.inductance,
         torque_constant=motor.torque_constant,
-        back_emf_constant=float(back_emf_constant(asdict(motor))),
+        back_emf_constant=float(back_emf_constant(by_name(motor))),
         friction=_known(coulomb, "friction of the motor", said) + float(idle),
         viscous=_known(viscous, "viscous friction of the motor", said),
         motor_inertia=motor.rotor_inertia

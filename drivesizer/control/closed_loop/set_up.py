@@ -6,12 +6,11 @@ Gains are those of ``loop_design``. Assumptions are kept with the result.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
 from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.catalog.parts import Controller
+from drivesizer.catalog.parts import Controller, by_name
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, within_reach
 from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
@@ -133,7 +132,7 @@ def _drive(
     def limit(value: float) -> float:
         return math.inf if math.isnan(value) else float(value)
 
-    figures = asdict(controller or Controller())
+    figures = by_name(controller or Controller())
 
     return Drive(
         train=train,
@@ -159,7 +158,7 @@ def _from_gearhead(spec: RobotSpec, drive_set: DriveParts) -> float:
     """Loss of the gearhead that heats the housing, per speed of the motor, by the mean of the load cycle [W*s/rad]."""
     if not (spec.mounting and spec.mounting.gear_loss_share):
         return 0.0
-    gearhead = {name: np.array([value]) for name, value in asdict(drive_set.gearhead).items()}
+    gearhead = {name: np.array([value]) for name, value in by_name(drive_set.gearhead).items()}
     cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, math.inf).behind(drive_set.belt_ratio)
     return float((loss_at_flange(spec, cycle, gearhead) / gearhead["ratio"])[0])
 
@@ -179,7 +178,7 @@ def motor_heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None
     tuple
         The bodies, None where a figure is unknown or the spec wants them cold; and assumptions, as sentences.
     """
-    figures = asdict(drive_set.motor)
+    figures = by_name(drive_set.motor)
     bodies: TwoBodies = two_bodies(figures)
     if not (bodies.known and spec.plant.warming):
         return None, []
