@@ -64,7 +64,7 @@ def carried_on(few: float, many: float, samples: int) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--samples", type=int, default=100_000, help="that are sized; a day has 10 million")
+    parser.add_argument("--samples", type=int, default=200_000, help="that are sized; a day has 10 million")
     samples = parser.parse_args().samples
     with second_start() as folder:
         taken(folder, FEW)  # compiles the catalogue and the modules

@@ -32,7 +32,8 @@ __all__ = ["closer_stored", "most_kept", "stored_by_segments"]
 Array = NDArray[np.float64]
 _CELLS = 1 << 16  # candidates times pieces in a block: what stays in the processor's cache
 _ROUNDING = 1e-9  # of a figure
-_SEGMENTS = 4096  # of a drive that are looked at one by one, the last piece of them made full
+_SEGMENTS = 4096  # of a drive that are looked at one by one, the last pieces of them made full
+_TOGETHER = 512  # of them one after the other, at least
 
 
 def most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) -> Array:
@@ -141,11 +142,19 @@ def stored_by_segments(
         some = slice(row, row + 1)
         one, of = on(demand, some), on(losing, some)
         returned = -_in_pieces(cycle, pieces, one, of)[0][0] * pieces.duration
-        order = np.argsort(-returned, kind="stable")
-        order = order[: np.searchsorted(np.cumsum(size[order]), _SEGMENTS) + 1]
-        closely = refined(pieces, np.sort(order[returned[order] > 0.0]), duration, functions)
+        closely = refined(pieces, _returning(returned, size), duration, functions)
         found[:, some] = _stored(cycle, closely, one, of, kept_on_the_bus(spec))
     return _no_wider(low, high, *found)
+
+
+def _returning(returned: Array, size: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Numbers of the pieces, rising, that may return most: neighbours together, for what one returns another keeps."""
+    starts = np.arange(0, len(size), max(_TOGETHER * len(size) // size.sum(), 1))
+    most = np.add.reduceat(np.fmax(returned, 0.0), starts)
+    order = np.argsort(-most, kind="stable")
+    count = np.searchsorted(np.cumsum(np.add.reduceat(size, starts)[order]), _SEGMENTS) + 1
+    chosen = np.isin(np.cumsum(np.isin(np.arange(len(size)), starts)) - 1, order[:count])
+    return np.flatnonzero(chosen & (returned > 0.0))
 
 
 def _no_wider(low: Moments, high: Moments, least: Array, most: Array) -> Pair:
