@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
-from types import UnionType
-from typing import Any, Union, get_args, get_origin
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.spec.keys import known_keys, meant, models_at, models_in
 from drivesizer.units import KINDS, noun
 
-__all__ = ["explained", "has_names", "known_keys", "models_at"]
+__all__ = ["explained"]
 
 # beginnings of validators' messages that state what was found
 _ALONE = (
@@ -126,8 +125,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
         case "greater_than_equal" | "less_than_equal":
             return f"{found} must be {fault['msg'].removeprefix('Input should be ')}"
         case "extra_forbidden":
-            other = _elsewhere(model, path)
-            return f"unknown key; {other or _nearest(str(path[-1]), known_keys(model, path[:-1], data))}"
+            return f"unknown key; {meant(model, path, data)}"
         case "too_short":
             return f"{found} is too short; expected at least {fault['ctx']['min_length']}{_default(model, path, data)}"
         case "value_error":
@@ -160,30 +158,12 @@ def _example(model: type[BaseModel], path: Path_, data: Any) -> str:
     owners = models_at(model, path[:-1], data)
     field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
     kinds = [part.kind for part in (field.metadata if field else []) if hasattr(part, "kind")]
-    inner = _models_in(field.annotation) if field else []
+    inner = models_in(field.annotation) if field else []
     if inner:
         return f"fields such as {', '.join(list(inner[0].model_fields)[:4])}"
     if kinds:
         return f"{noun(kinds[0])}, e.g. {KINDS[kinds[0]].example}"
     return field.description if field and field.description else "a value"
-
-
-def _nearest(key: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(key, known, 1, 0.5)
-    return f"did you mean {quoted(close[0])}?" if close else f"expected one of {', '.join(known)}"
-
-
-def _elsewhere(model: type[BaseModel], path: Path_) -> str:
-    """The profiles or kinds with a key that the one of the file lacks; empty where none has it."""
-    owners = [model] if len(path) == 2 else []  # of load and motion, each one of several models
-    fields = [m.model_fields[str(path[0])] for m in owners if path[0] in m.model_fields]
-    models = [m for field in fields for m in _models_in(field.annotation) if path[-1] in m.model_fields]
-    for name in ("profile", "kind"):
-        having = [m.model_fields[name].annotation for m in models if name in m.model_fields]
-        named = [str(kind) for annotation in having for kind in get_args(annotation)]
-        if named:
-            return f"it belongs to {name}: {' or '.join(named)}"
-    return ""
 
 
 def _default(model: type[BaseModel], path: Path_, data: Any) -> str:
@@ -196,102 +176,3 @@ def _default(model: type[BaseModel], path: Path_, data: Any) -> str:
 
 def _some(model: type[BaseModel], path: Path_) -> str:
     return ", ".join(known_keys(model, path, None)[:4])
-
-
-def known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
-    """Names of the fields at a path.
-
-    Parameters
-    ----------
-    model
-        Model of the file.
-    path
-        Keys and indices from the top of the document.
-    data
-        The file's data; None where unknown.
-
-    Returns
-    -------
-    list[str]
-        In the order of the models.
-    """
-    return list(dict.fromkeys(name for m in models_at(model, path, data) for name in m.model_fields))
-
-
-def models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseModel]]:
-    """Models of a path; `kind` or `profile` decides between them.
-
-    Parameters
-    ----------
-    model
-        Model of the file.
-    path
-        Keys and indices from the top of the document.
-    data
-        The file's data; None where unknown.
-
-    Returns
-    -------
-    list[type[BaseModel]]
-        More than one where the data does not decide.
-    """
-    return _reached(model, path, data)[0]
-
-
-def has_names(model: type[BaseModel], path: Path_, data: Any) -> bool:
-    """Whether the keys at a path are names that the user gives, such as joints.
-
-    Parameters
-    ----------
-    model, path, data
-        As of ``models_at``.
-
-    Returns
-    -------
-    bool
-        False where they are fields.
-    """
-    return _reached(model, path, data)[1]
-
-
-def _reached(model: type[BaseModel], path: Path_, data: Any) -> tuple[list[type[BaseModel]], bool]:
-    """Models of a path, and whether the keys there are names by which each has one of these models."""
-    models: list[type[BaseModel]] = [model]
-    by_name = False
-    for step in path:
-        try:
-            data = data[step]
-        except (TypeError, KeyError, IndexError):
-            data = None
-        if isinstance(step, str) and not by_name:
-            fields = [m.model_fields[step] for m in models if step in m.model_fields]
-            models = [found for f in fields for part in (f.annotation, *f.metadata) for found in _models_in(part)]
-            by_name = any(_is_by_name(f.annotation) for f in fields)
-        elif isinstance(step, str):
-            by_name = False
-        found = data if isinstance(data, dict) else {}
-        models = [m for m in models if _is_named(m, found)] or models
-    return models, by_name
-
-
-def _is_by_name(annotation: Any) -> bool:
-    """Whether a type is a group of fields by names of the user's, or may be one."""
-    if get_origin(annotation) in (Union, UnionType):
-        return any(map(_is_by_name, get_args(annotation)))
-    return get_origin(annotation) is dict
-
-
-def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
-    """Whether the field that selects a model, kind or profile, names this one."""
-    named = {key: model.model_fields[key] for key in ("kind", "profile") if key in model.model_fields}
-    return any(data.get(key, field.default) in get_args(field.annotation) for key, field in named.items())
-
-
-def _models_in(annotation: Any) -> list[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    if hasattr(annotation, "models"):  # a figure that may be a group of fields too
-        return list(annotation.models)
-    if get_origin(annotation) in (Union, UnionType, list) or get_origin(annotation) is not None:
-        return [found for inner in get_args(annotation) for found in _models_in(inner)]
-    return []

@@ -13,7 +13,7 @@ from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_overlay import overlay
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.loads.kinds import AXES
-from drivesizer.spec.messages import has_names, known_keys, models_at
+from drivesizer.spec.keys import has_names, known_keys, models_at
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import Either
 from drivesizer.spec.several_axes.machine_file import WHOLE, AxisFields, MachineFields, is_machine

@@ -19,7 +19,7 @@ from drivesizer.search.uncertainty.probabilities import Subject, at_ends, withou
 from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.sizing import load_parts
-from drivesizer.spec.messages import models_at
+from drivesizer.spec.keys import models_at
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.tolerance_text import tolerance
 

@@ -10,7 +10,8 @@ from drivesizer.commands.ends import ended
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import load_parts, size
-from drivesizer.spec.robot import read_spec
+from drivesizer.spec import keys
+from drivesizer.spec.robot import RobotSpec, read_spec
 
 SPEC = """name: cart
 load:
@@ -54,6 +55,10 @@ def lines(*changes):
         ("[maxon]", "[maxxon]", r'^robot.yaml:16: select.catalogs: .*"maxxon"; the nearest is maxon'),
         ("  speed: 0.5 m/s", "  distance: 2 m", r"^robot.yaml:10: motion.distance: .*belongs to profile: .*triangle"),
         ("  rolling_resistance", "  drum_diameter", r"^robot.yaml:7: load.drum_diameter: .*kind: conveyor or hoist"),
+        ("{nominal:", "{voltage:", r'^robot.yaml:15: supply.voltage: unknown key; did you mean "nominal"\?$'),
+        ("name: cart", "ambient: 40 degC", r"^robot.yaml:1: ambient: unknown key; expected environment.ambient"),
+        ("name: cart", "temperature: 40 degC", "expected margins.temperature or environment.ambient"),
+        ("  cruise_time: 10 s", "  dwell: 2 s", r'^robot.yaml:12: motion.dwell: .*did you mean "rest_time"'),
     ],
 )  # fmt: skip
 def test_the_line_and_the_cure(old, new, said):
@@ -81,6 +86,21 @@ def test_five_at_most_and_the_number_of_the_others():
 def test_a_misspelt_key_is_not_also_missing():
     (found,) = lines(("  speed:", "  speeed:"))
     assert found.endswith('unknown key; did you mean "speed"?')
+
+
+def test_other_words_stand_for_keys_that_exist():
+    """A field that is renamed must be renamed among the words that propose it."""
+    known = {name for one in _sections(RobotSpec) for name in one.model_fields}
+    proposed = {word for words in keys._OTHER_WORDS.values() for word in words}
+    assert proposed <= known
+    assert not any(word in words for word, words in keys._OTHER_WORDS.items())
+
+
+def _sections(model, seen=None):
+    """A model and all models of its fields."""
+    seen = {model} if seen is None else seen | {model}
+    inner = {one for field in model.model_fields.values() for one in keys.models_in(field.annotation)}
+    return seen.union(*(_sections(one, seen) for one in inner - seen))
 
 
 def test_each_fault_is_a_line_of_stderr(tmp_path, capsys):
