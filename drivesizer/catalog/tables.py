@@ -127,6 +127,13 @@ class Table(Generic[Part]):
         return {str(part): row for row, part in enumerate(self.columns["part"])}
 
     @cached_property
+    def alphabetical(self) -> NDArray[np.int64]:
+        """Place of each row by part number, by which ties are resolved: a catalogue may list its parts in any order."""
+        place = np.empty(len(self), np.int64)
+        place[np.argsort(self["part"], kind="stable")] = np.arange(len(self))
+        return place
+
+    @cached_property
     def members(self) -> dict[str, NDArray[np.int64]]:
         """Rows by part number and by family name."""
         order = np.argsort(self["family"], kind="stable")

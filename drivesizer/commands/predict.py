@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,6 +16,7 @@ from drivesizer.errors import InputError, quoted
 if TYPE_CHECKING:
     from drivesizer.catalog import Catalog
     from drivesizer.catalog.query import Hit
+    from drivesizer.results.prediction import Prediction
 
 __all__ = ["predict"]
 
@@ -45,6 +47,7 @@ def predict(
     ] = None,
 ) -> None:
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""
+    from drivesizer.files.writing import put
     from drivesizer.prediction.predict import completed
     from drivesizer.prediction.predict import predict as predicted
     from drivesizer.results.prediction import Conditions
@@ -64,12 +67,22 @@ def predict(
     given = completed(given, sold, gear)
     with working("predicting"):
         found = predicted(sold, gear, drive, given)
-    if figure:
-        from drivesizer.files.writing import put
-        from drivesizer.output.report.figures.prediction import bench
+    drawn = _drawn(found, figure, form)
+    _say(found, json)
+    sys.stdout.flush()  # an answer that cannot be given leaves no file behind
+    for path in put(drawn):
+        typer.echo(f"{path} written", err=True)
 
-        put({figure: bench(found, form)})
-        typer.echo(f"{figure} written", err=True)
+
+def _drawn(found: Prediction, figure: Path | None, form: Any) -> dict[Path, bytes]:
+    if figure is None:
+        return {}
+    from drivesizer.output.report.figures.prediction import bench
+
+    return {figure: bench(found, form)}
+
+
+def _say(found: Prediction, json: bool) -> None:
     if json:
         from drivesizer.output.json import documents as json_documents
         from drivesizer.output.json import prediction as json_prediction

@@ -149,9 +149,10 @@ def _end(text: str) -> str:
     return "" if not text or text.endswith("\n") else "\n"
 
 
-def _line_end(text: str, at: int) -> int:
-    found = text.find("\n", at)
-    return len(text) if found < 0 else found
+def _line_end(text: str, at: int) -> tuple[int, int]:
+    """End of the line of a place, and the beginning of the next."""
+    found = _LINE_END.search(text, at)
+    return found.span() if found else (len(text), len(text))
 
 
 # -- changes
@@ -180,7 +181,7 @@ def _added(text: str, place: _Place, rest: Path_, edit: Edit) -> str:
         before = text[:at].rstrip() if node.value else text[:at]
         comma = "" if not node.value else " " if before.endswith(",") else ", "
         return f"{before}{comma}{head}{_flow(new)}{text[at:]}"
-    at = _line_end(text, _last(text, node))
+    at, _ = _line_end(text, _last(text, node))
     indent = int(node.start_mark.column)
     line = f"{' ' * indent}- {_flow(new)}" if listed else _block((rest[0],), new, indent)
     return f"{text[:at]}\n{line}{text[at:]}"
@@ -199,11 +200,12 @@ def _removed(text: str, root: yaml.Node, path: Path_) -> str:
     start, stop = _offset(text, first.start_mark), _last(text, place.node)
     if above.node.flow_style:
         return _without_entry(text, entries, number, start, stop)
-    line = text.rfind("\n", 0, start) + 1
+    line = start - int(first.start_mark.column)
     head = text[line:start].strip()
     if head and not (head == "-" and place.key is None):  # first behind a dash: the next takes its place
         return text[:start] + text[_offset(text, entries[number + 1].start_mark) :]
-    return text[:line] + text[_line_end(text, max(stop, start)) + 1 :]
+    _, rest = _line_end(text, max(stop, start))
+    return text[:line] + text[rest:]
 
 
 def _without_entry(text: str, entries: list[yaml.Node], number: int, start: int, stop: int) -> str:

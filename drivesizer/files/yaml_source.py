@@ -25,6 +25,7 @@ Path_ = tuple[str | int, ...]  # keys and indices from the top of the document t
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _DEEPEST = 20
+_TOO_DEEP = f"nested deeper than {_DEEPEST} levels"
 _MOST_KEYS = 10_000  # of one group of fields
 _LARGEST = 2_000_000  # bytes: long data belongs in a CSV file beside it
 _NULL = {"", "~", "null", "Null", "NULL"}
@@ -167,6 +168,8 @@ def _not_yaml(error: yaml.MarkedYAMLError, text: str) -> str:
             f"{problem} {error.context or ''}, which begins here".replace(" ,", ","),
         )
     line = min(line, max(len(lines) - 1, 0))
+    if "nesting depth" in problem:  # libyaml looks ahead of what it hands on
+        return f"{line + 1}: {_TOO_DEEP}"
     return f"{line + 1}: not YAML: {problem}{_hint(lines, line, problem)}"
 
 
@@ -241,7 +244,7 @@ class _Builder:
 
     def start(self, container: Any, event: Any) -> None:
         if len(self.open) >= _DEEPEST:
-            raise self.fail(event, f"nested deeper than {_DEEPEST} levels")
+            raise self.fail(event, _TOO_DEEP)
         self.open.append((container, self.place(container, event)))
 
     def key(self, event: Any) -> str:

@@ -173,8 +173,9 @@ def turns(problem: Problem, one: Candidates, names: Set[str]) -> dict[str, Turn]
     found = _along(problem, one, [figures[k] for k, _ in places], fine, names) if places else {}
     number = {place: n for n, place in enumerate(places)}
     return {
-        name: _turn(problem, one, figures[place[0]], fine[number[place]], found[name][number[place]])
+        name: _turn(problem, one, figures[place[0]], fine[number[place]], passed)
         for name, place in near.items()
+        if (passed := found[name][number[place]]).any() and not passed.all()  # else open among many points alone
     }
 
 

@@ -170,8 +170,8 @@ def order(
     """
     return np.lexsort((
         sets.belt,
-        _alphabetical(catalog.gearheads)[sets.gearhead],
-        _alphabetical(catalog.motors)[sets.motor],
+        catalog.gearheads.alphabetical[sets.gearhead],
+        catalog.motors.alphabetical[sets.motor],
         np.zeros(len(value)) if margin is None else rounded(-np.nan_to_num(margin, nan=-np.inf)),
         rounded(value),
         missing,
@@ -185,13 +185,6 @@ def rounded(value: Array) -> Array:
         place = 10.0 ** (_DIGITS - np.ceil(np.log10(np.abs(value))))
         found: Array = np.round(value * place) / place
     return np.where(np.isfinite(found), found, value)
-
-
-def _alphabetical(table: Table[Any]) -> NDArray[np.int64]:
-    """Place of each row by part number."""
-    place = np.empty(len(table), np.int64)
-    place[np.argsort(table["part"], kind="stable")] = np.arange(len(table))
-    return place
 
 
 def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> NDArray[np.int64]:

@@ -20,7 +20,7 @@ from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import Candidates, joined, pairs
 from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.search.columns.stages import Examined, examine
-from drivesizer.search.ranking import BRAKE, COUNTED, rounded
+from drivesizer.search.ranking import BRAKE, COUNTED, order, rounded
 from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["OPEN", "PASSES", "UNKNOWN", "Progress", "Sifted", "any_passes", "sifted"]
@@ -84,7 +84,7 @@ def sifted(
     for one in _examined(problem, every, belts, exact, margins or exact):
         failed_by.update(one.failed_by)
         kept.append(one)
-        rejected = [_nearest([*rejected, (one.rejected, one.bound)])]
+        rejected = [_nearest(problem, [*rejected, (one.rejected, one.bound)])]
         done += one.examined
         if progress:
             progress(done, total)
@@ -133,21 +133,24 @@ def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bo
     )
     hard = examine(unfavourable, some, staged=True, exact=exact, margins=margins)
     for one, few in zip(easy, cycle(rows), strict=False):
-        yield _at_both(one, few, next(hard)) if len(few) else _found(one, np.zeros(len(one.rows), bool))
+        if len(few):
+            yield _at_both(problem, one, few, next(hard))
+        else:
+            yield _found(problem, one, np.zeros(len(one.rows), bool))
 
 
-def _found(one: Examined, opened: NDArray[np.bool_]) -> _Found:
+def _found(problem: Problem, one: Examined, opened: NDArray[np.bool_]) -> _Found:
     figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin, BRAKE: one.brake.astype(float)}
     sets, rejected, bound = one.sets, one.rejected, one.bound
     if len(rejected) > _NEAREST:
         far = rounded(-bound)
         few = np.flatnonzero(~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1]))
         rejected, bound = rejected[few], bound[few]
-    failing = _nearest([(sets.on(rejected), bound)])
+    failing = _nearest(problem, [(sets.on(rejected), bound)])
     return _Found(len(sets.motor), sets.on(one.rows), opened, one.unknown, figures, one.failed_by, *failing)
 
 
-def _at_both(easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
+def _at_both(problem: Problem, easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
     """Candidates that pass at the favourable end, then those of the other end alone; ``few`` were examined at both."""
     passing = few[hard.rows]
     both, alone = np.isin(easy.rows, passing), ~np.isin(passing, easy.rows)
@@ -171,7 +174,7 @@ def _at_both(easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
         rejected=easy.rejected[rest],
         bound=easy.bound[rest],
     )
-    return _found(whole, np.concatenate([opened, np.ones(np.count_nonzero(alone), bool)]))
+    return _found(problem, whole, np.concatenate([opened, np.ones(np.count_nonzero(alone), bool)]))
 
 
 def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Candidates]]:
@@ -181,11 +184,11 @@ def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Cand
             yield belt, chunk._replace(belt=np.full(len(chunk.motor), belt))
 
 
-def _nearest(several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:
-    """The nearest of the rejected in several chunks."""
+def _nearest(problem: Problem, several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:
+    """The nearest of the rejected in several chunks; of those that are equally far the first by part number."""
     sets = joined([s for s, _ in several])
     bound = np.concatenate([b for _, b in several])
-    rows = np.lexsort((sets.belt, sets.gearhead, sets.motor, rounded(-bound)))[:_NEAREST]
+    rows = order(problem.catalog, sets, -bound, np.zeros(len(bound), np.int64))[:_NEAREST]
     return sets.on(rows), bound[rows]
 
 

@@ -30,6 +30,7 @@ from typing import NamedTuple
 sys.path.insert(0, str(Path(__file__).parent))
 from faults_bench import (
     COMMANDS,
+    INPUTS,
     Run,
     complaints,
     ended,
@@ -136,8 +137,13 @@ TARGETS: dict[str, Callable[[Path], None]] = {
         1
     ],
     "leads nowhere": lambda path: path.symlink_to("nothing/there"),
-    "is an input": lambda path: path.hardlink_to("robot.yaml" if path.name != "new.yaml" else "parts.csv"),
 }
+
+
+def _an_input_of(command: str) -> Callable[[Path], None]:
+    """The first file that a command names, else its default, under the name of its output."""
+    first = next((word for word in COMMANDS[command].words.split() if word in INPUTS), "robot.yaml")
+    return lambda path: path.hardlink_to(first)
 
 
 def with_fault(name: str, command: str, folder: Path, cache: Path) -> Run:
@@ -169,7 +175,7 @@ def every_fault(commands: list[str], cache: Path, only: str) -> list[str]:
                 run = with_fault(name, command, folder, cache)
                 files = {} if "disk" in name or "folder removed" in name else whole[command][1]
                 said += _said(command, name, complaints(command, run, folder, files, {}), run)
-        for name, make in TARGETS.items():
+        for name, make in {**TARGETS, "is an input": _an_input_of(command)}.items():
             if COMMANDS[command].outputs and name.startswith(only):
                 said += _odd_target(command, name, make, cache)
     return said
@@ -255,9 +261,8 @@ def at_once(commands: list[str], cache: Path) -> list[str]:
         for shared in (cache, Path(tempfile.mkdtemp(prefix="faults-cache-"))):
             with fresh() as folder:
                 both = [started(command, folder, surroundings(shared)) for _ in range(2)]
-                for run in [ended(one, 300.0) for one in both]:
-                    refused = run.status == 2  # a study's folder, a file that must not exist
-                    wrong = complaints(command, run, folder, {} if refused else whole[command][1], {})
+                for run in [ended(one, 300.0) for one in both]:  # one may be refused: the other's file is whole
+                    wrong = complaints(command, run, folder, whole[command][1], {})
                     said += _said(command, f"two at once, {'warm' if shared == cache else 'cold'}", wrong, run)
     return said
 

@@ -21,6 +21,7 @@ from starters import STARTERS  # noqa: E402
 
 __all__ = [
     "COMMANDS",
+    "INPUTS",
     "Command",
     "Run",
     "complaints",

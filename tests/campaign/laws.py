@@ -17,100 +17,26 @@ import tempfile
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
-from math import isclose, isnan
+from itertools import zip_longest
+from math import isnan
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
-import yaml
 
 sys.path.insert(0, str(Path(__file__).parent))
-from laws_machines import LOAD, Plain, catalogue, in_other_units, machine, scaled_by, several_cases
+from laws_case import DRIVES, SAME, Case, alike, brief, case_of, differences, parts_of, same_everywhere, spec_of
+from laws_machines import LOAD, Plain, backwards, catalogue, in_other_units, scaled_by, several_cases
 
 from drivesizer.errors import DrivesizerError, InputError
-from drivesizer.files.yaml_source import YamlSource
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.sizing import SizingResult
-from drivesizer.sizing import explain, size
-from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.sizing import size
 from drivesizer.spec.several_axes.machine_file import load_machine
 
 __all__ = ["LAWS", "Case", "broken"]
 
-DRIVES = 3  # of a machine that are looked at, best ones and closest rejected
-SAME = 1e-8  # of a figure, within which it is the same
 RANKS = {"fail": 0, "unknown": 1, "open": 1, "pass": 2}
-
-
-class Case(NamedTuple):
-    """A machine, its sizing, and the drives that are looked at, each explained alone."""
-
-    data: Plain
-    folder: Path
-    found: SizingResult
-    drives: tuple[DriveSet, ...]
-
-    def again(self, data: Plain, drive: DriveSet) -> DriveSet:
-        """The same motor, gearhead and belt for another spec."""
-        spec = spec_of(data, self.folder)
-        parts = catalogue(*spec.select.catalogs)
-        return explained(spec, drive, parts)
-
-
-def spec_of(data: Plain, folder: Path) -> RobotSpec:
-    return read_spec(YamlSource(yaml.safe_dump(data, sort_keys=False), str(folder / "robot.yaml")))
-
-
-def explained(spec: RobotSpec, drive: DriveSet, parts: Any) -> DriveSet:
-    made = explain(spec, drive.motor.part, "" if drive.actuator else drive.gearhead.part, catalog=parts)
-    return min(made, key=lambda one: abs(one.belt_ratio - drive.belt_ratio))
-
-
-def case_of(number: int, folder: Path) -> Case | None:
-    """The machine of a number; None where no drive is to be looked at."""
-    data = machine(number, folder)
-    try:
-        spec = spec_of(data, folder)
-        parts = catalogue(*spec.select.catalogs)
-        found = size(spec, catalog=parts, top=DRIVES)
-    except InputError:
-        return None
-    some = (*found.sets, *found.misses)[:DRIVES]
-    return Case(data, folder, found, tuple(explained(spec, one, parts) for one in some)) if some else None
-
-
-def parts_of(drive: DriveSet) -> tuple[str, ...]:
-    return tuple(
-        part.part if part else "none"
-        for part in (drive.motor, drive.gearhead, drive.encoder, drive.controller, drive.brake)
-    )
-
-
-def alike(one: float, other: float) -> bool:
-    return (isnan(one) and isnan(other)) or one == other or isclose(one, other, rel_tol=SAME, abs_tol=1e-12)
-
-
-def differences(one: DriveSet, other: DriveSet) -> Iterator[str]:
-    """What two drives that should be one and the same have different: parts, checks, demands, limits, verdicts."""
-    if parts_of(one) != parts_of(other):
-        yield f"parts {parts_of(one)} / {parts_of(other)}"
-    first, second = ({c.name: c for c in drive.own_checks} for drive in (one, other))
-    if first.keys() != second.keys():
-        yield f"checks {sorted(first.keys() ^ second.keys())}"
-    for name in first.keys() & second.keys():
-        a, b = first[name], second[name]
-        if a.status != b.status and not (alike(a.demand, b.demand) and isclose(a.demand, a.limit, rel_tol=1e-7)):
-            yield f"{name} {a.status} / {b.status} ({a.demand:.6g} of {a.limit:.6g} / {b.demand:.6g} of {b.limit:.6g})"
-        elif not (alike(a.demand, b.demand) and alike(a.limit, b.limit)):
-            yield f"{name} {a.demand!r} of {a.limit!r} / {b.demand!r} of {b.limit!r}"
-
-
-def same_everywhere(case: Case, other: Plain) -> Iterator[str]:
-    for drive in case.drives:
-        for text in differences(drive, case.again(other, drive)):
-            yield f"{drive.label}: {text}"
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------
@@ -118,7 +44,7 @@ def same_everywhere(case: Case, other: Plain) -> Iterator[str]:
 
 def search_and_explain(case: Case) -> Iterator[str]:
     """The search and ``explain`` say the same of a drive: its encoder, controller, brake, checks."""
-    for drive, alone in zip((*case.found.sets, *case.found.misses), case.drives, strict=False):
+    for drive, alone in zip((*case.found.sets, *case.found.misses), case.explained, strict=False):
         for text in differences(drive, alone):
             yield f"{drive.label}: {text}"
 
@@ -178,13 +104,25 @@ def worst_case(case: Case) -> Iterator[str]:
 def order_of_catalogues(case: Case) -> Iterator[str]:
     """The order of catalogues changes no drive and no figure."""
     names = case.data["select"]["catalogs"]
-    other = size(case.found.spec, catalog=catalogue(*reversed([*names, "amc"])), top=DRIVES)
-    first = size(case.found.spec, catalog=catalogue(*names, "amc"), top=DRIVES)
-    for one, two in zip(first.sets, other.sets, strict=False):
-        for text in differences(one, two):
-            yield f"{one.label}: {text}"
-    if len(first.sets) != len(other.sets):
-        yield f"{len(first.sets)} / {len(other.sets)} drives"
+    first, other = (catalogue(*some) for some in ([*names, "amc"], ["amc", *names[::-1]]))
+    yield from _same_drives(*(size(case.found.spec, catalog=parts, top=DRIVES).sets for parts in (first, other)))
+
+
+def order_of_parts(case: Case) -> Iterator[str]:
+    """The order of tables in a catalogue, and of rows in a table, changes no drive and no figure."""
+    other = backwards(*case.data["select"]["catalogs"])
+    found = size(case.found.spec, catalog=other, top=DRIVES)
+    yield from _same_drives(case.found.sets, found.sets)
+    yield from _same_drives(case.found.misses, found.misses)
+
+
+def _same_drives(some: tuple[DriveSet, ...], others: tuple[DriveSet, ...]) -> Iterator[str]:
+    for one, two in zip_longest(some, others):
+        if one is None or two is None:
+            yield f"{one and one.label} / {two and two.label}"
+        else:
+            for text in differences(one, two):
+                yield f"{one.label}: {text}"
 
 
 def one_axis(case: Case) -> Iterator[str]:
@@ -207,32 +145,43 @@ def one_axis(case: Case) -> Iterator[str]:
 # --- monotony ---------------------------------------------------------------------------------------------------------
 
 
-def burdens(data: Plain) -> Iterator[tuple[str, Plain]]:
-    """Specs that require more, each in one respect."""
-    yield "heavier", scaled_by(data, "load", {"mass", "inertia"}, 1.25)
+def burdens(data: Plain) -> Iterator[tuple[str, Plain, Plain]]:
+    """Specs of which one requires more than the other, each in one respect: its name, the lighter one, the heavier."""
+    yield "mass", data, scaled_by(data, "load", {"mass", "inertia"}, 1.25)
     supply = data.get("supply", {})
-    if "min" in supply:
-        yield "lower voltage", data | {"supply": supply | {"min": f"{0.9 * float(supply['min'].split()[0]):.6g} V"}}
-    yield "hotter", data | {"environment": {"ambient": f"{int(data['environment']['ambient'].split()[0]) + 15} degC"}}
-    yield "shorter rest", scaled_by(data, "motion", {"rest_time", "pause"}, 0.5)
+    if "nominal" in supply:
+        lowest = float(supply.get("min", supply["nominal"]).split()[0])
+        yield "voltage", data, data | {"supply": supply | {"min": f"{0.9 * lowest:.6g} V"}}
+        yield "voltage", data | {"supply": supply | {"min": supply["nominal"]}}, data
+    ambient = int(data["environment"]["ambient"].split()[0])
+    yield "ambient", data, data | {"environment": {"ambient": f"{ambient + 15} degC"}}
+    yield "ambient", data | {"environment": {"ambient": f"{max(ambient - 10, 5)} degC"}}, data
+    yield "rest", data, scaled_by(data, "motion", {"rest_time", "pause"}, 0.5)
 
 
 def monotony(case: Case) -> Iterator[str]:
-    """More mass, a lower voltage, hotter surroundings, shorter rests: no check that failed passes, parts alike."""
-    for name, other in burdens(case.data):
-        if other == case.data:
+    """More mass, a lower voltage, hotter surroundings, shorter rests: no check that failed passes, parts alike.
+
+    A line about a voltage or a speed in hotter surroundings is no fault of the program: magnets are weaker there, a
+    motor turns faster, and its voltage may suffice where it did not.
+    """
+    for name, light, heavy in burdens(case.data):
+        if light == heavy:
             continue
-        try:
-            again = [case.again(other, drive) for drive in case.drives]
-        except InputError:  # a wheel that slips
-            continue
-        for drive, laden in zip(case.drives, again, strict=True):
-            if parts_of(drive) != parts_of(laden):
+        for drive in case.drives:
+            try:
+                one, two = (drive if data is case.data else case.again(data, drive) for data in (light, heavy))
+            except InputError:  # a wheel that slips
                 continue
-            before, after = ({c.name: c for c in one.own_checks} for one in (drive, laden))
-            for check in before.keys() & after.keys():
-                if RANKS[before[check].status] == 0 < RANKS[after[check].status]:
-                    yield f"{name}: {drive.label}: {check}: {_said(before[check])} / {_said(after[check])}"
+            if parts_of(one) == parts_of(two):
+                yield from _easier(name, one, two)
+
+
+def _easier(name: str, light: DriveSet, heavy: DriveSet) -> Iterator[str]:
+    before, after = ({c.name: c for c in one.own_checks} for one in (light, heavy))
+    for check in before.keys() & after.keys():
+        if RANKS[before[check].status] == 0 < RANKS[after[check].status]:
+            yield f"{name}: {light.label}: {check}: {_said(before[check])} / {_said(after[check])}"
 
 
 def _said(check: Check) -> str:
@@ -262,6 +211,7 @@ LAWS: dict[str, Callable[[Case], Iterator[str]]] = {
     "a case twice": given_twice,
     "worst case": worst_case,
     "order of catalogues": order_of_catalogues,
+    "order of parts": order_of_parts,
     "one axis": one_axis,
     "monotony": monotony,
     "needs cost": needs_cost,
@@ -287,7 +237,7 @@ def main() -> int:
     given = parser.parse_args()
     laws = [name for name in LAWS if name.startswith(given.only)]
     tried, wrong = 0, Counter[str]()
-    with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings():
+    with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings(), brief():
         warnings.simplefilter("ignore")
         for number in range(given.first, given.first + given.count):
             case = case_of(number, Path(scratch))

@@ -8,6 +8,7 @@ from __future__ import annotations
 import copy
 import re
 import sys
+import tempfile
 from decimal import Decimal
 from functools import cache
 from pathlib import Path
@@ -22,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "benchmarks"))
 from estimates_study import STARTERS, scaled, varied  # noqa: E402
 
-__all__ = ["Plain", "catalogue", "in_other_units", "machine", "scaled_by", "several_cases"]
+__all__ = ["Plain", "backwards", "catalogue", "in_other_units", "machine", "scaled_by", "several_cases"]
 
 Plain = dict[str, Any]
 CATALOGUES = (["robotis"], ["pololu"], ["gobilda"], ["pololu", "gobilda"], ["cubemars", "myactuator"], ["maxon"],
@@ -51,6 +52,28 @@ def _starter(kind: str) -> str:
 def catalogue(*names: str) -> Catalog:
     """Shipped catalogues in that order."""
     return load(names)
+
+
+@cache
+def backwards(*names: str) -> Catalog:
+    """Shipped catalogues with the tables of each section, and the rows of each table, in the opposite order."""
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [Path(folder) / f"{name}.yaml" for name in names]
+        for path in paths:
+            path.write_text(_backwards((ROOT / "catalogs" / path.name).read_text(encoding="utf-8")), encoding="utf-8")
+        return load(map(str, paths))
+
+
+def _backwards(text: str) -> str:
+    head, *sections = re.split(r"^(?=[a-z_]+:)", text, flags=re.M)
+    return head + "".join(map(_tables_backwards, sections))
+
+
+def _tables_backwards(section: str) -> str:
+    head, *tables = re.split(r"^(?=- )", section, flags=re.M)
+    rows = re.compile(r"(?<=^  rows:\n)(?:  - \[.*\n(?:    .*\n)*)+", re.M)
+    row = re.compile(r"^  - \[.*\n(?:    .*\n)*", re.M)
+    return head + "".join(rows.sub(lambda all_: "".join(row.findall(all_[0])[::-1]), table) for table in tables[::-1])
 
 
 def machine(number: int, folder: Path) -> Plain:

@@ -19,7 +19,7 @@ from drivesizer.output.report import KNOWN, write
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
 
-# Writes half of each file, says so, and waits: the moment at which it is stopped. Then the same with the next file.
+# Writes half of a file, says so, and waits: the moment at which it is stopped. The next file when a line says so.
 WRITER = """
 import sys, time
 from pathlib import Path
@@ -40,6 +40,7 @@ real = Path.open
 Path.open = lambda path, *a, **k: Slow(real(path, *a, **k)) if path.suffix == ".part" else real(path, *a, **k)
 result = size(load_spec(sys.argv[1]), top=1)
 for target in sys.argv[2:]:
+    sys.stdin.readline()
     try:
         write(result, None, [Path(target)])
     except KeyboardInterrupt:
@@ -60,7 +61,8 @@ def names(folder: Path) -> list[str]:
 def writer(example: Path, *targets: Path) -> Iterator[subprocess.Popen[str]]:
     """A run that writes reports one after the other; it is killed where it still runs at the end."""
     command = [sys.executable, "-c", WRITER, str(example), *map(str, targets)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as run:
+    streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(command, text=True, **streams) as run:
         try:
             yield run
         finally:
@@ -68,8 +70,10 @@ def writer(example: Path, *targets: Path) -> Iterator[subprocess.Popen[str]]:
 
 
 def half_written(run: subprocess.Popen[str], folder: Path) -> bool:
-    """Wait for the moment at which half of a file is on the disk."""
-    assert run.stdout is not None
+    """Let a run write its next file, and wait for the moment at which half of it is on the disk."""
+    assert run.stdin is not None and run.stdout is not None
+    run.stdin.write("next\n")
+    run.stdin.flush()
     said = run.stdout.readline()
     return said == "half\n" and any(p.suffix == ".part" and p.stat().st_size > 0 for p in folder.iterdir())
 

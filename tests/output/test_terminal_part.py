@@ -294,6 +294,11 @@ def test_the_page_fits_and_is_plain_on_a_pipe(part, shown, section, width):
     assert "\x1b" not in out
 
 
+def test_the_chart_does_not_grow_with_any_terminal(part, shown):
+    out = shown(part("motors", **REGION), 100_000)
+    assert max(len(text.rstrip()) for text in out.splitlines() if text.endswith("]") or "┬" in text) <= 160
+
+
 def test_a_wide_page_sets_tables_side_by_side(part, shown):
     narrow, wide = (shown(part(), width).splitlines() for width in (80, 140))
     assert not any("continuous current by" in text and "overload at" in text for text in narrow)

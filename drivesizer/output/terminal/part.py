@@ -45,6 +45,7 @@ _LOOKS: dict[str, dict[str, Any]] = {  # of a curve in the chart
     "line": {}, "continuous": {"gap": 2, "style": "green"}, "peak": {"gap": 4, "style": "yellow"},
     "nominal": {"mark": "●", "style": "green"},
 }  # fmt: skip
+_WIDEST = 160  # columns of the chart, however wide the terminal
 _HEIGHT = 8  # columns of the terminal to a line of the chart's field
 
 
@@ -63,7 +64,7 @@ def page(hit: Hit, *, sources: bool = False) -> None:
     _figures(out, hit, sheet, sources)
     if hit.section in ("motors", "actuators"):
         out.print(_set(torque_and_speed(hit)))
-        out.print(*_chart(hit, out.width), sep="\n")
+        out.print(*_chart(hit, min(out.width, _WIDEST)), sep="\n")
         _heat(out, hit)
         out.print()
     if hit.section == "batteries":
