@@ -17,8 +17,9 @@ __all__ = ["has_names", "known_keys", "meant", "models_at", "models_in"]
 _OTHER_WORDS = {
     "accel": ("acceleration", "acceleration_time"),
     "ambient_temperature": ("ambient",),
-    "angle": ("incline", "slope"),
+    "angle": ("incline", "slope", "distance"),
     "bus_voltage": ("nominal",),
+    "displacement": ("distance",),
     "dwell": ("rest_time",),
     "dwell_time": ("rest_time",),
     "friction": ("friction_coefficient", "rolling_resistance", "friction_torque"),
@@ -27,12 +28,15 @@ _OTHER_WORDS = {
     "max_voltage": ("max",),
     "min_voltage": ("min",),
     "moment_of_inertia": ("inertia",),
+    "move": ("distance",),
     "mu": ("friction_coefficient",),
     "pause": ("rest_time",),
     "payload": ("mass",),
     "pitch": ("lead",),
     "radius": ("diameter", "wheel_diameter", "pulley_diameter"),
+    "stroke": ("distance",),
     "temperature": ("ambient",),
+    "travel": ("distance",),
     "velocity": ("speed",),
     "voltage": ("nominal", "nominal_voltage"),
     "weight": ("mass",),
@@ -62,19 +66,20 @@ def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
     named = next((word for word in _OTHER_WORDS.get(key, ()) if word in known), None)
     if named:
         return f"did you mean {quoted(named)}?"
-    return _other_kind(model, path) or _other_group(model, key) or _nearest(key, known)
+    kinds = (_other_kind(model, path, word) for word in (key, *_OTHER_WORDS.get(key, ())))
+    return next(filter(None, kinds), "") or _other_group(model, key) or _nearest(key, known)
 
 
-def _other_kind(model: type[BaseModel], path: Path_) -> str:
-    """The profiles or kinds with a key that the one of the file lacks; empty where none has it."""
+def _other_kind(model: type[BaseModel], path: Path_, word: str) -> str:
+    """The profiles or kinds with a key, or another word for it, that the one of the file lacks; empty if none has it."""
     owners = [model] if len(path) == 2 else []  # of load and motion, each one of several models
     fields = [m.model_fields[str(path[0])] for m in owners if path[0] in m.model_fields]
-    models = [m for field in fields for m in models_in(field.annotation) if path[-1] in m.model_fields]
+    models = [m for field in fields for m in models_in(field.annotation) if word in m.model_fields]
     for name in ("profile", "kind"):
         having = [m.model_fields[name].annotation for m in models if name in m.model_fields]
         named = [str(kind) for annotation in having for kind in get_args(annotation)]
         if named:
-            return f"it belongs to {name}: {' or '.join(named)}"
+            return f"{'it' if word == path[-1] else quoted(word)} belongs to {name}: {' or '.join(named)}"
     return ""
 
 

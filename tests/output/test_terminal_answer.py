@@ -65,6 +65,18 @@ def test_no_column_is_cut_where_a_part_is_not_listed(starter, capsys, monkeypatc
     assert controller.count("unknown") == 2 and "≈ 90 g" in controller
 
 
+@pytest.mark.parametrize("columns", [60, 80])
+def test_figures_beside_the_longest_part_numbers_are_whole(columns, starter, capsys, monkeypatch):
+    first, second = starter.alternatives[:2]
+    motor = replace(second.motor, part="ECXZ22M1KN50N1IL1D428A")
+    long = replace(second, motor=motor, gearhead=replace(second.gearhead, part="GPX22UPKLSL0111CPLW"))
+    out = told(replace(starter, alternatives=(first, long)), capsys, monkeypatch, columns)
+    lines = out[out.index("Beside other") :].splitlines()
+    head = next(line for line in lines if line.endswith("margin"))
+    assert max(map(len, lines[: lines.index(head) + 8])) <= columns
+    assert sum(line.endswith(" %") and " EUR " in line and " g " in line for line in lines) == 3
+
+
 def test_an_unknown_price_is_unknown_and_not_nothing(starter, capsys, monkeypatch):
     best = starter.sets[0]
     bare = replace(best, motor=replace(best.motor, price=nan), gearhead=replace(best.gearhead, price=nan))

@@ -205,12 +205,15 @@ def side_by_side(console: Console, sets: Sequence[DriveSet], objective: str, tit
     heads += [("mass", "right"), ("price", "right"), ("energy", "right"), ("margin", "right")]
     table = tables.bare(*heads, edged=False)
     shared = _shared(sets)
-    for found in sets:
+    drives = [_drive(found, shared, wide=wide) for found in sets]
+    for drive, found in zip(drives, sets, strict=True):
         value = [tables.objective(found, objective)] if own else []
-        table.add_row(_drive(found, shared, wide=wide), *value, *compared(found))
+        table.add_row(drive, *value, *compared(found))
     for column in table.columns[1:]:
         column.no_wrap = True
-    table.columns[0].min_width = max(_widest(found, wide=wide) for found in sets)
+    figures = tables.width_of(table) - max(map(_longest_line, drives))
+    names = max(_longest_line(names_of(found, wide=wide)) for found in sets)
+    table.columns[0].min_width = min(names, console.width - figures)  # figures are whole, long part numbers wrap
     braked = " with brake" if any(found.brake for found in sets) else ""
     over = "" if all(found.actuator for found in sets) else f", mass of motor and gearhead{braked}"
     console.print(Text(f"\n{title}: one drive each{over}", style="bold"))
@@ -243,9 +246,8 @@ def _drive(found: DriveSet, shared: Sequence[str], *, wide: bool) -> Text:
     return text.append(f"\n{', '.join(said)}", STYLE["unknown"]) if said else text
 
 
-def _widest(found: DriveSet, *, wide: bool) -> int:
-    """Characters of the longest of a drive's lines that does not wrap."""
-    return max(map(len, names_of(found, wide=wide).plain.splitlines()))
+def _longest_line(text: Text) -> int:
+    return max(map(len, text.plain.splitlines()))
 
 
 def names_of(found: DriveSet, *, wide: bool) -> Text:
