@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from drivesizer.control.validation import Validation
 from drivesizer.load_cases.platform_wheels import trajectory_of
 from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.loads.kinds import Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.results.problem import Problem
 from drivesizer.spec.platform import Platform
@@ -29,15 +30,26 @@ def driven_over(v: Validation) -> str:
 
 
 def machine_words(spec: RobotSpec) -> str:
-    """The machine in a line: a platform with its wheels and its path, else the kind of load with its mass."""
+    """The machine in a line: a platform with its wheels and its path, else the kind of load with mass or inertia."""
     load, platform = spec.load, spec.platform
-    mass = show(load.mass, "kg", "mass") if hasattr(load, "mass") else ""
+    mass = _burden(load)
     if platform is None or not isinstance(load, WheeledVehicle):
         kind = load.kind.replace("_", " ").capitalize()
         return ", ".join(filter(None, (kind, mass, _counted(load.motors, "drive"))))
     wheels = " and ".join(_wheels(platform))
     diameter = show(load.wheel_diameter, "mm", "length")
     return "; ".join([f"Platform of {mass} on {wheels}, wheel diameter {diameter}", *_size(platform), *_path(spec)])
+
+
+def _burden(load: Load) -> str:
+    """What is moved: its mass, else the inertia of what turns without one; empty where a load has neither.
+
+    >>> from types import SimpleNamespace
+    >>> _burden(SimpleNamespace(mass=45.0, inertia=0.0)), _burden(SimpleNamespace(mass=0.0, inertia=0.08))
+    ('45 kg', '0.08 kg·m²')
+    """
+    figures = ((getattr(load, name, None), name, unit) for name, unit in (("mass", "kg"), ("inertia", "kg*m^2")))
+    return next((show(value, unit, kind) for value, kind, unit in figures if value), "")
 
 
 def _wheels(platform: Platform) -> Iterator[str]:
