@@ -71,7 +71,7 @@ def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
 
 
 def _other_kind(model: type[BaseModel], path: Path_, word: str) -> str:
-    """The profiles or kinds with a key, or another word for it, that the one of the file lacks; empty if none has it."""
+    """The profiles or kinds with a word that the one of the file lacks; empty where none has it."""
     owners = [model] if len(path) == 2 else []  # of load and motion, each one of several models
     fields = [m.model_fields[str(path[0])] for m in owners if path[0] in m.model_fields]
     models = [m for field in fields for m in models_in(field.annotation) if word in m.model_fields]

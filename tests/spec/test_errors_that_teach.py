@@ -54,7 +54,7 @@ def lines(*changes):
         ("name: cart", "name: my: cart", "^robot.yaml:1: .*needs quotes"),
         ("[maxon]", "[maxxon]", r'^robot.yaml:16: select.catalogs: .*"maxxon"; the nearest is maxon'),
         ("  speed: 0.5 m/s", "  distance: 2 m", r"^robot.yaml:10: motion.distance: .*belongs to profile: .*triangle"),
-        ("  speed: 0.5 m/s", "  stroke: 2 m", r'^robot.yaml:10: motion.stroke: .*"distance" belongs to profile: triangle or'),
+        ("  speed: 0.5 m/s", "  stroke: 2 m", r'^robot.yaml:10: motion.stroke: .*"distance" belongs to profile'),
         ("  rolling_resistance", "  drum_diameter", r"^robot.yaml:7: load.drum_diameter: .*kind: conveyor or hoist"),
         ("{nominal:", "{voltage:", r'^robot.yaml:15: supply.voltage: unknown key; did you mean "nominal"\?$'),
         ("name: cart", "ambient: 40 degC", r"^robot.yaml:1: ambient: unknown key; expected environment.ambient"),
