@@ -171,6 +171,7 @@ def size(
         counts=found.counts,
         assumptions=(
             *_assumptions(problem.spec),
+            *_waits(problem.machine),
             *altitude_words(problem.spec),
             *mounting_words(problem.spec),
             *_held(problem),
@@ -207,6 +208,14 @@ def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
     if spec.method != "physics":
         return ()
     return unstated_temperature(s.motor.part for s in sets if isnan(s.motor.data_temperature))
+
+
+def _waits(spec: RobotSpec) -> tuple[str, ...]:
+    """The rest at the end of the motion of an axis of a machine."""
+    if spec.waits_until is None:
+        return ()
+    cycle = show(spec.waits_until, "s", "time")
+    return (f"it is at rest after its motion until the machine's cycle of {cycle} is over",)
 
 
 def _assumptions(spec: RobotSpec) -> tuple[str, ...]:

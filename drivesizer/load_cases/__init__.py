@@ -18,6 +18,7 @@ from drivesizer.files.csv_columns import beside
 from drivesizer.load_cases.computed import ComputedLoad
 from drivesizer.load_cases.held import held_positions
 from drivesizer.load_cases.profile import profile_of
+from drivesizer.load_cases.waiting import held_torque, with_rest
 from drivesizer.loads.course import Course, Profile, course
 from drivesizer.loads.fixed_gear import through_gear
 from drivesizer.loads.kinds import LAWS
@@ -117,12 +118,15 @@ def _held(spec: RobotSpec, profile: Profile | None) -> float:
 def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
     """The cycle without the belt's own inertia."""
     load = spec.load
-    if isinstance(load, ComputedLoad):
-        return load.cycle
     if isinstance(load, Recorded):
-        with located(spec):
-            return recorded(load, beside(spec.file, load.file, spec.where(("load", "file"))))
+        cycle = load.cycle if isinstance(load, ComputedLoad) else _recorded(spec, load)
+        return with_rest(cycle, spec.waits_until, held_torque(cycle))
     return of_course(spec, course(profile or profile_of(spec)))
+
+
+def _recorded(spec: RobotSpec, load: Recorded) -> LoadCycle:
+    with located(spec):
+        return recorded(load, beside(spec.file, load.file, spec.where(("load", "file"))))
 
 
 def of_course(spec: RobotSpec, course: Course) -> LoadCycle:

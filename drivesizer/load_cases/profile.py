@@ -24,6 +24,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.csv_columns import beside, columns
 from drivesizer.load_cases.breakpoints import Leg, checked, straight
 from drivesizer.load_cases.moves import cam, move
+from drivesizer.load_cases.waiting import resting
 from drivesizer.loads.course import Profile
 from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.spec.motions import Cam, Csv, Harmonic, Hold, SCurve, Segments, Trapezoid, Triangle
@@ -168,13 +169,18 @@ _MADE: dict[str, Callable[[Any], Profile]] = {
 
 
 def profile_of(spec: RobotSpec) -> Profile:
-    """The spec's motion as a profile.
+    """The spec's motion as a profile, with the rest in which it waits for other axes of its machine.
 
     Raises
     ------
     InputError
         When its figures cannot be computed with, or its file is wrong.
     """
+    return resting(_own_motion(spec), spec.waits_until)
+
+
+def _own_motion(spec: RobotSpec) -> Profile:
+    """The motion as it is written."""
     motion = spec.motion
     if motion is None:
         raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
@@ -233,7 +239,7 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     if name_or_file == own:
         return profile_of(spec)
     if name_or_file == "s-curve" and isinstance(spec.motion, Trapezoid):
-        return _carrying(_rounded(spec.motion), spec.motion)
+        return resting(_carrying(_rounded(spec.motion), spec.motion), spec.waits_until)
     raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
 
 

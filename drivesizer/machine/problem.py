@@ -22,7 +22,7 @@ from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.spec.mounting import Mounting
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["changed", "problem", "quickest_winding", "with_spec"]
+__all__ = ["changed", "problem", "quickest_winding", "with_cycle", "with_spec"]
 
 
 def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
@@ -118,7 +118,27 @@ def with_spec(case: LoadCase, spec: RobotSpec, quickest: float) -> LoadCase:
         The wheel of a platform keeps the load of the trajectory that was planned.
     """
     kept = all(a is b for a, b in zip(_shaping(spec), _shaping(case.spec), strict=True))
-    return replace(case, spec=spec, at_belt=case.at_belt if kept else _at_belt(spec, quickest))
+    return replace(case, spec=spec) if kept else with_cycle(case, spec, quickest)
+
+
+def with_cycle(case: LoadCase, spec: RobotSpec, quickest: float) -> LoadCase:
+    """A load case with another spec, its cycle made anew.
+
+    Parameters
+    ----------
+    case
+        As it was.
+    spec
+        In its place.
+    quickest
+        Time constant of the quickest winding [s].
+
+    Returns
+    -------
+    LoadCase
+        Of the same name and number.
+    """
+    return replace(case, spec=spec, at_belt=_at_belt(spec, quickest))
 
 
 def _shaping(spec: RobotSpec) -> tuple[Any, ...]:

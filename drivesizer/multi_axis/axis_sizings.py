@@ -11,6 +11,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.machine.budgets import riding_mass, riding_rows
 from drivesizer.multi_axis.combinations import Choice, Cost
 from drivesizer.multi_axis.joint_axes import TorquesOf, with_joints
+from drivesizer.multi_axis.machine_cycle import in_their_cycle
 from drivesizer.multi_axis.machine_power import with_choppers
 from drivesizer.multi_axis.offered_kinds import Loaded, OfferedKinds
 from drivesizer.results.drive_set import DriveSet
@@ -57,6 +58,7 @@ class AxisSizings:
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
         self.offered: dict[tuple[str, str], DriveSet] = {}  # by axis and label, drives beside the best
         self.machine = with_choppers(self.machine, self._parts)
+        self.cycles = in_their_cycle(self.machine, lambda axis: self._with_masses(axis, None))
 
     def objective(self, axis: str) -> Ranking:
         """Objective of the ranking of an axis' drives."""
@@ -132,8 +134,13 @@ class AxisSizings:
         return self.catalogs[key]
 
     def laden(self, axis: str, masses: tuple[float, ...]) -> RobotSpec:
-        """The spec of an axis with carried drives of these masses [kg]."""
+        """The spec of an axis in the machine's cycle, with carried drives of these masses [kg]."""
+        return self._with_masses(axis, masses).waiting(self.cycles.get(axis, {}))
+
+    def _with_masses(self, axis: str, masses: tuple[float, ...] | None) -> RobotSpec:
+        """The spec of an axis with its load, carried drives of these masses [kg] on it; of none without."""
         one, carried = self.machine.axis(axis), self.machine.carried(axis)
+        masses = masses or (0.0,) * len(carried)
         if self.joints.has(axis):
             return self.joints.laden(one.spec, axis, dict(zip(carried, masses, strict=True)))
         if not any(masses):

@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from math import isnan, nan
 from typing import NamedTuple
 
-from drivesizer.errors import FieldError, quoted
+from drivesizer.errors import FieldError
 from drivesizer.machine.regenerated import OnTheBus, regenerated_of
 from drivesizer.machine.supply_power import DrivePower, drive_power, together
 from drivesizer.multi_axis.exchange import MOST_PIECES, common_period, exchanged, fitted, from_start, summed_up
+from drivesizer.multi_axis.machine_cycle import Moving, cycle_of
 from drivesizer.multi_axis.phases import AtAnyPhase, bus_power, share_above, worst_start
 from drivesizer.multi_axis.waiting import at_rest, unknown_at_rest, waiting
 from drivesizer.physics.power_stage import Feed
@@ -22,7 +23,6 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.machine_power import Exceeded
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import show
 
 __all__ = ["AxisPower", "CommonBus", "common_bus"]
 
@@ -95,7 +95,9 @@ def common_bus(
     feed = shared.feed_of(None)._replace(drives=1)
     cases = [axis.case(name) for axis in axes]
     waits = [synchronised and axis.waits(some) for axis, some in zip(axes, cases, strict=True)]
-    cycle = _cycle(axes, cases, waits, cycle_time)
+    rows = zip(axes, cases, waits, strict=True)
+    moving = [Moving(axis.name, axis.start, own[0].cycle.total, one) for axis, own, one in rows]
+    cycle = cycle_of(moving, cycle_time)
     powers = [_of_axis(*row, cycle) for row in zip(axes, cases, waits, strict=True)]
     window = common_period([power.total for power in powers], [len(power.duration) for power in powers])
     if synchronised and not isnan(window) and len(axes) > 1:
@@ -137,23 +139,6 @@ def _groups(axes: Sequence[AxisPower], waits: Sequence[bool], powers: list[Drive
     for k in waiting_ones:
         powers[k] = from_start(powers[k], axes[k].start)
     return ([waiting_ones] if waiting_ones else []) + [[k] for k, one in enumerate(waits) if not one]
-
-
-def _cycle(
-    axes: Sequence[AxisPower], cases: Sequence[Sequence[LoadCase]], waits: Sequence[bool], cycle_time: float | None
-) -> float:
-    """Length of the machine's cycle [s]: as given, or until the last axis that waits for the others is done."""
-    periods = [some[0].cycle.total for some in cases]
-    if not any(waits):
-        return max(periods)
-    for axis, period, one in zip(axes, periods, waits, strict=True):
-        if one and cycle_time is not None and period > cycle_time * (1.0 + 1e-9):
-            taken, given = (show(value, "s", "time") for value in (period, cycle_time))
-            raise FieldError(
-                ("cycle_time",), f"axis {quoted(axis.name)} moves for {taken}; expected no less, not {given}"
-            )
-    ends = [axis.start + period for axis, period, one in zip(axes, periods, waits, strict=True) if one]
-    return max(ends) if cycle_time is None else cycle_time
 
 
 def _of_axis(axis: AxisPower, cases: Sequence[LoadCase], waits: bool, cycle: float) -> DrivePower:

@@ -12,6 +12,7 @@ from drivesizer.errors import FieldError, InputError
 from drivesizer.machine.supply_unit import with_parts_of_supply
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
 from drivesizer.multi_axis.shared_sections import shared_sections
+from drivesizer.multi_axis.waiting import moving_alone
 from drivesizer.results.check import Check, worst_of_cases
 from drivesizer.results.check_columns import at_most
 from drivesizer.results.machine import AxisSizing
@@ -97,7 +98,9 @@ def _on_supply(machine: MachineSpec, axes: Sequence[AxisSizing]) -> _OnSupply | 
     if _alone(machine) or not on_it or any(one.best is None for one in on_it):
         return None
     found = [
-        AxisPower(one.name, one.result.problem, one.best, machine.axis(one.name).start) for one in on_it if one.best
+        AxisPower(one.name, moving_alone(one.result.problem), one.best, axis.start, axis.repeats)
+        for one, axis in ((one, machine.axis(one.name)) for one in on_it)
+        if one.best
     ]
     shared = shared_sections(machine, [one.spec for one in on_it])
     return _OnSupply(shared, _listing(machine, [one.result.problem.catalog for one in on_it]), found)

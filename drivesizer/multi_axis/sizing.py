@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from drivesizer.errors import InputError
@@ -20,6 +20,7 @@ from drivesizer.multi_axis.combinations import Choice, Combination, axis_by_axis
 from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
 from drivesizer.multi_axis.file_tolerances import toleranced, without_effect
 from drivesizer.multi_axis.joint_axes import TorquesOf
+from drivesizer.multi_axis.machine_cycle import in_their_cycle
 from drivesizer.multi_axis.machine_power import machine_power, over_tolerances, with_choppers
 from drivesizer.multi_axis.offered_kinds import ORDER, OfferedKinds, kind_of
 from drivesizer.multi_axis.within_limits import within_limits
@@ -105,7 +106,7 @@ def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], fo
         objective=", ".join(objectives),
         searches=len(sizings.made),
         certain=found.certain and all(_bounded(sizings, axis.name, found) for axis in machine.axes),
-        notes=(*_notes(machine, found, axes), *sizings.joints.notes),
+        notes=(*_notes(machine, found, axes), *sizings.joints.notes, *_waiting(axes)),
         checks=power.checks if power else (),
         power=power,
     )
@@ -219,7 +220,9 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     alone = machine.robot is None and not machine.axis(axis).carries
     rides = any(axis in machine.carried(other.name) for other in machine.axes)
     if alone and not rides and machine.few_kinds is None:
-        return with_choppers(machine, load_parts).axis(axis).spec
+        machine = with_choppers(machine, load_parts)
+        cycles = in_their_cycle(machine, lambda name: machine.axis(name).spec)
+        return machine.axis(axis).spec.waiting(cycles.get(axis, {}))
     found = size_machine(machine).axis(axis)
     return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
 
@@ -260,6 +263,15 @@ def _lacking(
     masses = tuple(found.chosen[other].mass if other in found.chosen else 0.0 for other in carried[name])
     result = sizings.chosen(name, masses, found.chosen[name].name)
     return mass_on_others(result.problem, result.sets[0])[1]
+
+
+def _waiting(axes: Sequence[AxisSizing]) -> Iterator[str]:
+    """The axes that wait at rest until the machine's cycle is over."""
+    until = {axis.name: axis.result.problem.machine.waits_until for axis in axes}
+    waits = [name for name, end in until.items() if end is not None]
+    if waits:
+        cycle = show(next(end for end in until.values() if end is not None), "s", "time")
+        yield f"{', '.join(waits)}: at rest after the motion until the cycle of {cycle} is over; if not: repeats: true"
 
 
 def _notes(machine: MachineSpec, found: Combination, axes: tuple[AxisSizing, ...]) -> list[str]:

@@ -1,7 +1,6 @@
-"""An axis that waits at rest, its motion done, until the machine's cycle is over.
+"""An axis that waits at rest, its motion done, until the machine's cycle is over, as its power on the bus.
 
-It is held by the torque of the rest that ends its cycle, or by what its last moment leaves without the torque that
-decelerates it, friction included. The motor is as warm as over the whole of the machine's cycle.
+Axes are sized with that rest; on the bus it is what the cycle of all leaves, which over tolerances is another one.
 """
 
 from __future__ import annotations
@@ -12,14 +11,36 @@ from math import isnan
 
 import numpy as np
 
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.waiting import held_torque, with_rest
+from drivesizer.machine.problem import quickest_winding, with_cycle
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
-from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.results.problem import LoadCase
+from drivesizer.results.problem import LoadCase, Problem
 
-__all__ = ["at_rest", "held_torque", "unknown_at_rest", "waiting"]
+__all__ = ["at_rest", "moving_alone", "unknown_at_rest", "waiting"]
 
 _NO_TIME = 1e-9  # of the cycle
 _STILL = 1e-9  # of the largest speed
+
+
+def moving_alone(problem: Problem) -> Problem:
+    """An axis without the rest in which it waits.
+
+    Parameters
+    ----------
+    problem
+        The axis as it was sized.
+
+    Returns
+    -------
+    Problem
+        The same where it does not wait.
+    """
+    if all(case.spec.waits_until is None for case in problem.cases):
+        return problem
+    quickest = quickest_winding(problem.catalog)
+    cases = tuple(with_cycle(case, case.spec.waiting({}), quickest) for case in problem.cases)
+    return replace(problem, machine=problem.machine.waiting({}), cases=cases)
 
 
 def at_rest(cases: Sequence[LoadCase]) -> bool:
@@ -37,23 +58,6 @@ def at_rest(cases: Sequence[LoadCase]) -> bool:
     )
 
 
-def held_torque(cycle: LoadCycle) -> float:
-    """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown.
-
-    Parameters
-    ----------
-    cycle
-        That ends at rest.
-
-    Returns
-    -------
-    float
-        Of a rest at its end that of the rest.
-    """
-    torque, acceleration = float(cycle.torque[-1, 1]), float(cycle.acceleration[-1, 1])
-    return torque if acceleration == 0.0 else torque - cycle.inertia * acceleration
-
-
 def waiting(case: LoadCase, until: float) -> CycleAtBelt:
     """The load cycle of an axis with a rest at its end.
 
@@ -69,19 +73,12 @@ def waiting(case: LoadCase, until: float) -> CycleAtBelt:
     CycleAtBelt
         As it is where it lasts so long; held by nothing where that is unknown.
     """
-    cycle, rest = case.cycle, until - case.cycle.total
-    if rest <= _NO_TIME * until:
+    if until - case.cycle.total <= _NO_TIME * until:
         return case.at_belt
-    still, held = np.zeros((1, 2)), held_torque(cycle)
-    held = 0.0 if isnan(held) else held
-    longer = replace(
-        cycle,
-        duration=np.append(cycle.duration, rest),
-        speed=np.concatenate([cycle.speed, still]),
-        acceleration=np.concatenate([cycle.acceleration, still]),
-        torque=np.concatenate([cycle.torque, still + held]),
-    )
-    return at_gearhead(longer, case.spec.belt_efficiency, case.at_belt.quickest)
+    cycle = load_cycle(case.spec.waiting(dict.fromkeys([name for name, _ in case.spec.load_cases], until)))
+    held = held_torque(cycle)
+    cycle = with_rest(cycle, until, 0.0 if isnan(held) else held)
+    return at_gearhead(cycle, case.spec.belt_efficiency, case.at_belt.quickest)
 
 
 def unknown_at_rest(cases: Sequence[LoadCase]) -> str:

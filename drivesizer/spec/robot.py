@@ -106,6 +106,7 @@ class RobotSpec(Section):
     _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
     _on_common_bus: bool = PrivateAttr(default=False)
+    _waits_until: float | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _chain(self) -> RobotSpec:
@@ -434,6 +435,18 @@ class RobotSpec(Section):
             return made
 
         return self.changed(marked)
+
+    @property
+    def waits_until(self) -> float | None:
+        """End of the machine's cycle, for which an axis of several waits at rest [s]; None: it does not."""
+        return self._waits_until
+
+    def waiting(self, until: Mapping[str, float | None]) -> RobotSpec:
+        """The spec as an axis that waits at rest for the end of the machine's cycle [s], by load case."""
+        made = self.model_copy()
+        made._waits_until = until.get(self.load_cases[0][0])
+        made._cases = tuple((name, case.waiting({"": until.get(name)})) for name, case in self._cases)
+        return made
 
     def with_cases(self, further: Iterable[tuple[str, RobotSpec]]) -> RobotSpec:
         """The spec with more load cases behind its own, by name."""

@@ -71,6 +71,7 @@ def test_a_file_with_axes_is_a_machine_and_any_other_a_spec(tmp_path: Path) -> N
         ("carries: [lift]", "carries: 3", 9, "expected names of axes"),
         ("carries: [lift]", "carries: {lift: {at: 1 m}}", 9, "a belt_axis moves along a line"),
         ("start: 0.5 s", "carries: [bridge]", 14, "no order to size them in"),
+        ("carries: [lift]", "carries: [lift, lift]", 9, 'axes.bridge.carries: "lift" is there twice'),
         ("start: 0.5 s", "start: 0.5", 14, 'axes.lift.start: "0.5" has no unit'),
         ("start: 0.5 s", "strat: 0.5 s", 14, "axes.lift.strat: unknown key; the nearest are start"),
         ("12 kg", "12 kgg", 7, 'axes.bridge.load.mass: "12 kgg"'),

@@ -33,6 +33,7 @@ class AxisSpec:
     spec: RobotSpec  # it alone, all shared sections in it
     carries: tuple[Carried, ...]
     start: float  # s, of its motion in the machine's cycle
+    repeats: bool | None  # its motion, at once; None: where it is not at rest at both ends of it
     own_supply: bool  # whether it is not on the machine's
     is_joint: bool  # of the robot, whose description gives its load
 

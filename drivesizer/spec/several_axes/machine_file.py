@@ -23,6 +23,7 @@ from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.brake_resistor import BrakeResistor
 from drivesizer.spec.messages import explained
+from drivesizer.spec.motions import Cam, Harmonic
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.robot_section import RobotSection
@@ -70,9 +71,17 @@ class AxisFields(Section):
     def _names(cls, given: Any) -> Any:
         if not isinstance(given, list | dict) or not all(isinstance(name, str) for name in given):
             raise ValueError("expected names of axes, e.g. [wrist], or each with its distance, {wrist: {at: 300 mm}}")
+        twice = next((name for place, name in enumerate(given) if name in list(given)[:place]), None)
+        if twice is not None:
+            raise ValueError(f"{quoted(twice)} is there twice; expected each axis once")
         return given
 
     start: Pause = default("0 s", description="of its motion, after that of the machine's cycle")
+    repeats: bool | None = Field(
+        default=None,
+        description="its motion at once, with a period of its own; false: it waits at rest until the machine's cycle "
+        "is over, as by default all do that begin and end at rest, but for harmonic and cam",
+    )
 
 
 class MachineFields(Section):
@@ -334,6 +343,7 @@ def _axis(source: YamlSource, shared: dict[str, Any], name: str, given_as: Both,
         spec=spec if alone or own_supply else spec.on_supply_of_machine(),
         carries=_carries(head),
         start=head.start,
+        repeats=True if head.repeats is None and isinstance(spec.motion, Harmonic | Cam) else head.repeats,
         own_supply=own_supply,
         is_joint=is_joint,
     )
