@@ -8,11 +8,11 @@ from typing import Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, writing_report
+from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, working, writing_report
 from drivesizer.commands.proving import proven_axes
 from drivesizer.errors import InputError
 
-__all__ = ["of_one_axis", "report_all", "size_all", "sized_machine", "validate_axes"]
+__all__ = ["explain_axes", "of_one_axis", "report_all", "size_all", "sized_machine", "validate_axes"]
 
 
 def size_all(
@@ -155,6 +155,50 @@ def validate_axes(machine: Any, given: Mapping[str, object], profile: str | None
 
         machine_proofs(machine.name, proofs)
     return 1 if any(proof.status == "fail" for proof in proofs.values()) else 0
+
+
+def explain_axes(
+    machine: Any, motor: str, gearhead: str, sampling: tuple[int | None, int | None, int | None], json: bool
+) -> int:
+    """Show of which axes of a machine one combination of motor and gearhead meets all limits; the exit status.
+
+    Parameters
+    ----------
+    machine
+        Of several axes: each has the best drives of the others on it.
+    motor, gearhead, json
+        As of ``drivesizer explain``.
+    sampling
+        Samples, seed and samples in closed loop.
+
+    Returns
+    -------
+    int
+        0 where it does not fail on every axis, else 1.
+    """
+    from drivesizer.search.uncertainty.options import sampling_of
+    from drivesizer.sizing import explained, load_parts
+
+    samples, seed, loops = sampling
+    result, found = sized_machine(machine, 1, None), {}
+    for axis in result.axes:
+        spec = axis.result.problem.machine
+        with working(f"examining the drive on {axis.name}"):
+            try:
+                how = sampling_of(spec, samples=samples, seed=seed, loop=loops)
+                found[axis.name] = explained(spec, motor, gearhead, catalog=load_parts(spec), sampling=how)
+            except InputError as error:
+                raise InputError(f"{axis.name}: {error}") from None
+    if json:
+        from drivesizer.output.json.documents import SCHEMA_VERSION, as_text, explanation
+
+        documents = {name: explanation(one) for name, one in found.items()}
+        typer.echo(as_text({"schema_version": SCHEMA_VERSION, "axes": documents}))
+    else:
+        from drivesizer.output.terminal.several_axes import machine_explained
+
+        machine_explained(machine.name, found)
+    return int(all(one.status == "fail" for pair in found.values() for one in pair.sets))
 
 
 def of_one_axis(given: Mapping[str, object]) -> None:

@@ -16,7 +16,6 @@ from drivesizer.commands.common import (
     Profile,
     Spec,
     Top,
-    load,
     load_whole,
     print_notes,
     progress,
@@ -194,7 +193,11 @@ def explain(
     from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import explained, load_parts
 
-    robot = load(spec, catalogs, axis)
+    robot = load_whole(spec, catalogs, axis)
+    if hasattr(robot, "axes"):
+        from drivesizer.commands.machine import explain_axes
+
+        raise typer.Exit(explain_axes(robot, motor, gearhead, (samples, seed, loop_samples), json))
     sampling = sampling_of(robot, samples=samples, seed=seed, loop=loop_samples)
     catalog = load_parts(robot)
     with working("examining the drive"):

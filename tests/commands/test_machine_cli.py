@@ -67,6 +67,21 @@ def test_the_closed_loop_of_one_axis_is_that_of_all(leg: Path) -> None:
     assert set(together) == {"hip", "knee"} and together["hip"]["checks"] == alone["checks"]
 
 
+def test_a_drive_is_explained_on_every_axis_as_on_each_alone(leg: Path) -> None:
+    pair = ("--motor", "118752", "--gearhead", "406764")
+    status, text = called("explain", leg, *pair)
+    together = json.loads(called("explain", leg, *pair, "--json")[1])["axes"]
+    assert list(together) == ["hip", "knee"] and max(map(len, text.splitlines())) <= 80
+    for axis, found in together.items():
+        alone_status, alone = called("explain", leg, "--axis", axis, *pair, "--json")
+        assert found["sets"] == json.loads(alone)["sets"]
+        assert (found["sets"][0]["status"] == "fail") == bool(alone_status)
+        (row,) = (line for line in text.splitlines() if line.startswith(axis))
+        assert ("FAIL" in row) == bool(alone_status)
+    statuses = {found["sets"][0]["status"] for found in together.values()}
+    assert len(statuses) == 2 and status == 0  # it stands on one of them
+
+
 def test_no_drive_is_said_with_the_axis(leg: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = leg.read_text(encoding="utf-8").replace("mass: 6 kg", "mass: 6000 kg").replace("0.06 kg", "60 kg")
     path = leg.parent / "heavy.yaml"
@@ -81,7 +96,8 @@ def test_no_drive_is_said_with_the_axis(leg: Path, capsys: pytest.CaptureFixture
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("explain", "LEG", "--motor", "1"), "a machine of several axes; expected --axis, one of hip, knee"),
+        (("explain", "LEG", "--motor", "1"), 'hip: motor "1" is in no catalogue'),
+        (("export", "LEG", "--format", "fmu", "-o", "x.fmu"), "fmu is of a single axis"),
         (("size", "LEG", "--axis", "ankle"), 'there is no axis "ankle"'),
         (("size", "LEG", "--pareto", "mass,price"), "--pareto: it is of a single axis"),
         (("validate", "LEG", "--all"), "--all: it is of a single axis"),

@@ -14,11 +14,12 @@ from drivesizer.output.several_axes import choice_text, supply_texts
 from drivesizer.output.terminal import tables
 from drivesizer.output.terminal.answer import compared, names_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
-from drivesizer.results.check import Check, tightest, worst
+from drivesizer.results.check import GRAVEST, Check, tightest, worst
 from drivesizer.results.machine import AxisSizing, MachineSizing
+from drivesizer.results.sizing import Explanation
 from drivesizer.units import show
 
-__all__ = ["machine_proofs", "machine_sizing"]
+__all__ = ["machine_explained", "machine_proofs", "machine_sizing"]
 
 _AXES = 16  # characters of the names of axes in a parts list, where there is no room for more
 _WIDE = 110  # columns from which on a drive has a single line
@@ -122,11 +123,9 @@ def _tightest(console: Console, result: MachineSizing) -> None:
     for axis in result.axes:
         check = next(iter(tightest(axis.best.deciding, 1)), None) if axis.best else _failing(axis)
         if check:
-            figures = tables.plain(check, check.demand), tables.plain(check, check.limit), percent(check.margin)
-            table.add_row(axis.name, check.title, *figures, Text(MARK[check.status], style=STYLE[check.status]))
+            table.add_row(axis.name, *_row(check), Text(MARK[check.status], style=STYLE[check.status]))
     for check in _of_the_machine(result):
-        figures = tables.plain(check, check.demand), tables.plain(check, check.limit), percent(check.margin)
-        table.add_row("all", check.title, *figures, Text(MARK[check.status], style=STYLE[check.status]))
+        table.add_row("all", *_row(check), Text(MARK[check.status], style=STYLE[check.status]))
     console.print()
     console.print(table)
 
@@ -182,6 +181,37 @@ def _next(console: Console, spec: str, result: MachineSizing) -> None:
     console.print(f"\nnext: drivesizer size{behind} --axis {quoted}, one axis in full", soft_wrap=True)
     console.print(f"      drivesizer validate{behind} simulates every axis in closed loop", soft_wrap=True)
     console.print(f"      drivesizer report{behind} -o report.pdf, or .html, .xlsx, .csv, .json", soft_wrap=True)
+
+
+def machine_explained(name: str, found: Mapping[str, Explanation]) -> None:
+    """Print how one combination of motor and gearhead does on every axis of a machine, with its tightest check.
+
+    Parameters
+    ----------
+    name
+        Of the machine.
+    found
+        The combination by the axis' name.
+    """
+    console = tables.console()
+    label = next(one.sets[0].label for one in found.values())
+    tables.heading(console, name, "")
+    console.print(Text(label, style="bold"))
+    heads = [("axis", "left"), ("", "left"), ("demand", "right"), ("limit", "right"), ("margin", "right"), ("", "left")]
+    table = tables.bare(*heads, edged=False)
+    for axis, pair in found.items():
+        one = max(pair.sets, key=lambda each: GRAVEST.index(each.status))
+        title, *figures = _row(next(iter(tightest(one.deciding, 1)), None))
+        belt = f", belt {one.belt_ratio:g}:1" if len(pair.sets) > 1 else ""
+        table.add_row(axis, f"{title}{belt}", *figures, Text(MARK[one.status], style=STYLE[one.status]))
+    console.print(table)
+
+
+def _row(check: Check | None) -> tuple[str, str, str, str]:
+    """A check in a row: its title, demand, limit and margin."""
+    if check is None:
+        return "–", "", "", ""
+    return check.title, tables.plain(check, check.demand), tables.plain(check, check.limit), percent(check.margin)
 
 
 def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
