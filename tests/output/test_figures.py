@@ -23,7 +23,8 @@ from drivesizer.output.report.figures.style import STYLE, named
 from drivesizer.output.report.figures.time_windows import Window, thinned, windows
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.sizing import SizingResult
-from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.sizing import size
+from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
 
 
 def drawn(result: SizingResult) -> dict[str, bytes]:
@@ -43,6 +44,21 @@ def test_every_figure_is_a_vector_drawing_with_the_same_bytes_each_time(result):
         assert svg == second[name], name
         assert b"<image" not in svg, name
         assert b"<dc:date>" not in svg, name
+
+
+def test_the_field_of_a_stepper_that_never_moves_has_an_axis_of_speed():
+    found = size(
+        load_spec({
+            "name": "held", "supply": {"nominal": "48 V"}, "motion": {"profile": "hold", "time": "9 s"},
+            "load": {"kind": "hoist", "mass": "1 kg", "drum_diameter": "20 mm"},
+            "transmission": [{"kind": "direct"}],
+            "select": {"catalogs": ["stepperonline"], "motor": {"kind": "stepper"}},
+        }),
+        top=1,
+    )  # fmt: skip
+    made = panels(found.problem, found.sets[0], found.requirements)
+    assert made[0].cases[0][-1].speed[-1] == 0.0
+    assert "motor speed (rpm)" in labels(torque_speed(made))  # a warning of the drawing library is an error here
 
 
 def test_every_axis_names_its_unit(result):

@@ -128,6 +128,7 @@ _LINES = 5  # of a motor that have a name
 _BESIDE = 0.45  # in, of a legend that may stand beside the axis below a field
 _ROOM = 1.12  # of an axis beyond what must be seen
 _HEADROOM = 1.06  # above the highest speed
+_SLOWEST = 0.1  # rad/s, highest speed of a diagram at least: a stepper that holds its load has none
 
 
 def _field(axes: Axes, panel: Panel, *, plain: bool = False) -> None:
@@ -143,7 +144,7 @@ def _field(axes: Axes, panel: Panel, *, plain: bool = False) -> None:
     _mark(axes, panel, unit)
     right = float(from_si(_ROOM * reach, unit, "torque"))
     left = min(0.0, *(np.nan_to_num(signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
-    top = max(first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
+    top = max(_SLOWEST, first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
     axes.set_xlim(_ROOM * float(from_si(left, unit, "torque")) - 0.03 * right, right)
     axes.set_ylim(0, float(from_si(_HEADROOM * top, "rpm", "rotary_speed")))
     axes.axvline(0, color="black", linewidth=0.6)
