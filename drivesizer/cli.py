@@ -21,6 +21,7 @@ from drivesizer.commands.catalog import app as catalog_commands
 from drivesizer.commands.drive import drive
 from drivesizer.commands.ends import ended
 from drivesizer.commands.export import export
+from drivesizer.commands.memory import keep_freed_memory
 from drivesizer.commands.predict import predict
 from drivesizer.commands.setup import doctor, equations, init, schema
 from drivesizer.commands.sizing import explain, report, size
@@ -97,6 +98,7 @@ def _of(arguments: list[str]) -> typer.Typer:
 def main() -> None:
     """Run the command line; every failure ends in one line and a status."""
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else every package is searched for some
+    keep_freed_memory()
     gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
     warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown
