@@ -128,6 +128,12 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return f"unknown key; {meant(model, path, data)}"
         case "too_short":
             return f"{found} is too short; expected at least {fault['ctx']['min_length']}{_default(model, path, data)}"
+        case "too_long":
+            return f"{found} is too long; expected at most {fault['ctx']['max_length']} entries"
+        case "string_too_short":
+            return "is empty; expected text"
+        case "string_too_long":
+            return f"{found} is too long; expected at most {fault['ctx']['max_length']} characters"
         case "value_error":
             text = str(fault["ctx"]["error"])
             own = text.removeprefix(f"{'.'.join(map(str, path))}: ")

@@ -20,6 +20,7 @@ supply: {nominal: 24 V}
 select: {catalogs: [own.yaml]}
 """
 SIZE = ["size", "robot.yaml"]
+MANY = ", ".join(f"{{name: c{n}}}" for n in range(101))
 
 
 # what was put in place of what, the command, and what it says now
@@ -33,6 +34,9 @@ SIZE = ["size", "robot.yaml"]
         ("name: once", "transmission: [[5 +- 10 %, {ratio: 5 +- 10 %}]]", SIZE, "robot.yaml:1: transmission[1]: "),
         ("name: once", "cases: [{transmission: [{kind: belt, ratio: 2 +- 5 %}]}]", SIZE, "ratios of a belt are "),
         ("name: once", f"{'x' * 900}: 1", SIZE, f"robot.yaml:1: {'x' * 59}…: unknown key; expected one of name"),
+        ("name: once", "name: ''", SIZE, "robot.yaml:1: name: is empty; expected text"),
+        ("name: once", f"name: {'x' * 300}", SIZE, '…" is too long; expected at most 200 characters'),
+        ("name: once", f"cases: [{MANY}]", SIZE, 'cases: "a list of 101" is too long; expected at most 100 entries'),
     ],
 )  # fmt: skip
 def test_what_once_ended_wrongly_is_said_in_a_line(was, put, words, said, tmp_path):
