@@ -33,6 +33,7 @@ from drivesizer.units import show
 __all__ = ["AxisPower", "common_supply"]
 
 Array = NDArray[np.float64]
+_ROUNDING = 1e-9  # of a cycle
 _STAYS = "unknown: how far regenerated energy raises the voltage: give brake_resistor or supply.capacitance"
 
 
@@ -299,7 +300,9 @@ def _assumptions(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterat
 
 
 def _timing(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:
-    waits = [axis.name for axis in axes if axis.waits(axis.case(name))]
+    cases = {axis.name: axis.case(name) for axis in axes}
+    done = [axis.name for axis in axes if axis.waits(cases[axis.name])]
+    waits = [one for one in done if cases[one][0].cycle.total < bus.cycle * (1.0 - _ROUNDING)]
     if not bus.phases:
         yield "what one axis regenerates another draws at the same moment"
     else:
@@ -309,9 +312,8 @@ def _timing(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[st
     cycle = show(bus.cycle, "s", "time")
     if waits:
         yield f"{', '.join(waits)}: at rest after the motion until the machine's cycle of {cycle} is over"
-    for axis in axes:
-        if axis.name not in waits:
-            own = show(axis.case(name)[0].cycle.total, "s", "time")
-            yield f"{axis.name}: repeats its cycle of {own}"
+    for one, own in cases.items():
+        if one not in done:
+            yield f"{one}: repeats its cycle of {show(own[0].cycle.total, 's', 'time')}"
     if bus.phases:
         yield "periods have no common multiple: those that repeat run at any phase"
