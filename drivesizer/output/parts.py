@@ -6,7 +6,7 @@ What no catalogue gives is left open: an order number, a price, a cable.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "HEADS", "LEAST", "PartLine", "SharedLine", "Total", "machine_parts", "machine_parts_of_axes", "mass_text",
-    "money_text", "ordered_as", "parts_by_axis", "parts_list", "total_text", "totals", "totals_of_axes",
+    "money_text", "ordered_as", "parts_by_axis", "parts_list", "total_text", "total_texts", "totals",
+    "totals_of_axes",
 ]  # fmt: skip
 
 LEAST = "at least "
@@ -435,6 +436,28 @@ def total_text(total: Total, digits: int) -> str:
     if total.name == "price":
         return f"{least}{total.value:.2f} {total.unit}"
     return least + show(total.value, "kg", "mass", digits)
+
+
+def total_texts(lines: Sequence[PartLine], text: Callable[[Total], str]) -> str:
+    """Mass and prices of a parts list in a line; of which no part's is known is said.
+
+    Parameters
+    ----------
+    lines
+        Of :func:`parts_list`.
+    text
+        Prints one of them.
+
+    Returns
+    -------
+    str
+        The line, ``mass unknown`` and ``no price is known`` in it.
+    """
+    found = totals(lines)
+    known = {one.name for one in found}
+    texts = [] if "mass" in known else ["mass unknown"]
+    texts += map(text, found)
+    return "; ".join(texts if "price" in known else [*texts, "no price is known"])
 
 
 def _bare_belt(found: DriveSet) -> bool:

@@ -10,7 +10,7 @@ import pytest
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.parts import NO_GEARHEAD
-from drivesizer.output.parts import parts_list, totals
+from drivesizer.output.parts import parts_list, total_texts, totals
 from drivesizer.output.report import write
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
@@ -171,6 +171,15 @@ def test_a_part_without_any_figure_has_a_line(result, catalog):
     bare = replace(result.sets[0].motor, mass=nan, price=nan, price_5=nan, price_20=nan, list_price=nan)
     line = parts_list(replace(result.sets[0], motor=bare), catalog, 7)[0]
     assert line.quantity == 7 and isnan(line.mass)
+
+
+def test_a_total_that_no_part_has_is_said(result, catalog):
+    lines = parts_list(result.sets[0], catalog, 1)
+    for lacks, said in (
+        ({"mass": nan}, "mass unknown; price"), ({"price": nan, "currency": ""}, "mass; no price is known"),
+        ({"mass": nan, "price": nan, "currency": ""}, "mass unknown; no price is known"), ({}, "mass; price"),
+    ):  # fmt: skip
+        assert total_texts([replace(line, **lacks) for line in lines], lambda total: total.name) == said
 
 
 def test_a_price_in_another_currency_has_a_total_of_its_own(spec, tmp_path):

@@ -74,6 +74,15 @@ def test_the_report_has_what_validate_prints(files, validated):
         assert one["validation"] == validated[name] and len(series["columns"]["time"]) > 100
 
 
+def test_the_rms_current_of_the_series_is_that_of_the_check_weighed_by_time(files, validated):
+    series = json.loads(files["a.json"])["axes"]["x"]["validation"]["series"]["columns"]
+    time, current = (np.array(series[name]) for name in ("time", "current"))
+    squares = (current[1:] ** 2 + current[:-1] ** 2 + current[1:] * current[:-1]) / 3
+    rms = np.sqrt((squares * np.diff(time)).sum() / (time[-1] - time[0]))
+    (check,) = (one for one in validated["x"]["checks"] if one["name"] == "motor_nominal_current")
+    assert rms == pytest.approx(check["demand"], rel=0.01)
+
+
 @pytest.fixture(scope="module")
 def book(files: dict[str, bytes]) -> Any:
     return openpyxl.load_workbook(io.BytesIO(files["a.xlsx"]), read_only=True)

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from drivesizer.machine.battery_pack import lacking, pack_of
 from drivesizer.output.figure_confidence import not_quoted
-from drivesizer.output.parts import PartLine, Total, machine_parts, mass_text, money_text, total_text, totals
+from drivesizer.output.parts import PartLine, Total, machine_parts, mass_text, money_text, total_text, total_texts
 from drivesizer.output.probability import likely
 from drivesizer.output.sums import unknown_of
 from drivesizer.output.terminal import tables as tables
@@ -47,7 +47,7 @@ def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
     """
     lines = machine_parts(best, result.problem)
     console.print(_parts(lines, best, wide=console.width >= _WIDE))
-    console.print(Text.assemble(("total: ", "bold"), "; ".join(map(_summed, totals(lines))), _unpriced(lines)))
+    console.print(Text.assemble(("total: ", "bold"), total_texts(lines, _summed), _unpriced(lines)))
     console.print()
     title = f"{MARK[best.status]}: the tightest of {len(best.deciding)} checks"
     console.print(tables.checks(tightest(best.deciding, _TIGHT), title, edged=False))
@@ -118,9 +118,7 @@ def _summed(total: Total) -> str:
 def _unpriced(lines: list[PartLine]) -> str:
     """The parts whose price is unknown."""
     lacks = [line.role for line in lines if isnan(line.price)]
-    if len(lacks) == len(lines):
-        return "; no price is known"
-    return f"; without the price of {', '.join(lacks)}" if lacks else ""
+    return f"; without the price of {', '.join(lacks)}" if 0 < len(lacks) < len(lines) else ""
 
 
 # --- certainty --------------------------------------------------------------------------------------------------------

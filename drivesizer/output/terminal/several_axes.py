@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.parts import SharedLine, machine_parts_of_axes, mass_text, money_text, total_text, totals
+from drivesizer.output.parts import SharedLine, machine_parts_of_axes, mass_text, money_text, total_text, total_texts
 from drivesizer.output.several_axes import choice_text, supply_texts
 from drivesizer.output.terminal import tables
 from drivesizer.output.terminal.answer import compared, names_of
@@ -95,9 +95,10 @@ def _parts(console: Console, result: MachineSizing) -> None:
     console.print()
     console.print(table)
     lines = [one.line for one in shared]
-    known = "; ".join(total_text(total, 3) for total in totals(lines))
-    lacks = list(dict.fromkeys(line.role for line in lines if isnan(line.price)))
-    unpriced = f"; without the price of some: {', '.join(lacks)}" if lacks else ""
+    known = total_texts(lines, lambda total: total_text(total, 3))
+    lacks = [line.role for line in lines if isnan(line.price)]
+    some = 0 < len(lacks) < len(lines)
+    unpriced = f"; without the price of some: {', '.join(dict.fromkeys(lacks))}" if some else ""
     console.print(Text.assemble(("total: ", "bold"), known, unpriced))
 
 
