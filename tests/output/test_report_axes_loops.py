@@ -80,7 +80,7 @@ def test_the_rms_current_of_the_series_is_that_of_the_check_weighed_by_time(file
     squares = (current[1:] ** 2 + current[:-1] ** 2 + current[1:] * current[:-1]) / 3
     rms = np.sqrt((squares * np.diff(time)).sum() / (time[-1] - time[0]))
     (check,) = (one for one in validated["x"]["checks"] if one["name"] == "motor_nominal_current")
-    assert rms == pytest.approx(check["demand"], rel=0.01)
+    assert rms == pytest.approx(check["demand"], rel=0.02)  # between its rows the current moves as well
 
 
 @pytest.fixture(scope="module")
