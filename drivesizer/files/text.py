@@ -159,14 +159,14 @@ def state_of(path: Path) -> tuple[int, int]:
 
 
 def missing(path: Path) -> str:
-    """Reason why nothing can be read at a path, such as ``no such file or directory``; empty where something exists."""
+    """Reason why no file can be read at a path, such as ``no such file or directory``; empty where there is one."""
     if not _may_be_read(path):
         return _ELSEWHERE.partition(";")[0]
     try:
-        path.stat()
+        mode = path.stat().st_mode
     except (OSError, ValueError) as error:
         return reason_of(error)
-    return ""
+    return "is a directory" if stat.S_ISDIR(mode) else ""
 
 
 def decoded(raw: bytes, path: Path) -> str:

@@ -92,7 +92,8 @@ def limits_of(spec: RobotSpec) -> Limits | None:
     given = spec.platform.limits if spec.platform else None
     if given is None or given.speed is None or given.acceleration is None:
         return None
-    return Limits(**{name: getattr(given, name) for name in type(given).model_fields})
+    with _located(spec, "platform", "limits"):
+        return Limits(**{name: getattr(given, name) for name in type(given).model_fields})
 
 
 def dynamics_of(spec: RobotSpec, rotor_inertia: float = 0.0) -> Dynamics:

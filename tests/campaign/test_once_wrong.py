@@ -11,6 +11,7 @@ from program import ran
 from runner import WEIGHTS, found_by, judged
 from shrinking import shrunk
 from small_catalogue import CATALOGUE
+from starters import STARTERS
 
 SPEC = """\
 name: once
@@ -46,6 +47,33 @@ def test_what_once_ended_wrongly_is_said_in_a_line(was, put, words, said, tmp_pa
     (end,) = ran(Case(files, [words]), tmp_path)
     assert end.status == 2
     assert said in end.err
+
+
+MAP_OF = "manufacturer: A\nfamily: F\ncommon: {kind: brushed}\n"
+MAP_OF += "source: {document: d, confidence: quoted}\ncolumns: {No: part, V: nominal_voltage}\n"
+PLATFORM = (STARTERS / "mecanum_platform.yaml").read_text(encoding="utf-8")
+RECORDED = "name: r\nload: {kind: recorded, file: .}\nsupply: {nominal: 24 V}\n"
+TAKEN = ["catalog", "import", "parts.csv", "--section", "motors", "--map", "map.yaml", "--dry-run"]
+STUDY = ["study", "study.yaml", "-o", "out", "--no-maps"]
+
+
+# files, the command, its exit status and what it says now
+@pytest.mark.parametrize(
+    ("files", "words", "status", "said"),
+    [
+        ({"robot.yaml": PLATFORM.replace("    turning_acceleration: 90 deg/s^2\n", "")}, SIZE, 2,
+         "robot.yaml:28: platform.limits: turning takes both turning_speed and turning_acceleration; give both or"),
+        ({"study.yaml": "spec: .\nvary: {load.mass: [1 kg]}\n"}, STUDY, 2,
+         'study.yaml:1: spec: "." cannot be read (is a directory); expected a spec, its path'),
+        ({"robot.yaml": RECORDED}, SIZE, 2, 'robot.yaml:2: load.file: "." cannot be read (is a directory); expected'),
+        ({"parts.csv": "No,V,\x1b[2J\n,V,\nm1,24,\n", "map.yaml": MAP_OF}, TAKEN, 0,
+         "unknown columns, left out: \\x1b[2J"),
+    ],
+)  # fmt: skip
+def test_files_that_once_ended_wrongly(files, words, status, said, tmp_path):
+    (end,) = ran(Case({name: text.encode() for name, text in files.items()}, [words]), tmp_path)
+    assert said in end.out + end.err
+    assert end.status == status
 
 
 @pytest.mark.parametrize("seed", [20, 272])

@@ -16,6 +16,7 @@ from drivesizer.catalog.exchange.importing import Imported
 from drivesizer.catalog.laws.check import Finding
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.tables import CONFIDENCE
+from drivesizer.errors import printable
 from drivesizer.output.part.remarks import of_families
 from drivesizer.output.terminal.catalog import counted
 from drivesizer.output.terminal.tables import bare, console, heading
@@ -132,7 +133,7 @@ def taken(found: Imported, *, guessed: bool = False) -> None:
         out.print(Text("columns guessed by name and unit, to be looked at:", style="yellow"))
     for theirs, ours in found.columns.items():
         if theirs != ours:
-            out.print(Text(f"  {theirs} → {ours}"))
+            out.print(Text(printable(f"  {theirs} → {ours}")))
     same = ", ".join(ours for theirs, ours in found.columns.items() if theirs == ours)
     out.print(Text(f"columns with matching names: {same or 'none'}"))
     for what, names in (
@@ -141,7 +142,7 @@ def taken(found: Imported, *, guessed: bool = False) -> None:
         ("rows skipped", found.skipped),
     ):
         if names:
-            out.print(Text(f"{what}: {', '.join(names)}"))
+            out.print(Text(printable(f"{what}: {', '.join(names)}")))
 
 
 def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
