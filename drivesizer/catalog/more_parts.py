@@ -6,9 +6,8 @@ steppers and batteries are parts of their own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from drivesizer.catalog.columns import figure, text
+from drivesizer.files.frozen import dataclass
 
 __all__ = ["Actuator", "Battery", "Belt", "Brake", "Pulley", "Screw", "Stepper"]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cache
 from math import inf
 from types import MappingProxyType
@@ -20,6 +20,7 @@ import numpy as np
 from drivesizer.catalog.columns import Column, columns, figure, text
 from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Screw, Stepper
 from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
+from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor",

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from drivesizer.catalog.columns import figure, text
+from drivesizer.files.frozen import dataclass
 
 __all__ = ["BrakeResistor", "PowerSupply"]
 

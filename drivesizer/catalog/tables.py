@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -16,6 +16,7 @@ from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
+from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "CONFIDENCE",

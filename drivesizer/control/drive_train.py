@@ -9,7 +9,7 @@ forward motion. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from enum import IntEnum
 from math import inf, isfinite, isnan
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from drivesizer.catalog.parts import by_name
 from drivesizer.errors import InputError, NoLoopError
+from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases.at_shaft import at_shaft
 from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.cascade import Cascade, ControllerGain
 from drivesizer.control.loop_records import Loop
+from drivesizer.files.frozen import dataclass
 from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec

@@ -12,7 +12,7 @@ k_e back-EMF constant [V*s/rad], i ratio.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from math import nan
 from typing import Any
 
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
+from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.pull_out import torque_of_part
 from drivesizer.machine.set_columns import OneRow

@@ -7,9 +7,9 @@ assumed.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import nan
 
+from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases.platform_record import platform_assumptions
 from drivesizer.machine.mass_budget import MassBudget
 from drivesizer.machine.platform_checks import (

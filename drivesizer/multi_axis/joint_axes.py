@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
+from drivesizer.files.frozen import dataclass
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import RobotSection

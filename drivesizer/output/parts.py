@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drivesizer.catalog import BrakeResistor, Catalog, Note, Source, columns_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
+from drivesizer.files.frozen import dataclass
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.output.part_words import SAID
 from drivesizer.results.drive_set import DriveSet, section_of

@@ -11,7 +11,7 @@ Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple
@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.files.frozen import dataclass
 from drivesizer.physics.elements.gear_life import turned_load
 from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, first_largest
 from drivesizer.physics.lasting_speed import lasting_speeds

@@ -10,13 +10,14 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
+from drivesizer.files.frozen import dataclass
 from drivesizer.units import registry
 
 __all__ = ["COMPANIONS", "EQUATIONS", "Equation", "Term", "Value", "equation", "terms"]

@@ -9,11 +9,12 @@ constant [N*m/A], I_0 no-load current [A], w speed of the motor [rad/s].
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",

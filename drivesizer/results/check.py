@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isnan, nan
 from typing import Literal, NamedTuple
 
+from drivesizer.files.frozen import dataclass
 from drivesizer.units import show
 
 __all__ = [

@@ -8,13 +8,14 @@ kind of quantity and unit are those that ``check_kinds`` declares.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from math import isclose, isnan, nan
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.files.frozen import dataclass
 from drivesizer.results.check import Band, Check, Status
 from drivesizer.results.check_kinds import CHECKS, refuse_undeclared
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from drivesizer.files.frozen import dataclass
 from drivesizer.units import show
 
 __all__ = ["MassRow"]

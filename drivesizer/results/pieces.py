@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from drivesizer.files.frozen import dataclass
 
 __all__ = ["MotorPiece"]
 

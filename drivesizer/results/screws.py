@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isnan
 from typing import Any
 
 from drivesizer.catalog.more_parts import Screw
+from drivesizer.files.frozen import dataclass
 from drivesizer.loads.screw import Screw as ScrewLoad
 from drivesizer.physics.elements.screw import shaft_mass
 from drivesizer.spec.robot import RobotSpec

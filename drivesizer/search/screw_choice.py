@@ -10,7 +10,7 @@ from __future__ import annotations
 import fnmatch
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, isnan
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog, Table
 from drivesizer.catalog.more_parts import Screw as Part
 from drivesizer.errors import InputError
+from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases import located
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import Course, course

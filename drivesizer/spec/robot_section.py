@@ -7,7 +7,6 @@ description, so that the reader takes either and keeps its kind.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, field_validator, model_validator
@@ -26,6 +25,7 @@ from drivesizer.files.fields import (
     default,
     exactly_one,
 )
+from drivesizer.files.frozen import dataclass
 from drivesizer.units import KINDS, label, noun, to_si
 
 __all__ = [

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from drivesizer.files.fields import Names, Ratio, Section
+from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "MotorChoice", "Objective", "ObjectiveKind", "Select",

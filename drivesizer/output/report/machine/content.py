@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property, partial
 
 from drivesizer.control.validation import Validation
+from drivesizer.files.frozen import dataclass
 from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.axes_power import axes_power

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 from drivesizer.control.validation import Validation
+from drivesizer.files.frozen import dataclass
 from drivesizer.output.parts import PartLine, machine_parts
 from drivesizer.output.report.figures.all_figures import Drawing, report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
