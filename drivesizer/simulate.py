@@ -22,7 +22,7 @@ from drivesizer.control.validation import Gains, Validation
 from drivesizer.control.voltage_loop_design import COMPUTING
 from drivesizer.errors import InputError
 from drivesizer.load_cases.at_shaft import motion_of
-from drivesizer.load_cases.platform_wheels import load_cases
+from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.load_cases.profile import profile as named
 from drivesizer.load_cases.warnings import grip_warning, starts_farther_on

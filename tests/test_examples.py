@@ -13,8 +13,8 @@ from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.output.export import FORMATS, export_of, files
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
+from drivesizer.spec.several_axes.any_spec import load_any
 from drivesizer.spec.several_axes.machine import MachineSpec
-from drivesizer.spec.several_axes.machine_file import load_any
 
 ROOT = Path(__file__).resolve().parent.parent
 STARTERS = sorted(

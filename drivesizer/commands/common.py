@@ -93,7 +93,7 @@ def load_whole(path: Path, more: list[str] | None = None, axis: str | None = Non
 
 def _read(path: Path, more: list[str] | None) -> Any:
     """The file, and further catalogues in all its axes."""
-    from drivesizer.spec.several_axes.machine_file import load_any
+    from drivesizer.spec.several_axes.any_spec import load_any
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")

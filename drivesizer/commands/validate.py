@@ -99,7 +99,7 @@ def validate(
 
 def _known(robot: Any, name: str | None) -> None:
     """Refuse a name that none of the spec's load cases has."""
-    from drivesizer.load_cases.platform_wheels import load_cases
+    from drivesizer.load_cases.of_machine import load_cases
 
     found = [case for _, case, _ in load_cases(robot)]
     if name is not None and name not in found:

@@ -71,8 +71,8 @@ def whole(held: Held, text: str, *, top: int = TOP, front: bool = False, brief: 
     InputError
         As of the command line.
     """
+    from drivesizer.spec.several_axes.any_spec import read_any
     from drivesizer.spec.several_axes.machine import MachineSpec
-    from drivesizer.spec.several_axes.machine_file import read_any
 
     def sized() -> Any:
         spec = read_any(YamlSource(text, held.name))

@@ -37,7 +37,7 @@ def _made() -> str:
     from drivesizer.spec.robot import RobotSpec
     from drivesizer.spec.several_axes.machine_schema import machine_schema
 
-    axes = AXES | {"recorded": None}  # which brings its own motion
+    axes = {**AXES, "recorded": None}  # which brings its own motion
     starts = {kind: YamlSource(starter(kind), kind).data for kind in AXES if kind in KINDS}
     begin = {kind: {name: data.get(name) for name in ("load", "motion")} for kind, data in starts.items()}
     found = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin}

@@ -10,19 +10,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from math import nan
+from typing import Any
 
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import beside
-from drivesizer.load_cases.computed import ComputedLoad
 from drivesizer.load_cases.held import held_positions
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.load_cases.waiting import held_torque, with_rest
 from drivesizer.loads.course import Course, Profile, course
 from drivesizer.loads.fixed_gear import through_gear
 from drivesizer.loads.kinds import LAWS
-from drivesizer.loads.recorded import Recorded, recorded
 from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import BeltStage
@@ -107,26 +106,31 @@ def _belt_limits(belt: BeltStage, cycle: LoadCycle) -> Iterator[OwnLimit]:
 
 def _held(spec: RobotSpec, profile: Profile | None) -> float:
     """Largest torque that holds the load at rest anywhere on its path [N*m]; NaN of a recording."""
-    if isinstance(spec.load, ComputedLoad):
-        return spec.load.cycle.held
-    if isinstance(spec.load, Recorded):
-        return nan
+    if spec.load.kind == "recorded":
+        computed = _computed(spec)
+        return computed.held if computed else nan
     resting = held_positions(spec.load.lever, course(profile or profile_of(spec)))
     return float(np.abs(of_course(spec, resting).torque).max())
 
 
 def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
     """The cycle without the belt's own inertia."""
-    load = spec.load
-    if isinstance(load, Recorded):
-        cycle = load.cycle if isinstance(load, ComputedLoad) else _recorded(spec, load)
-        return with_rest(cycle, spec.waits_until, held_torque(cycle))
-    return of_course(spec, course(profile or profile_of(spec)))
+    load: Any = spec.load
+    if load.kind != "recorded":
+        return of_course(spec, course(profile or profile_of(spec)))
+    cycle = _computed(spec) or _recorded(spec, load)
+    return with_rest(cycle, spec.waits_until, held_torque(cycle))
 
 
-def _recorded(spec: RobotSpec, load: Recorded) -> LoadCycle:
+def _computed(spec: RobotSpec) -> LoadCycle | None:
+    """The cycle that a load brings, one of a machine's joints or wheels (``computed``); None of a recording."""
+    found: LoadCycle | None = getattr(spec.load, "cycle", None)
+    return found
+
+
+def _recorded(spec: RobotSpec, load: Any) -> LoadCycle:
     with located(spec):
-        return recorded(load, beside(spec.file, load.file, spec.where(("load", "file"))))
+        return LAWS[load.kind](load, beside(spec.file, load.file, spec.where(("load", "file"))))
 
 
 def of_course(spec: RobotSpec, course: Course) -> LoadCycle:

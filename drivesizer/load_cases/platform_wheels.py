@@ -28,31 +28,9 @@ from drivesizer.platform.wheel_cycles import wheel_cycles
 from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 
-__all__ = ["cycles_of", "dynamics_of", "ground_of", "held_by_the_floor", "limits_of", "load_cases", "trajectory_of"]
+__all__ = ["cycles_of", "dynamics_of", "ground_of", "held_by_the_floor", "limits_of", "trajectory_of", "wheels"]
 
 _SAME = 1e-9  # of the largest figure
-
-
-def load_cases(spec: RobotSpec) -> tuple[tuple[int, str, RobotSpec], ...]:
-    """The load cases of a machine as they are sized: one for each driven wheel where its motion is a trajectory.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-
-    Returns
-    -------
-    tuple
-        The number of the machine's load case from 0, the name, and the spec with the load of the case.
-
-    Raises
-    ------
-    InputError
-        When a trajectory's file is wrong, limits are missing, or the wheels do not allow the motion.
-    """
-    every = enumerate(spec.load_cases)
-    return tuple((number, *found) for number, (name, case) in every for found in _wheels(name, case))
 
 
 def trajectory_of(spec: RobotSpec) -> Trajectory | None:
@@ -151,8 +129,24 @@ def held_by_the_floor(spec: RobotSpec, force: float) -> float:
     return load.friction_coefficient * max(float(min(held)), 0.0)
 
 
-def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
-    """A load case as those of its wheels, the one of the largest RMS torque first."""
+def wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
+    """A load case of a platform as those of its wheels, the one of the largest RMS torque first.
+
+    Parameters
+    ----------
+    name, case
+        Of the load case; it is left as it is where its motion is no trajectory.
+
+    Returns
+    -------
+    iterator
+        Name and spec of each.
+
+    Raises
+    ------
+    InputError
+        When a trajectory's file is wrong, limits are missing, or the wheels do not allow the motion.
+    """
     if not isinstance(case.motion, Track | Waypoints):
         yield name, case
         return
@@ -161,12 +155,12 @@ def _wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
     cycles, driven = cycles_of(case, d, trajectory), d.kinematics.driven
     rolling = own_rolling(d, contact_loads(d.platform, ground=Ground(gravity=case.environment.gravity)))
     for alike in sorted(_groups(cycles), key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
-        wheels = _listed([driven[i] + 1 for i in alike])
+        which = _listed([driven[i] + 1 for i in alike])
         cycle = _with_the_worst_limits([cycles[i] for i in alike])
         own = float(rolling[driven[alike[0]]])
         load = wheel_load(cycle, case.load.driven_wheels, alike, trajectory.length, name, own)
         one = case.alone(load=load, motion=None)
-        yield (wheels if name in ("", AS_SPECIFIED) else f"{name}, {wheels}"), one
+        yield (which if name in ("", AS_SPECIFIED) else f"{name}, {which}"), one
 
 
 def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[LoadCycle, ...]:

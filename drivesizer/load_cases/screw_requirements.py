@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import course
-from drivesizer.loads.screw import Screw
-from drivesizer.loads.screw_limits import ScrewLife, screw_life
-from drivesizer.loads.stage_losses import force_along
+from drivesizer.loads.kinds import MODULES
 from drivesizer.results.requirement import Requirement
 from drivesizer.spec.robot import RobotSpec
+
+if TYPE_CHECKING:
+    from drivesizer.loads.screw_limits import ScrewLife
 
 __all__ = ["screw_requirements"]
 
@@ -46,9 +48,12 @@ def screw_requirements(cases: Sequence[RobotSpec]) -> list[Requirement]:
 
 
 def _life(spec: RobotSpec) -> ScrewLife | None:
-    load = spec.load
-    if not isinstance(load, Screw) or load.dynamic_load is None:
+    load: Any = spec.load
+    if MODULES[load.kind] != "screw" or load.dynamic_load is None:
         return None
+    from drivesizer.loads.screw_limits import screw_life
+    from drivesizer.loads.stage_losses import force_along
+
     moved = course(profile_of(spec))
     force = force_along(moved, load, spec.environment.gravity, load.mass) / load.motors
     return screw_life(load, moved, force)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import ClassVar
 
 from pydantic import PrivateAttr
 
@@ -15,6 +16,8 @@ __all__ = ["WheelLoad", "machine_cases", "wheel_load"]
 
 class WheelLoad(ComputedLoad):
     """The load cycle of a wheel, or of several with equal load cycles."""
+
+    is_wheel: ClassVar[bool] = True
 
     _numbers: tuple[int, ...] = PrivateAttr(default=())
     _distance: float = PrivateAttr(default=0.0)

@@ -19,6 +19,7 @@ class LoadModel(Section):
 
     axis: ClassVar[Axis]  # of its motion: along a line or about an axis
     takes_payload: ClassVar[bool] = False  # whether a motion may add one to its mass
+    is_wheel: ClassVar[bool] = False  # whether it is of driven wheels of a platform, their cycle computed
     has_end: ClassVar[bool] = False  # whether its travel is limited, so that a cycle has to end where it starts
 
     @property

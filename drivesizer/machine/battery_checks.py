@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, nan
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,10 @@ from drivesizer.machine.battery_pack import Pack
 from drivesizer.physics.battery import current_of_power, largest_power, terminal_voltage
 from drivesizer.results.check import Check
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
-from drivesizer.spec.battery import Battery
 from drivesizer.spec.robot import RobotSpec
+
+if TYPE_CHECKING:
+    from drivesizer.spec.battery import Battery
 
 __all__ = [
     "Load",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import ceil, inf, isnan, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,9 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.frozen import dataclass
 from drivesizer.physics.battery import capacity_for, peukert_time, table_draw, table_time
-from drivesizer.spec.battery import Battery
+
+if TYPE_CHECKING:
+    from drivesizer.spec.battery import Battery
 
 __all__ = ["Pack", "Table", "capacity_needed", "lacking", "pack_of", "run_time", "strings_needed"]
 

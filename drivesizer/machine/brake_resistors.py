@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import inf, isnan, nan
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,8 +24,10 @@ from drivesizer.physics.elements.brake_resistor import (
     storable_energy,
 )
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
-from drivesizer.spec.brake_resistor import BrakeResistor as Section
 from drivesizer.spec.robot import RobotSpec
+
+if TYPE_CHECKING:
+    from drivesizer.spec.brake_resistor import BrakeResistor as Section
 
 __all__ = ["offered", "resistor_columns", "suited"]
 

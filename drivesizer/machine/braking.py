@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import inf, isnan, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,9 +25,11 @@ from drivesizer.results.check import GRAVEST, Check, Figure, verdict
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
-from drivesizer.spec.brake_resistor import BrakeResistor as Section
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.spec.brake_resistor import BrakeResistor as Section
 
 __all__ = ["braking_budget", "bus_budget"]
 

@@ -7,23 +7,16 @@ cases the worst of them counts.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from math import isnan, nan
-from typing import NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_pack import pack_of
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.machine.platform_budget import MechanicalBudget, mass_part, platform_part
-from drivesizer.machine.platform_checks import PlatformOnFloor, machine_mass
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, worst_of_cases
@@ -31,10 +24,12 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.mass import MassRow
 from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import verdict
-from drivesizer.spec.battery import Battery
-from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec
+
+if TYPE_CHECKING:
+    from drivesizer.machine.platform_budget import MechanicalBudget
+    from drivesizer.spec.battery import Battery
+    from drivesizer.spec.platform import Budget
 
 __all__ = [
     "MachineBudget",
@@ -93,20 +88,9 @@ def of_the_platform(spec: RobotSpec) -> MechanicalBudget | None:
     """
     if spec.platform is None:
         return None
-    found = [(name, platform_part(_on_floor(case, spec.margins.torque))) for name, case in spec.load_cases]
-    checks = worst_of_cases([(name, part.checks) for name, part in found])
-    return replace(found[0][1], checks=checks, status=verdict(checks))
+    from drivesizer.machine.platform_budget import of_load_cases
 
-
-def _on_floor(case: RobotSpec, needed: float) -> PlatformOnFloor:
-    assert case.platform is not None and isinstance(case.load, WheeledVehicle)
-    trajectory, gains = trajectory_of(case), None
-    if trajectory is None:
-        cycle = load_cycle(case)
-        gains = cycle.radius * float(np.abs(cycle.acceleration).max())
-    return PlatformOnFloor(
-        case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, trajectory, gains
-    )
+    return of_load_cases(spec)
 
 
 def machine_budget(problem: Problem, one: DriveParts, machine: MechanicalBudget | None = None) -> MachineBudget:
@@ -274,6 +258,9 @@ def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
 
 
 def _mass(problem: Problem, budget: Budget, one: DriveParts) -> MechanicalBudget:
+    from drivesizer.machine.platform_budget import mass_part
+    from drivesizer.machine.platform_checks import machine_mass
+
     spec, load = problem.spec, problem.machine.load
     battery = pack_of(spec.battery, problem.catalog).mass if spec.battery else None
     found = machine_mass(budget, rows_of_drive(problem, one), platform=spec.platform, battery=battery)

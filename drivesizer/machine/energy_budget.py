@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf, isnan, nan
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,9 +33,11 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import Consumption, EnergyBudget
 from drivesizer.results.losses import loss_assumptions
 from drivesizer.results.sizing import Figure, verdict
-from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.spec.battery import Battery, Consumer
 
 __all__ = ["budget_of_consumers", "charge_over_mission", "consumers_of", "energy_budget"]
 

@@ -7,10 +7,16 @@ assumed.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import nan
 
+import numpy as np
+
 from drivesizer.files.frozen import dataclass
+from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_record import platform_assumptions
+from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import MassBudget
 from drivesizer.machine.platform_checks import (
     PlatformOnFloor,
@@ -23,10 +29,12 @@ from drivesizer.platform.envelope import heading_tolerance, heading_tolerance_dr
 from drivesizer.platform.grip import grip_acceleration, grip_slope
 from drivesizer.platform.stability import lift_off_acceleration, lift_off_slope, tipping_edges, tipping_slope
 from drivesizer.platform.stability_along import least_load, least_margin
+from drivesizer.results.check import worst_of_cases
 from drivesizer.results.sizing import Check, Figure, Status, verdict
 from drivesizer.spec.platform import Platform
+from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["MechanicalBudget", "mass_part", "platform_part"]
+__all__ = ["MechanicalBudget", "mass_part", "of_load_cases", "platform_part"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,6 +66,35 @@ def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBud
     checks = mass_checks(mass, sized_for)
     assumptions, figures = _without(mass), tuple(_of_mass(mass))
     return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
+
+
+def of_load_cases(spec: RobotSpec) -> MechanicalBudget:
+    """Room, footing and grip of a machine's platform, each check in the load case in which it is worst.
+
+    Parameters
+    ----------
+    spec
+        The machine, with a platform.
+
+    Returns
+    -------
+    MechanicalBudget
+        Figures and assumptions are those of the first load case.
+    """
+    found = [(name, platform_part(_on_floor(case, spec.margins.torque))) for name, case in spec.load_cases]
+    checks = worst_of_cases([(name, part.checks) for name, part in found])
+    return replace(found[0][1], checks=checks, status=verdict(checks))
+
+
+def _on_floor(case: RobotSpec, needed: float) -> PlatformOnFloor:
+    assert case.platform is not None and isinstance(case.load, WheeledVehicle)
+    trajectory, gains = trajectory_of(case), None
+    if trajectory is None:
+        cycle = load_cycle(case)
+        gains = cycle.radius * float(np.abs(cycle.acceleration).max())
+    return PlatformOnFloor(
+        case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, trajectory, gains
+    )
 
 
 def platform_part(s: PlatformOnFloor) -> MechanicalBudget:

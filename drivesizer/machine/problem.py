@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,14 +13,16 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.view.mounted import Housing, with_mounting
 from drivesizer.catalog.view.own_brake import with_own_brake
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.platform_wheels import load_cases
+from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.machine.pulleys import belt_drives
 from drivesizer.machine.supply_unit import with_parts_of_supply
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
 from drivesizer.physics.thermal import with_plate
 from drivesizer.results.problem import LoadCase, Problem
-from drivesizer.spec.mounting import Mounting
 from drivesizer.spec.robot import RobotSpec
+
+if TYPE_CHECKING:
+    from drivesizer.spec.mounting import Mounting
 
 __all__ = ["changed", "problem", "quickest_winding", "with_cycle", "with_spec"]
 

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.set_cycle import set_cycle, supplied, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED
@@ -168,9 +167,10 @@ def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
     float
         [m]; NaN of a load that is no vehicle.
     """
-    if isinstance(spec.load, WheelLoad):
-        return spec.load.distance
-    if not isinstance(spec.load, WheeledVehicle):
+    load: Any = spec.load
+    if load.is_wheel:
+        return float(load.distance)
+    if not isinstance(load, WheeledVehicle):
         return nan
     return cycle.radius * float(np.abs(cycle.speed).mean(axis=1) @ cycle.duration)
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import isnan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drivesizer.catalog.more_parts import Screw
 from drivesizer.files.frozen import dataclass
-from drivesizer.loads.screw import Screw as ScrewLoad
+from drivesizer.loads.kinds import MODULES
 from drivesizer.physics.elements.screw import shaft_mass
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.loads.screw import Screw as ScrewLoad
 
 __all__ = ["ChosenScrew", "chosen_of", "for_drive", "leaves_open", "screw_figures", "wants_screw", "with_screw"]
 
@@ -52,7 +55,8 @@ class ChosenScrew:
 
 def leaves_open(spec: RobotSpec) -> bool:
     """Whether the load of a spec is moved by a screw that has yet to be chosen."""
-    return isinstance(spec.load, ScrewLoad) and spec.load.lead is None
+    load: Any = spec.load
+    return MODULES[load.kind] == "screw" and load.lead is None
 
 
 def wants_screw(spec: RobotSpec) -> bool:
@@ -131,8 +135,8 @@ def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
     """
 
     def chosen(one: RobotSpec) -> RobotSpec:
-        load = one.load
-        if not isinstance(load, ScrewLoad) or not leaves_open(one):
+        load: Any = one.load
+        if not leaves_open(one):
             return one
         return one.model_copy(update={"load": load.model_copy(update=screw_figures(load, screw))})
 

@@ -18,7 +18,6 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, accepted, charging, raised_voltage
 from drivesizer.machine.battery_pack import Pack, pack_of
 from drivesizer.machine.mass_budget import BELT
-from drivesizer.machine.platform_checks import machine_mass, mass_columns
 from drivesizer.machine.supply_power import distance_of
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
@@ -61,6 +60,8 @@ def _masses(whole: Evaluation) -> list[CheckColumn]:
     spec, sets = whole.spec, whole.candidates
     if spec.budget is None:
         return []
+    from drivesizer.machine.platform_checks import machine_mass, mass_columns
+
     catalog = whole.catalog.ends[0] if whole.catalog.ends else whole.catalog
     parts = [Rows(catalog.motors, sets.motor)["mass"], *_beside(catalog, sets, whole), _belts(whole.problem, sets)]
     each = np.stack(np.broadcast_arrays(*parts))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.machine.budgets import MachineBudget, machine_budget, of_the_platform
-from drivesizer.machine.platform_budget import MechanicalBudget
 from drivesizer.results.check import in_a_sentence
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
@@ -22,6 +22,9 @@ from drivesizer.search.least_drawn import battery_failures
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import Evaluated, Found, Judge, Kept, any_found, search
 from drivesizer.search.set_record import drive_parts, drive_set
+
+if TYPE_CHECKING:
+    from drivesizer.machine.platform_budget import MechanicalBudget
 
 __all__ = [
     "Weigh",

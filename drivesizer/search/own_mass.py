@@ -11,7 +11,6 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.screws import wants_screw
 from drivesizer.search.machine_filter import best_in_machine
 from drivesizer.search.ranking import Ranking
-from drivesizer.search.screw_choice import problem_with_screw
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["problem_with_drive_mass"]
@@ -44,6 +43,8 @@ def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Rankin
     """
     load = spec.load
     if wants_screw(spec):
+        from drivesizer.search.screw_choice import problem_with_screw
+
         return problem_with_screw(spec, catalog, objective)
     if spec.budget is None or not spec.budget.drive_counts or not isinstance(load, WheeledVehicle):
         return problem(spec, catalog), ()

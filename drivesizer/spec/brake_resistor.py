@@ -18,16 +18,11 @@ from drivesizer.files.fields import (
     default,
 )
 
-__all__ = ["BrakeResistor", "or_any"]
+__all__ = ["BrakeResistor"]
 
 _ANY = "any"  # out of the catalogues
 Energy = Annotated[float, Quantity("energy", above=0.0)]
 _OWN = ("resistance", "power", "peak_power", "pulse_energy")
-
-
-def or_any(schema: dict[str, Any]) -> None:
-    """Allow the word ``any`` in the JSON Schema of a section."""
-    schema["anyOf"].insert(0, {"const": _ANY, "type": "string"})
 
 
 class BrakeResistor(Section):

@@ -7,11 +7,12 @@ from types import UnionType
 from typing import Any, Union, get_args, get_origin
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from drivesizer.errors import quoted
 from drivesizer.files.yaml_source import Path_
 
-__all__ = ["has_names", "known_keys", "meant", "models_at", "models_in"]
+__all__ = ["has_names", "known_keys", "meant", "models_at", "models_in", "models_of"]
 
 # What others call a field: the first of these that is known at its place, or elsewhere in the file, is proposed.
 _OTHER_WORDS = {
@@ -74,7 +75,7 @@ def _other_kind(model: type[BaseModel], path: Path_, word: str) -> str:
     """The profiles or kinds with a word that the one of the file lacks; empty where none has it."""
     owners = [model] if len(path) == 2 else []  # of load and motion, each one of several models
     fields = [m.model_fields[str(path[0])] for m in owners if path[0] in m.model_fields]
-    models = [m for field in fields for m in models_in(field.annotation) if word in m.model_fields]
+    models = [m for field in fields for m in models_of(field) if word in m.model_fields]
     for name in ("profile", "kind"):
         having = [m.model_fields[name].annotation for m in models if name in m.model_fields]
         named = [str(kind) for annotation in having for kind in get_args(annotation)]
@@ -89,7 +90,7 @@ def _other_group(model: type[BaseModel], key: str) -> str:
         f"{group}.{word}"
         for word in (key, *_OTHER_WORDS.get(key, ()))
         for group, field in model.model_fields.items()
-        if any(word in one.model_fields for one in models_in(field.annotation))
+        if any(word in one.model_fields for one in models_of(field))
     ]
     return f"expected {' or '.join(places)}" if 0 < len(places) <= _FEW else ""
 
@@ -166,7 +167,7 @@ def _reached(model: type[BaseModel], path: Path_, data: Any) -> tuple[list[type[
             data = None
         if isinstance(step, str) and not by_name:
             fields = [m.model_fields[step] for m in models if step in m.model_fields]
-            models = [found for f in fields for part in (f.annotation, *f.metadata) for found in models_in(part)]
+            models = [found for f in fields for found in models_of(f)]
             by_name = any(_is_by_name(f.annotation) for f in fields)
         elif isinstance(step, str):
             by_name = False
@@ -188,6 +189,22 @@ def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
     return any(data.get(key, field.default) in get_args(field.annotation) for key, field in named.items())
 
 
+def models_of(field: FieldInfo) -> list[type[BaseModel]]:
+    """Models that a field is of, or may be, by its type or by what marks it.
+
+    Parameters
+    ----------
+    field
+        Of a model.
+
+    Returns
+    -------
+    list[type[BaseModel]]
+        Empty where it is no group of fields.
+    """
+    return [found for part in (field.annotation, *field.metadata) for found in models_in(part)]
+
+
 def models_in(annotation: Any) -> list[type[BaseModel]]:
     """Models that a type is, or may be.
 
@@ -203,7 +220,7 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
     """
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    if hasattr(annotation, "models"):  # a figure that may be a group of fields too
+    if hasattr(annotation, "models"):  # loaded later, or a figure that may be a group of fields too
         return list(annotation.models)
     if get_origin(annotation) in (Union, UnionType, list) or get_origin(annotation) is not None:
         return [found for inner in get_args(annotation) for found in models_in(inner)]

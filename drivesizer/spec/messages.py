@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.spec.keys import known_keys, meant, models_at, models_in
+from drivesizer.spec.keys import known_keys, meant, models_at, models_of
 from drivesizer.units import KINDS, noun
 
 __all__ = ["explained"]
@@ -164,7 +164,7 @@ def _example(model: type[BaseModel], path: Path_, data: Any) -> str:
     owners = models_at(model, path[:-1], data)
     field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
     kinds = [part.kind for part in (field.metadata if field else []) if hasattr(part, "kind")]
-    inner = models_in(field.annotation) if field else []
+    inner = models_of(field) if field else []
     if inner:
         return f"fields such as {', '.join(list(inner[0].model_fields)[:4])}"
     if kinds:

@@ -13,28 +13,23 @@ from copy import deepcopy
 from dataclasses import fields
 from math import nan
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
 
 from drivesizer.catalog import Brake, Controller
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.fields import Section, default
+from drivesizer.files.later import HasLater, Later
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
-from drivesizer.loads.kinds import AXES, Load
-from drivesizer.loads.screw import Screw
+from drivesizer.loads.kinds import AXES, MODULES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.elements.braking import released_power
 from drivesizer.physics.power_stage import Feed, power_stage
-from drivesizer.spec.battery import Battery, Consumer
-from drivesizer.spec.brake import OwnBrake
-from drivesizer.spec.brake_resistor import BrakeResistor, or_any
 from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.lives import Lives
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Motion, Track, Trapezoid, Waypoints
-from drivesizer.spec.mounting import Mounting
-from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.sections import (
     Case,
     Environment,
@@ -47,10 +42,26 @@ from drivesizer.spec.sections import (
     TitleBlock,
 )
 from drivesizer.spec.select import Select
-from drivesizer.spec.shaft import Shaft
 from drivesizer.spec.tolerance_text import Toleranced, taken
 from drivesizer.spec.tolerances import Tolerances
 from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, GearStage, Stage
+
+if TYPE_CHECKING:
+    from drivesizer.spec.battery import Battery, Consumer
+    from drivesizer.spec.brake import OwnBrake
+    from drivesizer.spec.brake_resistor import BrakeResistor
+    from drivesizer.spec.mounting import Mounting
+    from drivesizer.spec.platform import Budget, Platform
+    from drivesizer.spec.shaft import Shaft
+else:
+    Battery = Annotated[Any, Later("drivesizer.spec.battery", "Battery")]
+    Consumer = Annotated[Any, Later("drivesizer.spec.battery", "Consumer")]
+    OwnBrake = Annotated[Any, Later("drivesizer.spec.brake", "OwnBrake")]
+    BrakeResistor = Annotated[Any, Later("drivesizer.spec.brake_resistor", "BrakeResistor")]
+    Mounting = Annotated[Any, Later("drivesizer.spec.mounting", "Mounting")]
+    Budget = Annotated[Any, Later("drivesizer.spec.platform", "Budget")]
+    Platform = Annotated[Any, Later("drivesizer.spec.platform", "Platform")]
+    Shaft = Annotated[Any, Later("drivesizer.spec.shaft", "Shaft")]
 
 __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
 
@@ -60,7 +71,12 @@ _OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw
 _VARIED = ("load", "motion", "supply", "environment", "platform")
 
 
-class RobotSpec(Section):
+def _or_any(schema: dict[str, Any]) -> None:
+    """Let the schema of a section take the word ``any``."""
+    schema["anyOf"].insert(0, {"const": "any", "type": "string"})
+
+
+class RobotSpec(HasLater):
     """A robot.yaml: the load, its motion, and what the drive may be made of."""
 
     name: str = Field(min_length=1, max_length=200)
@@ -78,7 +94,7 @@ class RobotSpec(Section):
     brake_resistor: BrakeResistor | None = Field(
         default=None,
         description="that burns what is regenerated; none where not given",
-        json_schema_extra=or_any,
+        json_schema_extra=_or_any,
     )
     power_stage: PowerStage = Field(default_factory=PowerStage)
     shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
@@ -244,9 +260,9 @@ class RobotSpec(Section):
         lives, load = self.needs.life, self.load
         if not isinstance(lives, Lives):
             return self
-        if lives.screw is not None and not isinstance(load, Screw):
+        if lives.screw is not None and MODULES[load.kind] != "screw":
             raise ValueError(f"needs.life.screw: a {load.kind} has no screw; leave it out")
-        if lives.screw is not None and isinstance(load, Screw) and load.screw is None and load.dynamic_load is None:
+        if lives.screw is not None and getattr(load, "screw", None) is getattr(load, "dynamic_load", None) is None:
             raise ValueError("needs.life.screw: it follows from a ball screw's rating; expected load.dynamic_load")
         if self.is_direct and (lives.gearhead or lives.output_bearing) is not None:
             raise ValueError(f"needs.life: with kind: {DIRECT} as transmission there is no gearhead; leave it out")

@@ -15,7 +15,7 @@ from typing import Any
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.frozen import dataclass
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.spec.several_axes.machine_file import is_machine
+from drivesizer.spec.several_axes.any_spec import is_machine
 from drivesizer.spec.tolerance_text import has_tolerance, tolerance
 from drivesizer.study.fields import kind_of, path_of, unknown_field
 from drivesizer.units import number, scale, to_si

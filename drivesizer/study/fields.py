@@ -16,7 +16,8 @@ from drivesizer.loads.kinds import AXES
 from drivesizer.spec.keys import has_names, known_keys, models_at
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import Either
-from drivesizer.spec.several_axes.machine_file import WHOLE, AxisFields, MachineFields, is_machine
+from drivesizer.spec.several_axes.any_spec import is_machine
+from drivesizer.spec.several_axes.machine_file import WHOLE, AxisFields, MachineFields
 from drivesizer.units import to_si
 
 __all__ = ["changed", "kind_of", "path_of", "unknown_field"]

@@ -8,7 +8,8 @@ from typing import Any
 from drivesizer.errors import nearest, quoted
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.multi_axis.joint_axes import with_joints
-from drivesizer.spec.several_axes.machine_file import is_machine, read_machine
+from drivesizer.spec.several_axes.any_spec import is_machine
+from drivesizer.spec.several_axes.machine_file import read_machine
 from drivesizer.study.axes import Place
 from drivesizer.study.schema import StudyFile
 

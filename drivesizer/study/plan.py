@@ -21,7 +21,8 @@ from drivesizer.files.frozen import dataclass
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
 from drivesizer.search.ranking import objective_of, title_of
-from drivesizer.spec.several_axes.machine_file import is_machine, read_machine
+from drivesizer.spec.several_axes.any_spec import is_machine
+from drivesizer.spec.several_axes.machine_file import read_machine
 from drivesizer.study.axes import Axis, Place, axes_of, once
 from drivesizer.study.machine_job import machine_job
 from drivesizer.study.schema import Hypercube, StudyFile, schema_of

@@ -15,7 +15,8 @@ from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.spec.several_axes.machine_file import is_machine, read_machine
+from drivesizer.spec.several_axes.any_spec import is_machine
+from drivesizer.spec.several_axes.machine_file import read_machine
 from drivesizer.study.best import best
 from drivesizer.study.column import Row
 from drivesizer.study.columns import failed, found

@@ -14,8 +14,8 @@ from drivesizer.control.path_following.runs import FollowingRun, follow_all, fol
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform_drive import driving, over_time, with_trajectory
-from drivesizer.load_cases.platform_wheels import load_cases
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec

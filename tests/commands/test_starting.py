@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 from drivesizer.cli import app
 from drivesizer.commands import setup, sizing, starting
 from drivesizer.spec.robot import load_spec
+from drivesizer.spec.several_axes.any_spec import load_any
 from drivesizer.spec.several_axes.machine import MachineSpec
-from drivesizer.spec.several_axes.machine_file import load_any
 
 
 @pytest.fixture

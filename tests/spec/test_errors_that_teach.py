@@ -100,7 +100,7 @@ def test_other_words_stand_for_keys_that_exist():
 def _sections(model, seen=None):
     """A model and all models of its fields."""
     seen = {model} if seen is None else seen | {model}
-    inner = {one for field in model.model_fields.values() for one in keys.models_in(field.annotation)}
+    inner = {one for field in model.model_fields.values() for one in keys.models_of(field)}
     return seen.union(*(_sections(one, seen) for one in inner - seen))
 
 

@@ -9,8 +9,9 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.spec.robot import RobotSpec, load_spec
+from drivesizer.spec.several_axes.any_spec import load_any
 from drivesizer.spec.several_axes.carried import carrying
-from drivesizer.spec.several_axes.machine_file import load_any, load_machine
+from drivesizer.spec.several_axes.machine_file import load_machine
 
 TEXT = """\
 name: cell

@@ -25,7 +25,7 @@ from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases.at_shaft import at_shaft, motion_of, remaining_torque
-from drivesizer.load_cases.platform_wheels import load_cases
+from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.lever import Lever
 from drivesizer.machine.set_cycle import set_cycle, warming

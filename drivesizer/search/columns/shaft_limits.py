@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,9 @@ from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.search.columns.shaft_loads import ShaftLoads, shaft_loads
 from drivesizer.spec.lives import required_life
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.shaft import Shaft
+
+if TYPE_CHECKING:
+    from drivesizer.spec.shaft import Shaft
 
 __all__ = ["loads_on_gearheads", "loads_on_motors"]
 

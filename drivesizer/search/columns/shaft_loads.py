@@ -9,15 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.loads.belt_axis import BeltAxis
-from drivesizer.loads.hoist import Hoist
-from drivesizer.loads.rack_pinion import RackPinion
-from drivesizer.loads.screw import Screw
+from drivesizer.loads.kinds import MODULES
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.belt import pitch_diameter, wrap_angle
 from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DRIVING, AtGearhead
@@ -29,8 +26,10 @@ from drivesizer.physics.elements.shaft_load import (
     tooth_shares,
 )
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.shaft import Shaft
 from drivesizer.spec.transmission import BeltStage, GearStage
+
+if TYPE_CHECKING:
+    from drivesizer.spec.shaft import Shaft
 
 __all__ = ["THRUST", "Carried", "ShaftLoads", "carried", "shaft_loads"]
 
@@ -139,13 +138,14 @@ def _pinion(shaft: Shaft, gear: GearStage) -> Carried:
 def _of_the_load(spec: RobotSpec, shaft: Shaft, cycle: AtGearhead) -> Carried | None:
     """Pinion, pulley, drum, wheel or screw of the load itself."""
     load: Any = spec.load
-    if isinstance(load, RackPinion):
+    home = MODULES[load.kind]
+    if home == "rack_pinion":
         return _teeth(shaft, load.pinion_diameter, load.efficiency)
-    if isinstance(load, BeltAxis):
+    if home == "belt_axis":
         return Carried(load.pulley_diameter, load.efficiency, **_strands(shaft))
-    if isinstance(load, Hoist):
+    if home == "hoist":
         return Carried(load.drum_diameter, load.rope_efficiency)
-    if isinstance(load, Screw):
+    if home == "screw":
         thrust = next(one.demand for one in cycle.load_cycle.own if one.name == THRUST)
         return Carried(math.inf, thrust=thrust)
     vehicle: Any = load if isinstance(load, WheeledVehicle) else None

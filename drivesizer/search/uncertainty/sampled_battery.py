@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import nan
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, battery_columns, required_autonomy
 from drivesizer.machine.battery_pack import Pack, pack_of, run_time
@@ -23,8 +22,10 @@ from drivesizer.physics.battery import current_of_power, terminal_voltage
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
-from drivesizer.spec.battery import Battery
 from drivesizer.spec.robot import RobotSpec
+
+if TYPE_CHECKING:
+    from drivesizer.spec.battery import Battery
 
 __all__ = ["Draw", "Feeding", "battery_limits", "columns_of", "feeding"]
 
@@ -76,7 +77,8 @@ def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
     mission = spec.mission.duration if spec.mission else None
     drawn = [one.drawn(mission) for one in spec.equipment]
     mean, peak = (sum(powers) for powers in zip(*drawn, strict=True)) if drawn else (0.0, 0.0)
-    return Feeding(pack_of(given, catalog), charge, mean, peak, isinstance(spec.load, WheeledVehicle | WheelLoad))
+    on_wheels = spec.load.is_wheel or isinstance(spec.load, WheeledVehicle)
+    return Feeding(pack_of(given, catalog), charge, mean, peak, on_wheels)
 
 
 def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw]) -> list[CheckColumn]:
@@ -140,4 +142,4 @@ def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequenc
 
 def _travel(spec: Any, at: AtSamples) -> Any:
     """Distance that the machine travels in a cycle [m]."""
-    return spec.load.distance if isinstance(spec.load, WheelLoad) else at.travel
+    return spec.load.distance if spec.load.is_wheel else at.travel

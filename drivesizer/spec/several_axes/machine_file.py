@@ -37,12 +37,9 @@ __all__ = [
     "AxisFields",
     "MachineFields",
     "in_order",
-    "is_machine",
     "joint_axis",
-    "load_any",
     "load_machine",
     "on_common_bus",
-    "read_any",
     "read_machine",
 ]
 
@@ -124,37 +121,6 @@ class MachineFields(Section):
             if not isinstance(sections, dict):
                 raise ValueError(f"{quoted(name)}: expected a group of fields such as load, motion, carries")
         return given
-
-
-def is_machine(source: YamlSource) -> bool:
-    """Whether a document has axes or joints, and is no spec of a single one."""
-    return isinstance(source.data, dict) and ("axes" in source.data or "robot" in source.data)
-
-
-def load_any(path: str | Path) -> RobotSpec | MachineSpec:
-    """The spec of one axis or of a machine, as the file has one or the other.
-
-    Parameters
-    ----------
-    path
-        Of the file.
-
-    Returns
-    -------
-    RobotSpec or MachineSpec
-        A machine where there are ``axes`` or a ``robot``.
-
-    Raises
-    ------
-    InputError
-        As of ``load_spec``.
-    """
-    return read_any(read(Path(path)))
-
-
-def read_any(source: YamlSource) -> RobotSpec | MachineSpec:
-    """The spec of one axis or of a machine from YAML source; see :func:`load_any`."""
-    return read_machine(source) if is_machine(source) else read_spec(source)
 
 
 def load_machine(given: str | Path | Mapping[str, Any]) -> MachineSpec:

@@ -16,8 +16,9 @@ from drivesizer.errors import InputError
 from drivesizer.files.frozen import dataclass
 from drivesizer.joints.inverse_dynamics import Attached
 from drivesizer.joints.record import Array
+from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform_record import platform_assumptions
-from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of, load_cases, trajectory_of
+from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.output.export.common import Export, export_of, whose
