@@ -13,6 +13,8 @@ import sys
 import warnings
 from collections.abc import Callable
 from copy import copy
+from importlib import import_module
+from types import ModuleType
 from typing import Annotated, Any
 
 import typer
@@ -95,10 +97,27 @@ def _of(arguments: list[str]) -> typer.Typer:
     return one
 
 
+class _SearchOfPackages(ModuleType):
+    """``importlib.metadata`` before it is used: pydantic loads it, and sockets with it, to look for plugins."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if name == "entry_points":  # which is taken long before it is called, if ever
+            return lambda **wanted: self._loaded().entry_points(**wanted)
+        return getattr(self._loaded(), name)
+
+    def _loaded(self) -> Any:
+        if sys.modules.get(self.__name__) is self:
+            del sys.modules[self.__name__]
+        return import_module(self.__name__)
+
+
 def main() -> None:
     """Run the command line; every failure ends in one line and a status."""
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else every package is searched for some
     keep_freed_memory()
+    sys.modules.setdefault("importlib.metadata", _SearchOfPackages("importlib.metadata"))
     gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
     warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown

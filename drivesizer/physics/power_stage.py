@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.battery import current_of_power
+from drivesizer.physics.elements.quadrature import SIX
 from drivesizer.physics.waveform import Energy, Wave, crossing, energy, in_halves, largest_power
 
 __all__ = [
@@ -50,7 +51,7 @@ ASSUMED_BAND = 0.5, 1.1  # of it, 5 to 95 %
 STAGE_FIGURES = ("inside", "max_duty", "voltage_drop", "max_efficiency", "supply_max", "standby_current")
 _FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors: assumed
 _RIPPLE = 0.1  # of the supply's voltage, at most: assumed
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_NODES, _WEIGHTS = SIX
 
 
 class PowerStage(NamedTuple):

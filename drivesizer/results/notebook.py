@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from html import escape
 from math import isnan
 
 from drivesizer.results.check import Check
@@ -31,6 +30,8 @@ def html_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     >>> html_table(("a",), [("<1>",)])
     '<table><tr><th>a</th></tr><tr><td>&lt;1&gt;</td></tr></table>'
     """
+    from html import escape  # whose table of names takes a millisecond to load
+
     lines = ["".join(f"<th>{escape(head)}</th>" for head in heads)]
     lines += ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
     return f"<table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from drivesizer.physics.elements import screw as element
 from drivesizer.physics.elements.screw import (
     DESIGNS,
     ENDS,
@@ -173,9 +172,3 @@ def test_edges_of_the_life():
     assert life_turns(5000.0, MeanLoad(0.0, 0.0)) == math.inf
     assert mean_load(*steps((0.2, 2.0, 0.0)), 50.0) == pytest.approx((50.0, 50.0))  # idling under preload
     assert math.isnan(buckling_load(10e-3, 0.5, "supported-supported", "THK"))  # not printed
-
-
-def test_the_rule_of_integration_is_that_of_numpy():
-    nodes, weights = np.polynomial.legendre.leggauss(5)
-    assert pytest.approx(nodes, abs=1e-15) == element._NODES
-    assert pytest.approx(weights, abs=1e-15) == element._WEIGHTS

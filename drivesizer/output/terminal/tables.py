@@ -40,7 +40,7 @@ MARK = {"pass": "pass", "fail": "FAIL", "open": "open", "unknown": "unknown"}
 
 def console() -> Console:
     """The terminal that results go to."""
-    shown = Console(highlight=False, soft_wrap=False)
+    shown = Console(highlight=False, soft_wrap=False, emoji=False)
     if shown.width < 1:  # COLUMNS=0, which rich takes as it is: the width is unknown
         shown.width = _WIDTH
     return shown
@@ -74,7 +74,7 @@ def bare(*columns: tuple[str, str], title: str = "", headed: bool = True, edged:
 
 def width_of(table: RenderableType) -> int:
     """Width of a table that breaks no word [characters]."""
-    wide = Console(width=1000)
+    wide = Console(width=1000, emoji=False)
     return Measurement.get(wide, wide.options, table).maximum
 
 

@@ -15,11 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.elements.quadrature import FIVE
+
 __all__ = ["MEDIAN", "gear_life", "mean_load", "turned_load"]
 
 Array = NDArray[np.float64]
 MEDIAN = 5.0  # L_50 over L_10, Harmonic Drive 1021387, equation 32.3
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+_NODES, _WEIGHTS = FIVE
 
 
 def turned_load(

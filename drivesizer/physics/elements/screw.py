@@ -17,6 +17,8 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.elements.quadrature import FIVE
+
 __all__ = [
     "DESIGNS", "ENDS", "Design", "Fixity", "MeanLoad", "Rules", "back_driving_efficiency", "buckling_load",
     "core_load", "critical_speed", "life_turns", "mean_load", "preload_torque", "shaft_inertia", "shaft_mass",
@@ -32,11 +34,7 @@ _ELASTICITY = 2.06e11  # Pa, as THK A-694 has it
 _STRESS = 147e6  # Pa, permissible in the core by THK A-694
 _FLANK = math.radians(15.0)  # of a trapezoidal thread
 _ROLLING = 0.05  # of the preload's torque, by THK A-688
-# of Gauss and Legendre's rule of 5 points, as ``np.polynomial.legendre.leggauss`` has them: loading that takes 10 ms
-_NODES = np.array([-0.906179845938664, -0.5384693101056831, 0.0, 0.5384693101056831, 0.906179845938664])
-_WEIGHTS = np.array(
-    [0.23692688505618928, 0.4786286704993663, 0.5688888888888887, 0.4786286704993663, 0.23692688505618928]
-)
+_NODES, _WEIGHTS = FIVE
 
 
 class Rules(NamedTuple):
