@@ -20,10 +20,9 @@ There is no stiction: a platform at rest on a slope creeps by force over stiffne
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 
 __all__ = ["Contact", "grip", "grip_slope"]
 
