@@ -8,12 +8,12 @@ was interrupted. Results go to stdout, warnings and errors to stderr; failures a
 from __future__ import annotations
 
 import gc
+import importlib
 import os
 import sys
 import warnings
 from collections.abc import Callable
 from copy import copy
-from importlib import import_module
 from types import ModuleType
 from typing import Annotated, Any
 
@@ -110,14 +110,15 @@ class _SearchOfPackages(ModuleType):
     def _loaded(self) -> Any:
         if sys.modules.get(self.__name__) is self:
             del sys.modules[self.__name__]
-        return import_module(self.__name__)
+        return importlib.import_module(self.__name__)
 
 
 def main() -> None:
     """Run the command line; every failure ends in one line and a status."""
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else every package is searched for some
     keep_freed_memory()
-    sys.modules.setdefault("importlib.metadata", _SearchOfPackages("importlib.metadata"))
+    if "importlib.metadata" not in sys.modules:
+        importlib.metadata = sys.modules["importlib.metadata"] = _SearchOfPackages("importlib.metadata")
     gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
     warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown

@@ -13,7 +13,6 @@ import struct
 import sysconfig
 import zlib
 from collections.abc import Callable, Sequence
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +39,7 @@ def made_for(sources: str) -> bytes:
     bytes
         A line.
     """
-    return f"{sources} {sysconfig.get_platform()} {metadata.version('llvmlite')}".encode()
+    return f"{sources} {sysconfig.get_platform()} {_version_here()}".encode()
 
 
 def usable(path: Path, sources: str) -> bytes | None:
@@ -61,12 +60,19 @@ def usable(path: Path, sources: str) -> bytes | None:
     try:
         head, _, packed = path.read_bytes().partition(b"\n")
         made_from, system, oldest = head.decode().split()
-        here = metadata.version("llvmlite")
-    except (OSError, ValueError, metadata.PackageNotFoundError):
+        here = _version_here()
+    except (OSError, ValueError, ImportError, AttributeError):
         return None
     if made_from != sources or system != sysconfig.get_platform() or _release(here) < _release(oldest):
         return None
     return packed
+
+
+def _version_here() -> str:
+    """Of the installed llvmlite, as it says itself: to ask the installer's records takes longer than to load it."""
+    from llvmlite import __version__
+
+    return str(__version__)
 
 
 def _release(version: str) -> list[int]:
@@ -114,7 +120,7 @@ def _engine(name: str, packed: bytes) -> Any:
     target = llvm.Target.from_default_triple().create_target_machine(
         cpu=cpu, features=features, opt=3, codemodel="jitdefault", jit=True
     )
-    versions = f"{metadata.version('llvmlite')} {cpu} {features}".encode()
+    versions = f"{_version_here()} {cpu} {features}".encode()
     place = folder() / "kernels" / f"{name}-{digest_of(versions, packed)}.object"
     code = kept(place)
     if code is None:
