@@ -154,7 +154,7 @@ def shortlist(
         best=best,
         top=top,
         unsure=unsure,
-        reliability=_reliability(sampled, [*best, *unsure], finalists, brief),
+        reliability=_reliability(sampled, [*best, *unsure], finalists),
         uncertainty=_uncertainty(sampled),
         weighed=weighed,
         others=_of_other_families(found, best)[:others] if pool else list(found.others),
@@ -191,13 +191,11 @@ def _sampled(found: Found, rows: Sequence[int], how: Sampling, brief: bool) -> S
 
 
 def _reliability(
-    sampled: SampledDrives | None, rows: list[int], finalists: dict[int, DriveParts], brief: bool
+    sampled: SampledDrives | None, rows: list[int], finalists: dict[int, DriveParts]
 ) -> dict[int, Reliability]:
     """Reliability of drives, of some in closed loop as well."""
     if sampled is None:
         return {}
-    if brief:
-        return {row: sampled.found[row][1].reliability for row in rows}
     from drivesizer.search.uncertainty.run import reliabilities
 
     return reliabilities(sampled, rows, finalists)

@@ -124,7 +124,7 @@ def _needed(spec: RobotSpec, catalog: Catalog) -> float:
 
 
 def _chance(result: SampledDrives, row: int) -> float:
-    return result.found[row][1].reliability.probability
+    return result.examined([row])[row].reliability.probability
 
 
 # --- sampling ----------------------------------------------------------------------------------------------------
@@ -226,12 +226,12 @@ def test_the_same_machine_whatever_else_is_compared(makers: Catalog) -> None:
     for name, tolerances in (("Acme", ACME), ("Bolt", BOLT), ("Coil", "")):
         alone, own = _sampled(spec, _maker(name, tolerances))
         part = f"{name}-1"
-        mine, theirs = together.found[row[part]][1], alone.found[own[part]][1]
+        mine, theirs = (found.examined(found.good)[n] for found, n in ((together, row[part]), (alone, own[part])))
         np.testing.assert_array_equal(mine.smallest, theirs.smallest)
         assert repr(mine.reliability) == repr(theirs.reliability)  # repr: NaN equals NaN
     shared, _ = _sampled(spec, makers, processes=2)
-    assert [repr(one.reliability) for _, one in shared.found.values()] == [
-        repr(one.reliability) for _, one in together.found.values()
+    assert [repr(one.reliability) for one in shared.examined(shared.good).values()] == [
+        repr(one.reliability) for one in together.examined(together.good).values()
     ]
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +17,15 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
-from drivesizer.search.uncertainty.sampled_checks import SetRows, checks_of
+from drivesizer.search.uncertainty.sampled_checks import Block, SetRows, checks_of
 from drivesizer.search.uncertainty.sampling import Sample, mean_and_error
 from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlations
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "Examined", "Over", "Subject", "at_ends", "counting", "drivers", "examined", "over_samples", "quantiles", "reduced",
-    "without_effect",
+    "Examined", "Over", "Subject", "at_ends", "blocks_of", "by_processes", "counting", "drivers", "examined",
+    "over_samples", "quantiles", "reduced", "without_effect",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -88,29 +88,63 @@ def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], pro
         One a drive.
     """
     if processes > 1 and len(subjects) > 1:
-        return _shared(given, catalog, subjects, processes)
-    belts = sorted({one.rows.belt for one in subjects})
-    kept = list(blocks(given, catalog, belts)) if given.cells <= _KEPT else None
+        return by_processes(examined, given, catalog, subjects, processes)
+    kept = [*blocks_of(given, catalog, subjects)] if given.cells <= _KEPT else None
     found: list[Examined] = []
     for first in range(0, len(subjects), _TOGETHER):
         some = subjects[first : first + _TOGETHER]
         parts: list[list[dict[str, Over]]] = [[] for _ in some]
-        for block in kept or blocks(given, catalog, belts):
+        for block in kept or blocks_of(given, catalog, subjects):
             for part, one in zip(parts, some, strict=True):
                 part.append({n: _over(c, block.size) for n, c in checks_of(catalog, one.rows, block).items()})
         found += [_reduced(one, part) for one, part in zip(some, parts, strict=True)]
     return found
 
 
-def _shared(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int) -> list[Examined]:
-    """The same by several processes, each with some of the drives."""
+def blocks_of(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> Iterator[Block]:
+    """The samples in blocks, ready for some drives.
+
+    Parameters
+    ----------
+    given, catalog, subjects
+        As in ``examined``.
+
+    Returns
+    -------
+    iterator of Block
+        Consecutive samples.
+    """
+    return blocks(given, catalog, sorted({one.rows.belt for one in subjects}))
+
+
+Found = TypeVar("Found")
+
+
+def by_processes(
+    function: Callable[[Prepared, Catalog, Sequence[Subject]], list[Found]],
+    given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int,
+) -> list[Found]:  # fmt: skip
+    """What a function finds of drives, by several processes, each with some of them.
+
+    Parameters
+    ----------
+    function
+        Of the samples, the parts and some drives; it finds something of each.
+    given, catalog, subjects, processes
+        As in ``examined``.
+
+    Returns
+    -------
+    list
+        Of each drive, in their order.
+    """
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
     share = -(-len(subjects) // processes)
     parts = [subjects[first : first + share] for first in range(0, len(subjects), share)]
     with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
-        found = list(pool.map(examined, [given] * len(parts), [catalog] * len(parts), parts))
+        found = list(pool.map(function, [given] * len(parts), [catalog] * len(parts), parts))
     return [one for part in found for one in part]
 
 

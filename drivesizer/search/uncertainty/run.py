@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,6 +15,7 @@ from drivesizer.results.reliability import Reliability, Uncertain, Uncertainty
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.uncertainty.class_of_part import used
 from drivesizer.search.uncertainty.counted_figures import reason
+from drivesizer.search.uncertainty.failing import failing
 from drivesizer.search.uncertainty.options import POOL, Sampling
 from drivesizer.search.uncertainty.prepare import Prepared, prepared
 from drivesizer.search.uncertainty.probabilities import (
@@ -28,7 +29,7 @@ from drivesizer.search.uncertainty.probabilities import (
 )
 from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.sampled_figures import figure_spreads
-from drivesizer.search.uncertainty.sampling import Sample, sample
+from drivesizer.search.uncertainty.sampling import Sample, mean_and_error, sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
 
 __all__ = ["SampledDrives", "reliabilities", "sample_drives", "subject", "uncertainty"]
@@ -39,11 +40,17 @@ class SampledDrives(NamedTuple):
 
     good: list[int]  # in their order; with a required confidence those that reach it
     bad: list[int]  # that do not, the most reliable first
-    found: dict[int, tuple[Subject, Examined]]
+    subjects: dict[int, Subject]  # both
     ready: Prepared
     drawn: Sample
     how: Sampling
     ends: Prepared | None  # one figure varied at a time; None where the probabilities are all that is wanted
+
+    def examined(self, rows: Collection[int]) -> dict[int, Examined]:
+        """Probability, and every check over the samples, of some of them."""
+        some = [self.subjects[row] for row in rows]
+        found = examined(self.ready, self.ready.problem.catalog, some, self.how.processes)
+        return dict(zip(rows, found, strict=True))
 
 
 def sample_drives(
@@ -75,13 +82,19 @@ def sample_drives(
     given = assumptions(machine, held)
     drawn = sample(given, how.samples, how.seed, assumptions(machine))
     ready = prepared(problem, given, drawn.values)
-    results = examined(ready, catalog, list(subjects.values()), how.processes)
-    found = {row: (subject, one) for (row, subject), one in zip(subjects.items(), results, strict=True)}
-    chance = {row: one.reliability.probability for row, (_, one) in found.items()}
-    good = [row for row in found if how.confidence is None or chance[row] >= how.confidence]
-    bad = sorted((row for row in found if row not in good), key=lambda row: -chance[row])
+    good, bad = _divided(ready, subjects, how)
     ends = None if brief else at_ends(problem, given)
-    return SampledDrives(good, bad, found, ready, drawn._replace(values=ready.values), how, ends)
+    return SampledDrives(good, bad, {**subjects}, ready, drawn._replace(values=ready.values), how, ends)
+
+
+def _divided(ready: Prepared, subjects: Mapping[int, Subject], how: Sampling) -> tuple[list[int], list[int]]:
+    """Rows of drives that reach the required confidence, and of those that do not, the most reliable first."""
+    if how.confidence is None:
+        return [*subjects], []
+    failed = failing(ready, ready.problem.catalog, [*subjects.values()], how.processes)
+    chance = {row: mean_and_error(~one).value for row, one in zip(subjects, failed, strict=True)}
+    good = [row for row in subjects if chance[row] >= how.confidence]
+    return good, sorted((row for row in subjects if row not in good), key=lambda row: -chance[row])
 
 
 def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:
@@ -110,9 +123,9 @@ def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) ->
 
 
 def reliabilities(
-    sampled: SampledDrives, rows: Iterable[int], finalists: Mapping[int, DriveParts]
+    sampled: SampledDrives, rows: Collection[int], finalists: Mapping[int, DriveParts]
 ) -> dict[int, Reliability]:
-    """Reliability of drives, with the sensitivities of each.
+    """Reliability of drives, with the sensitivities of each unless they were sampled in brief.
 
     Parameters
     ----------
@@ -128,15 +141,16 @@ def reliabilities(
     dict
         By row.
     """
-    ends, described = sampled.ends, {}
-    assert ends is not None, "of drives that are sampled in brief the probabilities are all"
-    for row in rows:
-        examined_, found = sampled.found[row]
-        matters = drivers(examined_, sampled.ready.problem.catalog, ends, sampled.drawn, found.smallest)
-        figures = figure_spreads(sampled.ready, sampled.ready.problem.catalog, examined_.rows)
-        described[row] = replace(found.reliability, drivers=matters, figures=figures)
+    catalog, ends, described = sampled.ready.problem.catalog, sampled.ends, {}
+    for row, found in sampled.examined(rows).items():
+        described[row], one = found.reliability, sampled.subjects[row]
+        if ends is None:
+            continue
+        matters = drivers(one, catalog, ends, sampled.drawn, found.smallest)
+        figures = figure_spreads(sampled.ready, catalog, one.rows)
+        described[row] = replace(described[row], drivers=matters, figures=figures)
         if row in finalists and sampled.how.loop > 0 and not sampled.ready.spec.steps:
-            described[row] = _in_the_loop(sampled, examined_, finalists[row], described[row])
+            described[row] = _in_the_loop(sampled, one, finalists[row], described[row])
     return described
 
 
@@ -161,9 +175,9 @@ def uncertainty(one: SampledDrives) -> Uncertainty:
         samples=one.drawn.size,
         seed=one.how.seed,
         confidence=one.how.confidence,
-        examined=len(one.found),
+        examined=len(one.subjects),
         reached=len(one.good),
-        notes=(*_notes(one.ready, one.how, len(one.found)), *_idle(one)),
+        notes=(*_notes(one.ready, one.how, len(one.subjects)), *_idle(one)),
     )
 
 
@@ -210,7 +224,7 @@ def _idle(one: SampledDrives) -> list[str]:
     """Notes on tolerances of the spec that change no sampled check of the first drives, each reason once."""
     if one.ends is None:
         return []
-    drives = [subject for subject, _ in list(one.found.values())[:_LOOKED_AT]]
+    drives = [*one.subjects.values()][:_LOOKED_AT]
     by_reason: dict[str, list[str]] = {}
     for figure in without_effect(drives, one.ready.problem.catalog, one.ends):
         looped = (
