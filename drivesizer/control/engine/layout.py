@@ -35,7 +35,7 @@ _PARAMETERS = """
     H R25 K_T K_E J_M F_M F_S B_M RATIO DRIVE BRAKE J_L B_L T_F T_B T_0 C DAMP GAP G_0 G_D G_B TWO
     CASCADE N_V N_P KP KI KEEP KD CKP CKI PKP FFV FFF FFA DELAY EDGES WINDOW V_0 R_S SETS DUTY DROP
     RAISES PEAK CONT2 BUDGET HEAT R_1 R_2 C_W C_H R_A ALPHA AMBIENT P_0 P_1 P_2 NODE_0 NODE_D NODES
-    MOST SENSE TOL_I TOL_W TOL_U TOL_F TOL_X PROMPT LOSS R_B STANDBY LEADS KEPT RESTS EVERY
+    MOST SENSE TOL_I TOL_W TOL_U TOL_F TOL_X PROMPT LOSS R_B STANDBY LEADS KEPT RESTS EVERY G_1 G_2 BY_W BY_H
 """
 PARAMETERS = _PARAMETERS.split()
 (
@@ -44,7 +44,7 @@ PARAMETERS = _PARAMETERS.split()
     DROP,
     RAISES, PEAK, CONT2, BUDGET, HEAT, R_1, R_2, C_W, C_H, R_A, ALPHA, AMBIENT, P_0, P_1, P_2, NODE_0, NODE_D, NODES,
     MOST, SENSE, TOL_I, TOL_W, TOL_U, TOL_F, TOL_X, PROMPT, LOSS, R_B, STANDBY, LEADS, KEPT, RESTS,
-    EVERY,
+    EVERY, G_1, G_2, BY_W, BY_H,
 ) = _places(PARAMETERS)  # fmt: skip
 
 # machine; heat (rises over ambient, copper heat, and what a kelvin at the start makes of them); controller: pending
@@ -81,6 +81,7 @@ _ROW = """
 ROW = _ROW.split()
 
 FRESH = 0.01  # K by which the winding may warm before its resistance is updated: 0.004 % of it
+AMPLE = 1.001  # times what the peak current fills in a period: with so much left that alone is the limit
 STEADY = 14  # figures that are compared to detect a steady state
 VAST = 1e100  # beyond any machine, and small enough that squares stay finite
 GOOD, NOT_FINITE, TOO_LONG = 0, 1, 2

@@ -34,8 +34,10 @@ def available_voltage(p: Array, i: float, demand: float) -> float:
     r = p[at.R_S] * p[at.SETS] * along
     if r < 0.0 and p[at.RAISES] == 0.0:
         r = 0.0
-    half = 0.5 * (p[at.V_0] - r * p[at.DUTY])
-    V = half + math.sqrt(max(0.0, half * half - r * (p[at.LOSS] - p[at.DUTY] * p[at.DROP])))
+    V = p[at.V_0]
+    if r != 0.0:
+        half = 0.5 * (p[at.V_0] - r * p[at.DUTY])
+        V = half + math.sqrt(max(0.0, half * half - r * (p[at.LOSS] - p[at.DUTY] * p[at.DROP])))
     return float(max(0.0, float(p[at.DUTY]) * (V - p[at.DROP]) - p[at.R_B] * along))
 
 
@@ -54,9 +56,13 @@ def record_bus(p: Array, g: Array, power: float, t: float, dt: float) -> None:
     g[at.G_V_LOW], g[at.G_V_HIGH] = min(g[at.G_V_LOW], V), max(g[at.G_V_HIGH], V)
     if P > 0.0:
         keep_peak(g, at.G_BUS, P / V, t)
-        g[at.G_RESISTED] += p[at.R_S] * P / V * P / V * dt
+        if p[at.R_S] > 0.0:
+            g[at.G_RESISTED] += p[at.R_S] * P / V * P / V * dt
 
 
 def permitted_current(p: Array, s: Array, h: float) -> float:
     """Largest current for a period h [A]: the peak, then what just fills the I2t integral, then the continuous one."""
-    return float(min(p[at.PEAK], math.sqrt(p[at.CONT2] + max(0.0, p[at.BUDGET] - s[at.I2T]) / h)))
+    left = max(0.0, p[at.BUDGET] - s[at.I2T])
+    if left > at.AMPLE * p[at.PEAK] * p[at.PEAK] * h:
+        return float(p[at.PEAK])
+    return float(min(p[at.PEAK], math.sqrt(p[at.CONT2] + left / h)))

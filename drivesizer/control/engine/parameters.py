@@ -107,6 +107,7 @@ def thermal(heat: MotorHeat | None) -> dict[str, float]:
         "HEAT": 1.0, "R_1": b.R_th1, "R_2": b.R_th2, "C_W": b.capacity_w, "C_H": b.capacity_h,
         "R_A": b.R_25 * (1.0 + COPPER * (heat.ambient - DATA_TEMPERATURE)), "ALPHA": COPPER * b.R_25,
         "AMBIENT": heat.ambient, "P_0": heat.loss, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
+        "G_1": 1.0 / b.R_th1, "G_2": 1.0 / b.R_th2, "BY_W": 1.0 / b.capacity_w, "BY_H": 1.0 / b.capacity_h,
         "NODE_0": low - heat.ambient - _NODE, "NODE_D": _NODE, "NODES": _NODES,
     }  # fmt: skip
 

@@ -108,8 +108,8 @@ def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
             record_bus(p, g, (g[at.G_IN] - g[at.G_RETURNED] - taken) / h, t, h)
             turned, swept = turned + abs(s[at.X] - x), swept + square_of(w, s[at.W], s[at.X] - x, h)
             spent, k = spent + h, k + 1
-            steady = constant and k % cycle == 0 and is_steady(p, s, mind, lag_at(p, s, piece, k))
-            if k % n_v == 0 or k == end:
+            steady = constant and (cycle == 1 or k % cycle == 0) and is_steady(p, s, mind, lag_at(p, s, piece, k))
+            if n_v == 1 or k % n_v == 0 or k == end:
                 felt, since = felt + s[at.SQUARE], since + spent
                 heat(p, s, g, turned, swept, spent)
                 turned = swept = spent = 0.0

@@ -44,7 +44,10 @@ def carry_state(p: Array, s: Array, g: Array, u: float, l: float, t: float, dura
 
 
 def is_steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
-    """Whether nothing changed since the last call."""
+    """Whether nothing changed since the last call; with counts never while the motor turns, for they go on."""
+    if p[at.EDGES] != 0.0 and s[at.W] != 0.0:
+        mind[0] = math.nan
+        return False
     now = (
         s[at.I], s[at.W], s[at.F], s[at.V], s[at.PEND], s[at.OUTER], s[at.OUTER + 1], s[at.INNER], s[at.I_DEMAND],
         s[at.I_NEXT], s[at.W_ADD], s[at.W_NEXT], lag if p[at.PKP] > 0.0 else 0.0, s[at.U_CUT],
@@ -54,7 +57,7 @@ def is_steady(p: Array, s: Array, mind: Array, lag: float) -> bool:
         p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], demand, demand, p[at.TOL_U],
         p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W], p[at.TOL_X], p[at.TOL_U],
     )  # fmt: skip
-    same = p[at.EDGES] == 0.0 or s[at.W] == 0.0  # counts go on
+    same = True
     for n in range(at.STEADY):
         same = same and abs(now[n] - mind[n]) <= limits[n]
         mind[n] = now[n]

@@ -30,7 +30,7 @@ def warm(p: Array, s: Array, place: int, I2: float, loss: float, R: float, dt: f
 
 def warm_briefly(p: Array, s: Array, I2: float, loss: float, dt: float) -> None:
     """The same over a single period, far shorter than the winding's time constant: by the rates in its middle."""
-    g_1, g_2, by_w, by_h = 1.0 / p[at.R_1], 1.0 / p[at.R_2], 1.0 / p[at.C_W], 1.0 / p[at.C_H]
+    g_1, g_2, by_w, by_h = p[at.G_1], p[at.G_2], p[at.BY_W], p[at.BY_H]
     w, h, copper = s[at.T_W], s[at.T_H], 0.0
     x, y = w, h
     for reach in (0.5 * dt, dt):
