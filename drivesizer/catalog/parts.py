@@ -284,7 +284,13 @@ def by_name(part: Any) -> dict[str, Any]:
     >>> by_name(Controller())["peak_current"]
     nan
     """
-    return {one.name: getattr(part, one.name) for one in fields(part)}
+    return {name: getattr(part, name) for name in _names(part.__class__)}
+
+
+@cache
+def _names(kind: type) -> tuple[str, ...]:
+    """Names of the fields of a kind of part."""
+    return tuple(one.name for one in fields(kind))
 
 
 def one_of(section: str) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from drivesizer.catalog.parts import by_name
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.files.frozen import dataclass
-from drivesizer.load_cases.at_shaft import at_shaft
+from drivesizer.load_cases.at_shaft import AtShaft, at_shaft
 from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import friction, gear_loss
@@ -73,6 +73,12 @@ class DriveTrain:
     stiffness: float = inf  # N*m/rad of the driven shaft; infinite: rigid
     damping: float = 0.0  # N*m*s/rad of the driven shaft
     gap: float = 0.0  # rad of backlash at the driven shaft, from contact to contact
+
+    @property
+    def load(self) -> AtShaft:
+        """The load at the driven shaft, as it was taken."""
+        torques = self.forward_torque, self.backward_torque, self.rest_torque
+        return AtShaft(self.load_inertia, self.radius, *torques)
 
     @property
     def ratio(self) -> float:

@@ -27,7 +27,7 @@ from drivesizer.loads.course import Profile
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["ClosedLoop", "as_warm", "run", "without_limits"]
+__all__ = ["ClosedLoop", "as_warm", "limited", "run", "unlimited", "without_limits"]
 
 _ROWS = 20_000  # most rows of a time series
 _SHORTER = "expected a slower control.rate, one cycle of what repeats with a mission.duration, or a part with --profile"
@@ -160,12 +160,42 @@ def without_limits(drive: Drive, task: Task, out: Simulation, loops: Loops) -> S
     return _freed(drive, task, LongSimulation(out, drive, {}, ()), loops).out
 
 
-def _freed(drive: Drive, task: Task, whole: LongSimulation, loops: Loops) -> LongSimulation:
-    met = whole.out.figures["time_at_voltage_limit"][0] + whole.out.figures["time_at_current_limit"][0]
-    if not met or not all(loop.stable for loop in loops.all):
-        return whole
+def limited(out: Simulation, loops: Loops) -> bool:
+    """Whether a simulation met limits without which it can be simulated.
+
+    Parameters
+    ----------
+    out, loops
+        As in ``without_limits``.
+
+    Returns
+    -------
+    bool
+    """
+    met = out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0]
+    return bool(met) and all(loop.stable for loop in loops.all)
+
+
+def unlimited(drive: Drive) -> Drive:
+    """A drive without limits of voltage and current.
+
+    Parameters
+    ----------
+    drive
+        The drive with its limits.
+
+    Returns
+    -------
+    Drive
+    """
     supply = replace(drive.supply, voltage=math.inf, resistance=0.0)
-    free = _whole(replace(drive, supply=supply, current=CurrentLimit()), task, rows=0)
+    return replace(drive, supply=supply, current=CurrentLimit())
+
+
+def _freed(drive: Drive, task: Task, whole: LongSimulation, loops: Loops) -> LongSimulation:
+    if not limited(whole.out, loops):
+        return whole
+    free = _whole(unlimited(drive), task, rows=0)
     return whole if free.out.problems[0] else free
 
 

@@ -18,7 +18,7 @@ from drivesizer.control.loop_design import designed, edges_of, train_behind
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.at_shaft import at_shaft, remaining_torque
+from drivesizer.load_cases.at_shaft import remaining_torque
 from drivesizer.loads.course import Profile
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.power_stage import Feed
@@ -104,7 +104,7 @@ def _sampled(controller: Gains | Cascade, profile: Profile) -> None:
 
 def _task(spec: RobotSpec, profile: Profile, train: DriveTrain) -> Task:
     """Motion and load of the driven shaft, repeated for the mission's duration."""
-    left = remaining_torque(spec, profile, at_shaft(spec))
+    left = remaining_torque(spec, profile, train.load)
     lasts = spec.mission.duration / profile.duration if spec.mission else 1.0
     return Task(
         time=profile.time,

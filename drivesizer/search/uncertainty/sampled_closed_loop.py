@@ -10,12 +10,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop.checks import checks
-from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, run, without_limits
+from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, limited, run, unlimited, without_limits
 from drivesizer.control.closed_loop.set_up import Prepared, prepared
 from drivesizer.control.engine import Simulation, Task, simulate_many
 from drivesizer.errors import InputError
@@ -113,9 +115,10 @@ def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts
         for machine, motion in zip(machines, profiles, strict=True)
     ]
     simulated, warm = _simulated(made), _warm(made, nominal)
+    free = _freed(made, simulated, nominal)
     return [
-        _checks(nominal, machine, motion, one, (out, cycle))
-        for machine, motion, one, out, cycle in zip(machines, profiles, made, simulated, warm, strict=True)
+        _checks(nominal, machine, motion, one, runs)
+        for machine, motion, one, *runs in zip(machines, profiles, made, simulated, free, warm, strict=True)
     ]
 
 
@@ -132,14 +135,30 @@ def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulatio
     warmer = [
         one._replace(drive=as_warm(one.drive, nominal.steady_start), task=replace(one.task, cycles=1)) for one in made
     ]
+    found = _simulated(warmer)
     return [
-        () if out.problems[0] else (out, _freed(one, out, nominal))
-        for one, out in zip(warmer, _simulated(warmer), strict=True)
+        () if out.problems[0] else (out, free) for out, free in zip(found, _freed(warmer, found, nominal), strict=True)
     ]
 
 
-def _freed(one: Prepared, out: Simulation, nominal: ClosedLoop) -> Simulation:
-    """The same without limits; with them where a machine cannot be simulated without."""
+def _freed(made: Sequence[Prepared], found: Sequence[Simulation], nominal: ClosedLoop) -> list[Simulation]:
+    """The same without limits: those that met any side by side, and where that is refused one by one."""
+    places = [n for n, out in enumerate(found) if not out.problems[0] and limited(out, nominal.loops)]
+    free, each = [*found], [made[n]._replace(drive=unlimited(made[n].drive)) for n in places]
+    try:
+        together = _simulated(each)
+    except InputError:
+        together = []
+    for n, out in zip_longest(places, together):
+        if out is None or out.problems[0]:
+            free[n] = _freed_alone(made[n], found[n], nominal)
+        else:
+            free[n] = out
+    return free
+
+
+def _freed_alone(one: Prepared, out: Simulation, nominal: ClosedLoop) -> Simulation:
+    """One without limits, however long it takes; with them where it cannot be simulated without."""
     try:
         return without_limits(one.drive, one.task, out, nominal.loops)
     except InputError:
@@ -167,16 +186,15 @@ def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
 
 
 def _checks(
-    nominal: ClosedLoop, machine: tuple[RobotSpec, DriveParts], motion: Profile, made: Prepared,
-    simulated: tuple[Simulation, tuple[Simulation, ...]],
+    nominal: ClosedLoop, machine: tuple[RobotSpec, DriveParts], motion: Profile, made: Prepared, runs: Sequence[Any],
 ) -> tuple[Check, ...]:  # fmt: skip
-    """Demand against limit of one sample, simulated from cold and in periodic steady state."""
-    out, warm = simulated
+    """Demand against limit of one sample, simulated from cold, without limits, and in periodic steady state."""
+    out, free, warm = runs
     if out.problems[0]:
         return (replace(checks(nominal)[0], status="fail", title=_LOST),)
     case = ClosedLoop(
         *machine, motion, made.train, made.controller, nominal.loops, made.usable_voltage, made.task,
-        out, _freed(made, out, nominal), {}, made.assumptions, steady_cycle=warm,
+        out, free, {}, made.assumptions, steady_cycle=warm,
     )  # fmt: skip
     return tuple(check for check in checks(case) if check.name not in _LEFT)
 
