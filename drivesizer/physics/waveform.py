@@ -125,6 +125,8 @@ def _cut(found: Wave, surplus: Array, speed: Array) -> tuple[Array, Array, Array
 def in_halves(duration: Array, current: Array, lines: Sequence[Array]) -> tuple[Array, list[Array]]:
     """Segments in halves that meet where the current changes its sign; where it does not the second has no length.
 
+    Those of samples stay whole where no current does.
+
     Parameters
     ----------
     duration
@@ -140,6 +142,8 @@ def in_halves(duration: Array, current: Array, lines: Sequence[Array]) -> tuple[
         Duration of the halves [s], and the lines over them, of twice as many segments.
     """
     share = crossing(current)
+    if _of_samples(share) and (share == 1.0).all():
+        return duration * share, [*lines]
     count, segments = share.shape
     durations, halves = _room(share, (count, 2 * segments)), []
     durations[:, ::2], durations[:, 1::2] = duration * share, duration * (1.0 - share)
@@ -154,7 +158,15 @@ def in_halves(duration: Array, current: Array, lines: Sequence[Array]) -> tuple[
 
 def _room(like: Array, shape: tuple[int, ...]) -> Array:
     """Room for figures that lie in memory as others do: of many samples of one drive these side by side."""
-    return np.empty(shape, order="F" if like.strides[0] < like.strides[-1] else "C")
+    return np.empty(shape, order="F" if _of_samples(like) else "C")
+
+
+def _of_samples(like: Array) -> bool:
+    """Whether figures of one moment lie side by side, as those of samples: their sums hang on no segment without time.
+
+    Of candidates those of a cycle do: numpy adds them up in an order that hangs on how many there are.
+    """
+    return like.strides[0] < like.strides[-1]
 
 
 def mean_square(found: Wave) -> Array:
@@ -226,9 +238,11 @@ def crossing(ends: Array) -> Array:
 def signed_energy(found: Wave) -> Array:
     """Energy of each segment up to where one of both changes its sign, from there to the other, and from there on [J].
 
-    Power has one sign in each part: shape (candidates, segments, 3).
+    Power has one sign in each part: shape (candidates, segments, 3); of samples 1 where no sign changes.
     """
     one, other = crossing(found.current), crossing(found.voltage)
+    if _of_samples(one) and (one == 1.0).all() and (other == 1.0).all():
+        return (_work(found, 1.0) * found.duration)[..., None]
     first, second = (_work(found, cut) for cut in (np.minimum(one, other), np.maximum(one, other)))
     parts = _room(one, (*one.shape, 3))
     parts[..., 0] = first
