@@ -41,13 +41,18 @@ def back_emf_constant(motor: Any) -> Array:
     motor
         Figures of motors by field name: columns.
     """
-    k_t, voltage = np.asarray(motor["torque_constant"]), np.asarray(motor["nominal_voltage"])
-    no_load = np.asarray(motor["no_load_speed"])
-    lost = np.asarray(motor["resistance"] * motor["no_load_current"])
+    k_t, own = np.asarray(motor["torque_constant"]), np.asarray(motor["back_emf_constant"])
     with np.errstate(divide="ignore", invalid="ignore"):
-        idle = np.where(np.isnan(lost), np.fmin(k_t, voltage / no_load), (voltage - lost) / no_load)
-        likely = (idle > k_t / _OTHER) & (idle < k_t * _OTHER) & (np.asarray(motor["commutation"]) != ELECTRONICS)
-        own = np.asarray(motor["back_emf_constant"])
-        printed = np.where(np.isnan(own), np.divide(1.0, motor["speed_constant"]), own)
-        found = np.where(np.isnan(printed), np.where(likely, idle, k_t), printed)
+        found = np.where(np.isnan(own), np.divide(1.0, motor["speed_constant"]), own)
+        if (unprinted := np.isnan(found)).any():
+            found = np.where(unprinted, _by_no_load_speed(motor, k_t), found)
         return np.where(np.abs(found / k_t - 1.0) < _SAME, k_t, found)
+
+
+def _by_no_load_speed(motor: Any, k_t: Array) -> Array:
+    """The constant by (V - R I_0)/w_0 where that is likely, else k_t."""
+    voltage, no_load = np.asarray(motor["nominal_voltage"]), np.asarray(motor["no_load_speed"])
+    lost = np.asarray(motor["resistance"] * motor["no_load_current"])
+    idle = np.where(np.isnan(lost), np.fmin(k_t, voltage / no_load), (voltage - lost) / no_load)
+    likely = (idle > k_t / _OTHER) & (idle < k_t * _OTHER) & (np.asarray(motor["commutation"]) != ELECTRONICS)
+    return np.where(likely, idle, k_t)

@@ -170,19 +170,23 @@ _FIELDS = tuple(field.name for field in fields(CheckColumn))
 
 def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     demand, limit = np.asarray(demand, float), np.asarray(limit, float)
-    shape = np.broadcast(demand, limit).shape
-    demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
     zero = more.get("zero", 0.0)
-    idle = (demand == zero) | (np.isposinf(limit) & (demand != np.inf))  # without a limit any demand will do
     above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
-    return CheckColumn(
-        name=name,
-        demand=demand,
-        limit=limit,
-        passed=((above <= limit) & (demand != np.inf)) | idle,
-        failed=((above > limit) | (demand == np.inf)) & ~idle,  # an unbounded demand passes no limit, known or not
-        **more,
-    )
+    passed, failed = above <= limit, above > limit
+    idle, unbounded, unlimited = demand == zero, demand == np.inf, np.isposinf(limit)
+    if unbounded.any():  # it passes no limit, known or not
+        passed, failed = passed & ~unbounded, failed | unbounded
+    if unlimited.any():  # without a limit any demand will do
+        idle = idle | (unlimited & ~unbounded)
+    if idle.any():
+        passed, failed = passed | idle, failed & ~idle
+    shape = np.broadcast(demand, limit, passed).shape
+
+    def whole(x: NDArray[Any]) -> NDArray[Any]:
+        return x if x.shape == shape else np.full(shape, x)
+
+    demand, limit, passed, failed = (whole(np.asarray(x)) for x in (demand, limit, passed, failed))
+    return CheckColumn(name=name, demand=demand, limit=limit, passed=passed, failed=failed, **more)
 
 
 def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:

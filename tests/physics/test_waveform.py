@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivesizer.physics.power_stage import PowerStage, at_input
 from drivesizer.physics.waveform import Wave, energy, largest_power, longest_above, mean_square, wave
 
 FINE = 4000  # samples of a segment
@@ -172,3 +173,18 @@ def test_a_second_is_a_second_wherever_in_the_cycle_it_lies():
     for before in (n / 10 for n in range(1, 40)):
         found = one((before, (0.0, 0.0), (1.0, 1.0)), (1.0, (5.0, 5.0), (1.0, 1.0)), (0.6, (0.0, 0.0), (1.0, 1.0)))
         assert longest_above(found, np.array([2.0]))[0] <= 1.0
+
+
+@settings(max_examples=40)
+@given(st.lists(segments.filter(lambda rows: len(rows) > 2).map(lambda rows: rows[:3]), min_size=2, max_size=5))
+def test_of_samples_that_lie_side_by_side_everything_is_as_of_candidates(machines):
+    """Whether the sign of a current or a voltage changes in one of them, or in none: then nothing is cut."""
+    for positive in (False, True):
+        each = [one(*((t, *(np.abs(x) if positive else x for x in ends)) for t, *ends in rows)) for rows in machines]
+        rows = Wave(*(np.concatenate([np.atleast_2d(x) for x in same]) for same in zip(*each, strict=True)))
+        lying = Wave(*(np.asfortranarray(x) for x in rows))
+        stage = PowerStage(0.95, 0.5, np.full(len(each), 0.7), np.full(len(each), 0.1), 0.0, False)
+        for found in (rows, at_input(rows, stage)):
+            other = lying if found is rows else at_input(lying, stage)
+            told, same = ((*energy(laid), largest_power(laid)[0]) for laid in (found, other))
+            np.testing.assert_allclose(same, told, rtol=1e-12, atol=1e-12)

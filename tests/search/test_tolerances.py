@@ -19,6 +19,7 @@ from drivesizer.machine.supply_power import drive_power
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
+from drivesizer.search.uncertainty.failing import failing
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
 from drivesizer.search.uncertainty.probabilities import examined
@@ -354,6 +355,23 @@ def test_blocks_do_not_change_the_figures(plain: str, parts: Catalog, monkeypatc
     whole = _document(plain, parts, 1, 1)
     monkeypatch.setattr("drivesizer.search.uncertainty.prepare._ROWS", 100)
     assert _document(plain, parts, 1, 1) == whole
+
+
+def test_a_drive_fails_in_the_samples_that_its_probability_leaves_out(
+    plain: str, parts: Catalog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However many samples and parts are held at a time, and by one process or two."""
+    spec, found = _read(plain, MOVED), _best(_read(plain, {}), parts, 12)
+    given, some = assumptions(spec), [subject(found, row) for row in range(12)]
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 1).values)
+    failed = np.array(failing(ready, parts, some))
+    shown = [one.reliability.probability for one in examined(ready, parts, some)]
+    assert 0.0 < min(shown) < max(shown) < 1.0
+    assert (1.0 - failed.mean(axis=1)).tolist() == pytest.approx(shown, abs=1e-12)
+    np.testing.assert_array_equal(failing(ready, parts, some, 2), failed)
+    monkeypatch.setattr("drivesizer.search.uncertainty.prepare._ROWS", 100)
+    monkeypatch.setattr("drivesizer.search.uncertainty.sampled_checks._HELD", 1)
+    np.testing.assert_array_equal(failing(ready, parts, some), failed)
 
 
 # --- from the spec to the result -------------------------------------------------------------------------------------

@@ -66,6 +66,8 @@ class Moments(NamedTuple):
 
     def agreed(self, other: Moments) -> Moments:
         """Figures on which two bounds agree; unknown where they do not."""
+        if self is other:
+            return self
         return Moments(*(np.where(a == b, a, np.nan) for a, b in zip(self, other, strict=True)))
 
     def over(self, other: Moments, what: Wanted) -> Moments:

@@ -7,8 +7,9 @@ nominal drive, since they are bought once.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+Held = TypeVar("Held")
+_HELD = 64  # parts, and limits of parts, that a block holds: some MB at most each
 
 
 class SetRows(NamedTuple):
@@ -81,13 +84,21 @@ class Block(NamedTuple):
     factors: Mapping[Class, Array]  # of the catalogue's figures
     given: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
     belts: Mapping[float, BeltDrive | None]  # by ratio, where they are out of the catalogues
-    held: dict[tuple[str, int], tuple[Class, ...]]  # of parts that were looked at: many drives have the same
+    held: dict[tuple[Any, ...], Any]  # of parts that were looked at: many drives have the same
 
     def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
         """Factors of the figures of a part that are sampled, by figure."""
-        if (part, row) not in self.held:
-            self.held[part, row] = holding(catalog, self.given, part, row)
-        return {one.figure: self.factors[one] for one in self.held[part, row] if one in self.factors}
+        held = self.once(lambda: holding(catalog, self.given, part, row), "classes", part, row)
+        return {one.figure: self.factors[one] for one in held if one in self.factors}
+
+    def once(self, make: Callable[[], Held], *name: Any) -> Held:
+        """What is made of some parts, the first time that it is asked for by that name; of the last ones it is held."""
+        if name not in self.held:
+            if len(self.held) >= _HELD:
+                self.held.clear()
+            self.held[name] = make()
+        found: Held = self.held[name]
+        return found
 
 
 def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -228,12 +239,12 @@ def parts_of(catalog: Catalog, one: SetRows, block: Block) -> tuple[Parts, dict[
         factors |= block.factors_of(catalog, "controller", one.controller)
         motor = stepper_motor(catalog, one.motor, block.size, factors)
     else:
-        motor = _motor(catalog, one.motor, block, factors)
-    return Parts(
-        motor, _gearhead(catalog, one.gearhead, block),
-        PartFigures(catalog.encoders, one.encoder, block.size, {}), _controller(catalog, one.controller, block),
-        _brake(catalog, one.brake, block) if block.specs[0].wants_brake else None,
-    ), factors  # fmt: skip
+        motor = block.once(lambda: _motor(catalog, one.motor, block, factors), "motor", one.motor)
+    gearhead = block.once(lambda: _gearhead(catalog, one.gearhead, block), "gearhead", one.gearhead)
+    encoder = block.once(lambda: PartFigures(catalog.encoders, one.encoder, block.size, {}), "encoder", one.encoder)
+    controller = block.once(lambda: _controller(catalog, one.controller, block), "controller", one.controller)
+    brake = _brake(catalog, one.brake, block) if block.specs[0].wants_brake else None
+    return Parts(motor, gearhead, encoder, controller, brake), factors
 
 
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
@@ -265,7 +276,12 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
             checks += [_controller_fits(spec, parts.controller, one)] if one.controller >= 0 else []
         else:
             checks, draw = _of_a_case(spec, at, parts, one, factors, listed, energies=bool(block.feeds))
-        checks = [*load_limits(spec, at, drive), *checks, *_on_shaft(spec, at, drive, parts)]
+        own = block.once(partial(load_limits, spec, at, drive), "load limits", number, one.belt)
+        geared = block.once(
+            partial(gearhead_limits, spec, at, parts.gearhead, drive), "gearhead limits", number, one.gearhead, one.belt
+        )
+        on_motor = loads_on_motors(spec, at, drive, parts.motor, parts.gearhead) if spec.shaft else []
+        checks = [*own, *checks, *geared, *on_motor]
         draws.append(draw)
         for check in checks:
             by_name.setdefault(check.name, []).append((number, check))
@@ -297,12 +313,6 @@ def stepper_of(catalog: Catalog, one: SetRows, parts: Parts, factors: Mapping[st
     highest = catalog.steppers["supply_max"][catalog.motors[STEPPER][one.motor]]
     listed = is_listed(catalog, one.motor, one.brake)
     return SampledStepper(parts, factors.get("pull_out", 1.0), catalog.pull_outs, float(highest), listed)
-
-
-def _on_shaft(spec: Any, at: AtSamples, drive: BeltDrive | None, parts: Parts) -> list[CheckColumn]:
-    """Limits of the gearhead, and of the motor's shaft where the spec has a section of it."""
-    found = gearhead_limits(spec, at, parts.gearhead, drive)
-    return [*found, *loads_on_motors(spec, at, drive, parts.motor, parts.gearhead)] if spec.shaft else found
 
 
 class Loaded(NamedTuple):

@@ -31,11 +31,12 @@ class AtSamples(AtGearhead):
 
     def slope(self, c: Array) -> Array:
         """Half of the gradient of the mean square of c f(t), by each coefficient: shape (samples, 6)."""
-        found = np.zeros_like(c)
+        columns = np.ascontiguousarray(c.T)
+        found = np.zeros_like(columns)
         for b in self.active:
             for a in self.active:
-                found[:, b] += c[:, a] * self.moments[a, b]
-        return found
+                found[b] += columns[a] * self.moments[a, b]
+        return found.T
 
     def line(self, c: Array) -> Array:
         """The sum c f(t) at both ends of each segment, shape (segments, 2, samples); c of shape (samples, 6)."""
@@ -77,6 +78,12 @@ class AtSamples(AtGearhead):
     def travel(self) -> Array:
         """Travel of the load over each cycle, there and back [m]."""
         found: Array = self.load_cycle.travel
+        return found
+
+    @cached_property
+    def level(self) -> NDArray[np.bool_]:
+        """Segments over which no sample changes its speed: shape (segments,)."""
+        found: NDArray[np.bool_] = (self.speeds[:, 0] == self.speeds[:, 1]).all(axis=-1)
         return found
 
     @cached_property

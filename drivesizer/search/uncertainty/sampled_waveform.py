@@ -165,8 +165,8 @@ def _cut(at: AtSamples, flows: tuple[Array, Array], pieces: NDArray[np.int64], r
     speed = at.speeds[..., rows] if at.speeds.shape[-1] > 1 else at.speeds
     duration = at.load_cycle.duration
     t = (duration[:, rows] if duration.shape[-1] > 1 else duration)[owner] / pieces[owner][:, None]
-    level = [(x[:, 0] == x[:, 1]).all(axis=-1) for x in (current, speed)]
-    return _Cut(t, cut(current), cut(induced), cut(speed), (level[0] & level[1])[owner][:, None])
+    level = (current[:, 0] == current[:, 1]).all(axis=-1) & (speed[:, 0] == speed[:, 1]).all(axis=-1)
+    return _Cut(t, cut(current), cut(induced), cut(speed), level[owner][:, None])
 
 
 def _temperatures(
@@ -225,6 +225,6 @@ def _pieces(at: AtSamples, current: Array, winding: float, housing: float) -> ND
 
     A current that changes counts by the winding's time constant, a loss at the housing alone by the housing's.
     """
-    duration, steady = at.load_cycle.duration.max(axis=-1), (at.speeds[:, 0] == at.speeds[:, 1]).all(axis=-1)
-    quickest = np.where((current[:, 0] == current[:, 1]).all(axis=-1), np.where(steady, np.inf, housing), winding)
+    duration = at.load_cycle.duration.max(axis=-1)
+    quickest = np.where((current[:, 0] == current[:, 1]).all(axis=-1), np.where(at.level, np.inf, housing), winding)
     return piece_counts(duration, quickest, 1e-2)
