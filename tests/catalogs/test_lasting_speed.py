@@ -52,7 +52,7 @@ def test_as_bisection_finds_it(seed, permitted):
     if seed % 2:
         ends[:, 1] = ends[:, 0]
     found = exceeded(duration, ends, permitted).item()
-    assert found == pytest.approx(lasting(list(zip(duration, map(tuple, ends), strict=True)), *permitted), abs=1e-8)
+    assert found == pytest.approx(lasting(tuple(zip(duration, map(tuple, ends), strict=True)), *permitted), abs=1e-8)
     columns = np.stack([duration, 2 * duration], axis=1), np.stack([ends, ends / 2], axis=2)
     assert exceeded(*columns, permitted)[0] == pytest.approx(found, rel=1e-12)
 

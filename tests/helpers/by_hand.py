@@ -10,7 +10,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,9 +71,10 @@ def crossing(ends: Pair) -> list[float]:
 
 def between(ends: Pair, left: float, right: float) -> Pair:
     """A line between two shares of it; what is nothing but rounding beside its ends is zero."""
-    size = 1e-13 * max(abs(ends[0]), abs(ends[1]))
-    found = [ends[0] + s * (ends[1] - ends[0]) for s in (left, right)]
-    return tuple(0.0 if abs(x) < size else x for x in found)  # type: ignore[return-value]
+    first, last = ends
+    size = 1e-13 * max(abs(first), abs(last))
+    a, b = first + left * (last - first), first + right * (last - first)
+    return 0.0 if abs(a) < size else a, 0.0 if abs(b) < size else b
 
 
 def drive(motor: Any, head: Any, more_inertia: float, belt: float, e_belt: float, cycle: list[Segment]) -> list[Piece]:
@@ -138,7 +140,8 @@ class Asked:
     stored: Pair
 
 
-def lasting(pieces: list[tuple[float, Pair]], on_end: float, share: float) -> float:
+@cache
+def lasting(pieces: tuple[tuple[float, Pair], ...], on_end: float, share: float) -> float:
     """The speed that a repeating cycle exceeds for longer than so long on end or so much of the time: by bisection."""
     total = sum(time for time, _ in pieces)
     twice = [(time, abs(a), abs(b), min(abs(a), abs(b)), max(abs(a), abs(b))) for time, (a, b) in pieces] * 2
@@ -174,8 +177,8 @@ def asked(
 ) -> Asked:
     """Every demand of one set, the time above a current apart.
 
-    ``losing``: loss per ampere of the controller [V] and the least that it may be, by what is asked of one that loses
-    nothing.
+    ``losing``: loss per ampere of the controller [V] and the least that it may be, by what is asked of it before its
+    power and energy are known: these hang on that loss.
     """
     total = sum(p.time for p in pieces)
     running = [p for p in pieces if p.way]
@@ -201,7 +204,7 @@ def asked(
     at_start = largest([abs(v) for p in pieces for v in volts(p, motor, cold.left)])
     V = [
         largest([at_start, *(abs(v) for p, T in zip(fine, Ts, strict=True) for v in hottest_volts(p, motor, T))])
-        for Ts in both
+        for Ts in (both if unknown else both[:1])
     ]
     if unknown and math.isfinite(steady):  # without time constants: as a cycle makes it that is short against them
         temperatures = [Warm(steady, steady, steady, steady)] * len(fine)
@@ -213,41 +216,41 @@ def asked(
         / total
     )
 
-    def of(loss: float, least: float) -> Asked:
-        power = [
-            largest(
-                [
-                    most
-                    for p, T in zip(fine, Ts, strict=True)
-                    for most in _strongest(p, hottest_volts(p, motor, T), loss)
-                ]
-            )
-            for Ts in both
-        ]
-        sums = energy(fine, motor, [T.mean for T in temperatures], kept, loss=loss)
-        stored = energy(fine, motor, [T.mean for T in temperatures], kept, loss=least)[2]
-        coldest = energy(fine, motor, [ambient] * len(fine), kept, loss=least)[2] if unknown else stored
-        return Asked(
-            gear_rms=math.sqrt(sum(product(p.time, p.gear_torque, p.gear_torque) for p in running) / ran),
-            gear_peak=max(abs(T) for p in pieces for T in p.gear_torque),
-            gear_speed=fastest,
-            gear_sustained=max(mean, lasting([(p.time, p.gear_speed) for p in pieces], 1.0, 0.1)),
-            gear_mean_power=sum(abs(product(p.time, p.gear_torque, p.gear_speed)) for p in running) / ran,
-            gear_peak_power=max(abs(p.gear_torque[n] * p.gear_speed[n]) for p in pieces for n in (0, 1)),
-            speed=fastest * head.ratio,
-            I_rms=I_rms,
-            I_peak=I_peak,
-            V_peak=tuple(V),  # type: ignore[arg-type]
-            copper=copper,
-            settled=steady,
-            winding=bounds,
-            power=tuple(power),  # type: ignore[arg-type]
-            drawn=sums[0],
-            returned=sums[1],
-            stored=(stored, coldest),  # the colder, the more comes back
-        )
-
-    return of(*losing(of(0.0, 0.0))) if losing else of(0.0, 0.0)
+    before = Asked(
+        gear_rms=math.sqrt(sum(product(p.time, p.gear_torque, p.gear_torque) for p in running) / ran),
+        gear_peak=max(abs(T) for p in pieces for T in p.gear_torque),
+        gear_speed=fastest,
+        gear_sustained=max(mean, lasting(tuple((p.time, p.gear_speed) for p in pieces), 1.0, 0.1)),
+        gear_mean_power=sum(abs(product(p.time, p.gear_torque, p.gear_speed)) for p in running) / ran,
+        gear_peak_power=max(abs(p.gear_torque[n] * p.gear_speed[n]) for p in pieces for n in (0, 1)),
+        speed=fastest * head.ratio,
+        I_rms=I_rms,
+        I_peak=I_peak,
+        V_peak=(V[0], V[-1]),
+        copper=copper,
+        settled=steady,
+        winding=bounds,
+        power=(NAN, NAN),
+        drawn=NAN,
+        returned=NAN,
+        stored=(NAN, NAN),
+    )
+    loss, least = losing(before) if losing else (0.0, 0.0)
+    power = [
+        largest([x for p, T in zip(fine, Ts, strict=True) for x in _strongest(p, hottest_volts(p, motor, T), loss)])
+        for Ts in (both if unknown else both[:1])
+    ]
+    means = [T.mean for T in temperatures]
+    drawn, returned, stored = energy(fine, motor, means, kept, loss=loss)
+    stored = stored if least == loss else energy(fine, motor, means, kept, loss=least)[2]
+    coldest = energy(fine, motor, [ambient] * len(fine), kept, loss=least)[2] if unknown else stored
+    return replace(
+        before,
+        power=(power[0], power[-1]),
+        drawn=drawn,
+        returned=returned,
+        stored=(stored, coldest),  # the colder, the more comes back
+    )
 
 
 def _strongest(piece: Piece, V: Pair, loss: float) -> Iterator[float]:
