@@ -51,6 +51,12 @@ _LARGEST = 16_000_000  # bytes of a catalogue: twenty times the largest that shi
 
 def shipped() -> dict[str, Path]:
     """The catalogues that come with drivesizer, by name."""
+    return dict(_found_once())
+
+
+@functools.cache
+def _found_once() -> Mapping[str, Path]:
+    """The shipped catalogues, looked for once per process: a hundred are loaded one by one where all are listed."""
     return {path.stem: path for path in sorted(shipped_folder("catalogs").glob("*.yaml"))}
 
 
