@@ -51,7 +51,7 @@ def test_it_is_among_the_warnings(catalog):
 
 def test_the_closed_loop_and_a_single_pair_are_warned_of_too(catalog):
     """What validates or explains one pair has the same motion; a profile that is asked for is somebody's test."""
-    arm = spec(ARM, ROTARY)
+    arm = spec(ARM, f"{ROTARY}\ncontrol: {{rate: 1 kHz}}")
     pair = explained(arm, "118752", "406764", catalog=catalog)
     proof, test = (validate(arm, pair.sets[0], profile=profile) for profile in (None, "trapezoid"))
     for found, times in ((pair, 1), (proof, 1), (test, 0)):
