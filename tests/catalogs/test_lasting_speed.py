@@ -84,7 +84,7 @@ name: a saw
 load: {kind: rotary_table, inertia: 1e-5 kg*m^2, friction_torque: 1 mN*m}
 motion: {profile: segments, segments: [%s]}
 supply: {nominal: 48 V}
-select: {catalogs: [maxon]}
+select: {catalogs: [maxon], motor: {family: [RE 25, ECX SPEED 22 M]}}
 """
 
 

@@ -1,7 +1,9 @@
 """The machine in a report: what it is, its way in plan view, its wheels over time, what it weighs, why it falls."""
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from math import cos, isnan, nan, sin
 
 import numpy as np
@@ -272,16 +274,17 @@ def test_a_drive_that_fails_on_the_machines_budget_says_so_first(change, title):
 
 
 @pytest.fixture(scope="module")
-def sheets(result) -> dict[str, Printed]:
+def sheets(result) -> Callable[[str], Printed]:
+    """The report on a paper, once each."""
     proof = validate(result.spec, result.sets[0])
     assert driven_over(proof) == "the cycle of wheel 1"
-    return {paper: printed(result, proof, paper=paper) for paper in SHEETS}
+    return cache(lambda paper: printed(result, proof, paper=paper))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("paper", SHEETS)
 def test_the_platforms_report_stays_on_its_pages(paper, sheets):
-    pages = sheets[paper].pictures
+    pages = sheets(paper).pictures
     assert_within_margins(pages, paper)
     for page in pages[:-1]:  # a figure that found no room does not leave a page to itself
         inked = np.flatnonzero((page < 0.7).any(axis=1))
@@ -290,7 +293,7 @@ def test_the_platforms_report_stays_on_its_pages(paper, sheets):
 
 
 def test_the_platforms_report_speaks_of_wheels(sheets):
-    text = text_of(sheets["a4"].content)
+    text = text_of(sheets("a4").content)
     assert "Closed loop over the cycle of wheel 1" in text and "Masses of the machine" in text
     assert (
         "each at its worst wheel" in text
