@@ -5,14 +5,14 @@ from __future__ import annotations
 import csv
 import json
 import sys
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from catalog_texts import MAP, SHEET
 
-from drivesizer.catalog import PARTS, columns_of, load
+from drivesizer.catalog import PARTS, columns_of, load, query, shipped
 from drivesizer.catalog.compare import side_by_side
 from drivesizer.catalog.conditions import option, where
 from drivesizer.catalog.coverage import coverage
@@ -80,6 +80,16 @@ def run(run, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     return partial(run, "catalog")
+
+
+SHIPPED = shipped()
+KEPT = cache(lambda name: load([name]))
+
+
+@pytest.fixture(autouse=True)
+def _shipped_are_opened_once(monkeypatch):
+    """A hundred files per command otherwise; those of a test are read each time."""
+    monkeypatch.setattr(query, "load", lambda names: KEPT(*names) if names[0] in SHIPPED else load(names))
 
 
 def words(text: str) -> str:
