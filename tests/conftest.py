@@ -31,8 +31,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 CACHE = ROOT / ".pytest_cache" / "compiled"
 
-settings.register_profile("no_deadline", deadline=None)  # how long an example takes says how busy the machine is
-settings.load_profile("no_deadline")
+# how long an example takes says how busy the machine is; other examples at every run, so that fewer of them do
+settings.register_profile("suite", deadline=None, max_examples=60)
+settings.load_profile("suite")
 
 
 def pytest_configure(config: pytest.Config) -> None:
