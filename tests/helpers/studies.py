@@ -44,6 +44,29 @@ def command(*words: object) -> list[str]:
     return [sys.executable, "-m", "drivesizer", "study", *map(str, words)]
 
 
+# Keeps so many chunks and waits for a file "go": the moment at which it is stopped, however busy the machine is.
+HALTED = """
+import sys, time
+from pathlib import Path
+from drivesizer.study.store import Store
+
+def keep(store, chunk, part, real=Store.keep, most=int(sys.argv.pop(1))):
+    real(store, chunk, part)
+    if len(list((store.folder / "chunks").glob("*/*.jsonl"))) >= most:
+        while not Path("go").exists():
+            time.sleep(0.05)
+
+Store.keep = keep
+from drivesizer.__main__ import main
+main()
+"""
+
+
+def halted(chunks: int, *words: object) -> list[str]:
+    """The same, which waits in the middle: when it has kept so many chunks."""
+    return [sys.executable, "-c", HALTED, str(chunks), "study", *map(str, words)]
+
+
 def surroundings() -> dict[str, str]:
     """What such a process is started with, wherever the package is."""
     return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80"}

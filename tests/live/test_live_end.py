@@ -75,7 +75,7 @@ def test_it_ends_at_once_and_leaves_nothing(folder: Path, sent: signal.Signals, 
             rest = b"".join(iter(lambda: connection.recv(10_000), b""))
         assert b"drivesizer serve has been stopped" in rest
     assert (server.process.returncode, err) == (status, "") and server.token not in out
-    assert within(5, lambda: not any(map(alive, engines)))
+    assert within(30, lambda: not any(map(alive, engines)))
     assert not list((folder / "temporary").iterdir())
 
 
@@ -89,11 +89,11 @@ def test_ctrl_c_while_it_starts_is_quiet(folder: Path) -> None:
             time.sleep(wait)
             os.killpg(process.pid, signal.SIGINT)
             try:
-                _, err = process.communicate(timeout=10)
+                _, err = process.communicate(timeout=60)
             finally:
                 process.kill()  # else its context waits for ever
             assert process.returncode in (0, 130) and err == b""
-    assert within(5, lambda: not list((folder / "temporary").iterdir()))
+    assert within(30, lambda: not list((folder / "temporary").iterdir()))
 
 
 def test_engines_end_with_a_server_that_is_killed(folder: Path) -> None:
@@ -101,9 +101,9 @@ def test_engines_end_with_a_server_that_is_killed(folder: Path) -> None:
         engines = server.processes()
         with streaming(server):
             server.process.kill()
-            assert within(5, lambda: not any(map(alive, engines)))
+            assert within(30, lambda: not any(map(alive, engines)))
         assert server.process.communicate()[1] == ""
-    assert within(2, lambda: not list((folder / "temporary").iterdir()))
+    assert within(30, lambda: not list((folder / "temporary").iterdir()))
 
 
 @pytest.fixture
@@ -121,7 +121,7 @@ def test_an_engine_that_is_killed_is_said_and_replaced(server: Serving) -> None:
     assert b"the engine ended in the middle of this and has been started afresh" in rest
     for job in ("answer", "loop"):
         assert "a: unknown key" in server.do(job, "a: 1\n")[-1]["lines"][0]
-    assert within(2, lambda: len(server.processes()) == 2)
+    assert within(30, lambda: len(server.processes()) == 2)
 
 
 def test_a_port_in_use_is_one_line(server: Serving, folder: Path) -> None:
@@ -187,7 +187,7 @@ def test_files_are_read_that_were_named_at_the_start_alone(folder: Path) -> None
         engines = server.processes()
         for engine in engines:
             os.kill(engine, signal.SIGKILL)
-        within(2, lambda: not any(map(alive, engines)))
+        assert within(30, lambda: not any(map(alive, engines)))
         within(20, lambda: "afresh" not in said("mine.csv"))  # said once, where it ended while it was waited for
         assert "is not read here" in said("other.csv") and said("mine.csv") == "file"
         (folder / "mine.csv").write_text(rows.replace("10,1", "1e9,1"), encoding="utf-8")

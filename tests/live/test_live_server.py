@@ -38,7 +38,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Serving]:
         yield found
         assert found.get("/").status == 200
         found.process.terminate()
-        out, err = found.process.communicate(timeout=10)
+        out, err = found.process.communicate(timeout=60)
     assert err == "" and found.token not in out
     assert sorted(path.name for path in folder.iterdir()) == ["robot.yaml", "secret.yaml"]
 
