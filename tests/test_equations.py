@@ -152,10 +152,9 @@ def test_docstring_and_signature_say_the_same(declared):
 @pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
 def test_the_computed_form_has_the_declared_unit(declared):
     """The function itself, fed with bare pint quantities, gives its declared unit: no unit is only claimed."""
-    ureg = pint.UnitRegistry()
-    given = {t.name: ureg.Quantity(1.5, t.unit if t.unit != "1" else "") for t in declared.terms}
-    result = ureg.Quantity(declared.formula(**given))
-    assert result.check(ureg.Quantity(1, declared.result.unit if declared.result.unit != "1" else "").dimensionality)
+    given = {t.name: U.Quantity(1.5, t.unit if t.unit != "1" else "") for t in declared.terms}
+    result = U.Quantity(declared.formula(**given))
+    assert result.check(U.Quantity(1, declared.result.unit if declared.result.unit != "1" else "").dimensionality)
 
 
 @pytest.mark.parametrize("number", sorted(EQUATIONS))

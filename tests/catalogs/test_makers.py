@@ -13,9 +13,11 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import pytest
+from rows import hold
 from scipy.optimize import brentq
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, columns_of, load, shipped
@@ -164,16 +166,17 @@ def test_every_file_is_counted(shelf: dict[str, Catalog]) -> None:
     assert len(MAKERS) == 116 + 3
 
 
-@pytest.mark.parametrize("name", MAKERS)
-def test_how_many_parts(name: str, shelf: dict[str, Catalog]) -> None:
-    found = Counter(hit.section for hit in every({name: shelf[name]}))
-    assert dict(found) == MAKERS[name]
+def test_how_many_parts(shelf: dict[str, Catalog]) -> None:
+    found = {name: dict(Counter(hit.section for hit in every({name: shelf[name]}))) for name in MAKERS}
+    assert found == MAKERS
 
 
-@pytest.mark.parametrize("name", MAKERS)
-def test_only_motors_without_gearhead_are_paired(name: str, shelf: dict[str, Catalog]) -> None:
+def test_only_motors_without_gearhead_are_paired(shelf: dict[str, Catalog]) -> None:
     """No list of these makers says what fits what, but for brakes and Yaskawa's gears: each motor drives directly."""
-    catalog = shelf[name]
+    hold(_paired_with_nothing, {name: (name, shelf[name]) for name in MAKERS})
+
+
+def _paired_with_nothing(name: str, catalog: Catalog) -> None:
     motors = MAKERS[name].get("motors", 0)
     pairs = catalog.motor_gearhead
     gearheads = catalog.gearheads["part"][pairs.right]
@@ -642,14 +645,13 @@ def test_rows_of_every_file() -> None:
     assert {name for name, *_ in ROWS} == set(MAKERS)
 
 
-@pytest.mark.parametrize(("name", "section", "part", "figures"), ROWS, ids=lambda w: w if isinstance(w, str) else "")
-def test_as_printed(name: str, section: str, part: str, figures: Figures, shelf: dict[str, Catalog]) -> None:
-    _compare(shelf[name], section, part, figures, 1e-9)
-
-
-@pytest.mark.parametrize(("name", "section", "part", "figures"), WORKED, ids=lambda w: w if isinstance(w, str) else "")
-def test_as_worked_out_by_hand(name: str, section: str, part: str, figures: Figures, shelf: dict[str, Catalog]) -> None:
-    _compare(shelf[name], section, part, figures, 5e-3)
+@pytest.mark.parametrize(("rows", "within"), [(ROWS, 1e-9), (WORKED, 5e-3)], ids=["as printed", "worked out by hand"])
+def test_figures(rows: list[Any], within: float, shelf: dict[str, Catalog]) -> None:
+    named = {
+        f"{number} {name} {part}": (shelf[name], section, part, figures, within)
+        for number, (name, section, part, figures) in enumerate(rows)
+    }
+    hold(_compare, named)
 
 
 def _compare(catalog: Catalog, section: str, part: str, figures: Figures, within: float) -> None:
@@ -872,9 +874,11 @@ def test_every_figure_has_a_document_and_a_confidence(shelf: dict[str, Catalog])
     assert figures > 20000
 
 
-@pytest.mark.parametrize("name", sorted(shipped()))
-def test_sources_and_notes_say_what_they_are(name: str, full: dict[str, Catalog]) -> None:
-    catalog = full[name]
+def test_sources_and_notes_say_what_they_are(full: dict[str, Catalog]) -> None:
+    hold(_says_its_sources, {name: (full[name],) for name in sorted(shipped())})
+
+
+def _says_its_sources(catalog: Catalog) -> None:
     documents = [source.document for source in catalog.sources]
     assert len(set(documents)) == len(documents)  # a note finds its source by its document
     for source in catalog.sources:
