@@ -354,7 +354,7 @@ def test_the_search_in_stages_finds_what_all_checks_find(name, objective, folder
 def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
     """Those of motors, too, whose back-EMF constant is not their torque constant."""
     spec = spec_of(name, folder)
-    pairs = some_pairs(catalog, 600, f"bounds {name}")
+    pairs = some_pairs(catalog, 200 if name == LONG else 600, f"bounds {name}")
     at = at_gearhead(load_cycle(spec), spec.belt_efficiency).behind(spec.belt_ratios[0])
     motor, head = Rows(catalog.motors, pairs.motor), Rows(catalog.gearheads, pairs.gearhead)
     speed = at.peak_speed * head["ratio"]
@@ -372,7 +372,7 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
     known = ~np.isnan(exact.winding) & ~np.isnan(exact.power) & ~np.isnan(exact.above)
     known &= ~(exact.winding > motor["max_winding_temperature"])  # what fails by its heat needs no other bound
     np.testing.assert_array_equal(exact.voltage[known], same_again.voltage[known])
-    assert known.sum() > 200
+    assert known.sum() > len(known) / 3
     for closer, count in (
         (None, 0),
         *((f, n) for f in (closer_stored, stored_by_segments, closer_power) for n in (9, 999)),
