@@ -68,7 +68,7 @@ def taken_away(spec: RobotSpec, catalog: Catalog):
             )
 
 
-SPECS = ("robot", "hoist", "arm")
+SPECS = ["robot", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("hoist", "arm"))]
 WITHOUT_A_CONTROLLER = {"controller.supply_min", "controller.supply_max"}
 WHERE_IT_BINDS = {
     "controller.max_encoder_frequency",

@@ -418,6 +418,7 @@ def test_every_report_has_the_numbers_of_the_run(suffix, name, runs, tmp_path):
     assert differences(suffix, runs[name], tmp_path, records) == {}
 
 
+@pytest.mark.slow
 def test_the_runs_have_what_they_are_for(runs):
     """Figures that fail, that are unknown, and that belong to a closed loop."""
     statuses = {name: {fact.status for fact in recorded(run).values()} for name, run in runs.items()}

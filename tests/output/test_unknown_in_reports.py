@@ -91,7 +91,8 @@ def test_a_name_that_the_catalogue_made_up_is_no_order_number(chosen, catalog):
 
 @pytest.fixture(scope="module")
 def several() -> tuple[RobotSpec, DriveSet]:
-    spec = read_spec(YamlSource(STARTER + LOADED, "robot.yaml"))
+    slow = "control: {rate: 1 kHz}\n"  # its loops are designed in no time
+    spec = read_spec(YamlSource(STARTER + LOADED + slow, "robot.yaml"))
     return spec, size(spec, top=1).sets[0]
 
 
