@@ -42,6 +42,7 @@ def pytest_configure(config: pytest.Config) -> None:
     A hook and not a fixture, because the doctests in the package load catalogues too. Parallel workers inherit the
     folder of the process that started them, and find the machine code there.
     """
+    gc.set_threshold(50_000, 20, 50)  # what is imported and collected stays: to look through it is a sixth of the time
     if hasattr(config, "workerinput"):
         return
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it, with all it starts
@@ -56,7 +57,6 @@ def pytest_collection_finish() -> None:
     """Leave what is imported by now out of garbage collections: 7 % of the time of two files of tests."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(50_000, 20, 50)
 
 
 def _drop_outdated() -> None:
