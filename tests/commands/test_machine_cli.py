@@ -15,6 +15,8 @@ from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.terminal.several_axes import machine_sizing
 from drivesizer.spec.several_axes.machine_file import load_machine
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 runner = CliRunner()
 
 

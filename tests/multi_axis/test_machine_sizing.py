@@ -19,6 +19,8 @@ from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 from drivesizer.spec.several_axes.machine_file import load_machine
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 MOTION = {"profile": "trapezoid", "speed": "0.5 m/s", "acceleration_time": "0.3 s", "cruise_time": "0.5 s",
           "rest_time": "0.5 s", "there_and_back": True}  # fmt: skip
 GANTRY: dict[str, Any] = {

@@ -32,6 +32,8 @@ from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import explain, explained, size
 from drivesizer.spec.robot import RobotSpec, load_spec
 
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
 STARTERS = Path(__file__).parents[2] / "drivesizer" / "spec" / "starters"
 MOTOR, GEARHEAD = "ECXZ22M1VF35N1IL1D577A", "GPX22UPKLSL83D0CPLW"  # RMS current close to the limit
 FIGURES = ("rotor_inertia", "no_load_current", "thermal_resistance_housing", "winding_time_constant")
