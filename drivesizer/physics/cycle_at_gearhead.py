@@ -63,6 +63,7 @@ class CycleAtBelt:
     moments: Array  # means of their products over the cycle: (6, 6) or (6, 6, cycles)
     scalars: Scalars
     quickest: float  # s, shortest time constant of the windings
+    efficiency: Figure = 1.0  # of the belt, that is in the functions
     coarse: dict[tuple[str, float], Any] = field(default_factory=dict)  # what was computed of it, by use and number
 
     @cached_property
@@ -284,7 +285,7 @@ def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleA
     acts = np.array([function.any() for function in six])
     return CycleAtBelt(
         cycle, np.stack(six, axis=2 if one else 0), acts, _moments(duration, total, six, acts),
-        _scalars(cycle, torque, running[:, 0], efficiency), quickest,
+        _scalars(cycle, torque, running[:, 0], efficiency), quickest, efficiency,
     )  # fmt: skip
 
 

@@ -21,10 +21,11 @@ from drivesizer.control.open_loop.kernel import KERNEL as STEPPER
 from drivesizer.control.path_following.kernel import KERNEL as PLATFORM
 from drivesizer.files.machine_code import Kernel, translated
 from drivesizer.files.translation import ENTRY, FAILED, OF_C, made_for
+from drivesizer.physics.one_pass.kernel import KERNEL as PASS
 
 __all__ = ["KERNELS", "bitcode"]
 
-KERNELS = (DRIVE, PLATFORM, STEPPER)
+KERNELS = (DRIVE, PASS, PLATFORM, STEPPER)
 _SCALARS = {"d": numba.float64, "b": numba.int8, "q": numba.int64}
 
 

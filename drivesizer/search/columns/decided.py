@@ -24,11 +24,11 @@ from drivesizer.search.columns.block_bounds import closer as closer_in_blocks
 from drivesizer.search.columns.block_bounds import closer_power
 from drivesizer.search.columns.bus_bounds import closer_stored, stored_by_segments
 from drivesizer.search.columns.candidates import Rows
+from drivesizer.search.columns.exactly import exact
 from drivesizer.search.columns.limits_over_time import (
     Moments,
     Pair,
     Wanted,
-    exact,
     kept_on_the_bus,
     time_above,
     waveform_limits,

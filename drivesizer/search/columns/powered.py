@@ -20,8 +20,9 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
 from drivesizer.search.columns.decided import decided, put
+from drivesizer.search.columns.exactly import exact
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
-from drivesizer.search.columns.limits_over_time import Moments, Pair, exact, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import Moments, Pair, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.altitude import controller_needed
 

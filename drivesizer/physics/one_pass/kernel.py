@@ -1,0 +1,25 @@
+"""The pass over a long cycle as machine code; see ``machine_code``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+from drivesizer.files.machine_code import Kernel, defined_in, machine_code
+from drivesizer.physics.one_pass import feeding, heating, layout, through
+
+__all__ = ["KERNEL", "compiled"]
+
+KERNEL = Kernel(
+    functions=defined_in((heating, feeding, through)),
+    modules=(layout, heating, feeding, through),
+    inline=True,
+    slow="numba is not installed: long load cycles take some times longer",
+    arguments="d1 d1 d1 d1 d1 d1 q1",
+)
+
+
+@cache
+def compiled() -> Callable[..., int] | None:
+    """``through.pass_over`` as machine code; None where it was neither translated beforehand nor compiled before."""
+    return machine_code(KERNEL) if KERNEL.kept else None

@@ -1,0 +1,56 @@
+"""Places of figures in the arrays that the pass over a long cycle takes and fills; all in SI."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__: list[str] = []  # constants, used as ``at.NAME``
+
+Array = NDArray[np.float64]
+
+# --- a drive: current from torque (its power to the load, from it, at rest), acceleration, direction and speed
+DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
+EMF = 6  # V*s/rad, induced voltage per speed of the load
+SURPLUS = 7  # V*s/rad, of it what the back-EMF constant is above the torque constant
+FEEDBACK = 8  # 1/(A^2 s), by which copper that warms up heats more
+W_W, W_H, H_W, H_H = 9, 10, 11, 12  # 1/s, exchange of heat between winding and housing, without current
+HEAT_W, HEAT_H = 13, 14  # K/(A^2 s) of the winding, K/J of the housing
+FRICTION, IRON = 15, 16  # W*s/rad, W*s^2/rad^2: loss at the housing by the speed of the load and its square
+R_AMBIENT, R_RISE = 17, 18  # ohm at ambient temperature, and per K of rise
+FIXED, AT_ENDS, MEANS = 19, 20, 21  # 1: no course of temperatures; rises instead, at ends and over pieces [K]
+QUICKEST = 22  # s, what pieces of a segment are cut for
+LEADS = 23  # ohm, that take of the voltage
+LOSS, LEAST_LOSS, OHM, STANDBY = 24, 25, 26, 27  # V, V, ohm, W of the power stage
+SOURCE, RESISTANCE, DRIVES = 28, 29, 30  # V without load, ohm of source and cables, that it feeds
+KEPT = 31  # share of what is returned that stays on the bus
+LIMIT = 32  # A, of which the time above is wanted
+WANTED = 33  # 0 of the winding, 1 power and time above too, 2 energy too
+PERIODIC_W, PERIODIC_H = 34, 35  # K, rises at the cycle's start
+INVERSE = 36  # 1 / k of the whole numbers up to the most
+MOST = 40  # terms of a series
+NODES = INVERSE + MOST + 1  # nodes and weights of a quadrature from 0 to 1
+POINTS = 6
+FIGURES = NODES + 2 * POINTS
+
+# --- what is found: three places of a peak are its value, and value and time of the first that is no less but rounding
+WINDING, VOLTAGE, POWER = 0, 3, 6  # K of rise, V, W into the stage without standby power
+COPPER = 9  # J
+DRAWN, RETURNED = 10, 11  # J per cycle; standby power is not in it
+SUM, LOWEST, HIGHEST, RISEN, CAME = 12, 13, 14, 15, 16  # J, of a store that is empty at the start
+RUN, FIRST, BEGIN = 17, 18, 19  # s: longest above the limit so far, end of what is above at first, begin of the last
+TIME, NOW_W, NOW_H = 20, 21, 22  # s, and rises [K], where the pass is
+MAP = 23  # what a cycle adds to rises: by that of the winding, of the housing, and a constant; w and h of each
+BLOCK = 29  # the same of a block
+LEVEL = 35  # J, in the store
+FOUND = 36
+
+# --- strides: step from segment to segment and from end to end, of speed, acceleration and torque
+OF_SPEED, OF_ACCELERATION, OF_TORQUE = 0, 2, 4
+
+ALIKE = 1e-9  # share by which values differ that are alike, as in ``extremes``
+FINEST, CLOSE = 200, 12e-3  # pieces of a segment at most; as in ``cycle_at_gearhead.piece_counts``
+NEGLIGIBLE = 1e-18  # first term that a series leaves out
+FORGOTTEN = 1e-15  # share of a rise that is left when what was before is of no effect
+AT_ONCE = 4096  # segments of a block
+BEYOND = 1e9  # K: a winding that is warmer has run away
