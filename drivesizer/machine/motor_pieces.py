@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.extremes import first_largest
+from drivesizer.physics.groups import layout as at
+from drivesizer.physics.groups.census import LEVEL, Census, Group
 from drivesizer.physics.load_cycle import rms
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.results.pieces import MotorPiece
@@ -27,8 +29,8 @@ from drivesizer.results.pieces import MotorPiece
 __all__ = ["motor_pieces"]
 
 _MOST = 24  # pieces; where there are more, those of one kind are put together
-_LEVEL = 1e-9  # of the largest acceleration: less is what rounding leaves of a steady speed
 _KINDS = {(0, 0): "rest", (1, 0): "run", (1, 1): "accelerate", (1, -1): "brake"}
+_MOTIONS = ("rest", "brake", "run", "accelerate", "brake back", "run back", "accelerate back")  # as in ``groups``
 Array = NDArray[np.float64]
 
 
@@ -51,7 +53,9 @@ def motor_pieces(cycle: AtGearhead, demand: Demands, torque_constant: float, cas
     tuple of MotorPiece
         Motor figures are unknown where the drive's demands are only lower bounds.
     """
-    load = cycle.load_cycle
+    load, looked = cycle.load_cycle, cycle.base.census
+    if looked is not None and looked.runs > _MOST:
+        return _of_kinds(cycle, looked, demand, torque_constant, case)
     torque = cycle.functions @ demand.coefficients[0] if demand.complete[0] else np.full_like(load.torque, nan)
     speed = np.abs(load.speed) * cycle.belt * float(demand.total_ratio[0])
     start = np.cumsum(load.duration) - load.duration
@@ -72,7 +76,7 @@ def motor_pieces(cycle: AtGearhead, demand: Demands, torque_constant: float, cas
 def _names(speed: Array, acceleration: Array) -> list[str]:
     """The kind of each segment."""
     mean, slope = speed.mean(axis=1), acceleration.mean(axis=1)
-    level = np.abs(slope) <= _LEVEL * np.abs(acceleration).max()
+    level = np.abs(slope) <= LEVEL * np.abs(acceleration).max()
     going = np.sign(mean).astype(int)
     gaining = np.where(level, 0, np.sign(slope * going)).astype(int)
     return [
@@ -89,6 +93,37 @@ def _grouped(names: list[str]) -> Iterator[tuple[str, NDArray[np.int64]]]:
         return
     for name in dict.fromkeys(names):
         yield name, np.flatnonzero([one == name for one in names])
+
+
+def _of_kinds(
+    cycle: AtGearhead, looked: Census, demand: Demands, torque_constant: float, case: str
+) -> tuple[MotorPiece, ...]:
+    """The same of a long cycle, all segments of a kind together, from what it is made of."""
+    c, total_ratio = demand.coefficients[0] * cycle.scale, float(demand.total_ratio[0])
+    c = c if demand.complete[0] else np.full(6, nan)
+    factors = cycle.base.factors
+
+    def piece(name: str, groups: list[Group]) -> MotorPiece:
+        duration = sum(float(one.sums[at.LASTS]) for one in groups)
+        square = sum(float(c @ one.moments(factors[one.torque]) @ c) for one in groups)
+        mean = float(np.sqrt(max(square, 0.0) / duration)) if demand.complete[0] else nan
+        most = _farthest([one.functions(k, factors[one.torque]) @ c for k in range(2) for one in groups])
+        load = _farthest([one.functions(k, 1.0)[:, one.torque] for k in range(2) for one in groups])
+        return MotorPiece(
+            case=case, name=name, start=min(float(one.sums[at.STARTS]) for one in groups), duration=duration,
+            speed=max(float(one.sums[at.MOST_W]) for one in groups) * cycle.belt * total_ratio, load_torque=load,
+            motor_torque=most, rms_torque=mean, current=abs(most) / torque_constant,
+            rms_current=mean / torque_constant,
+        )  # fmt: skip
+
+    kinds = sorted({one.motion for one in looked.groups}, key=lambda k: min(looked.starts(k)))
+    of = {k: [one for one in looked.groups if one.motion == k] for k in kinds}
+    return *(piece(_MOTIONS[k], of[k]) for k in kinds), piece("cycle", looked.groups)
+
+
+def _farthest(values: list[Array]) -> float:
+    """The value of the largest amount, with its sign."""
+    return _largest(np.concatenate(values))
 
 
 def _largest(values: Array) -> float:

@@ -11,8 +11,8 @@ Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
-from functools import cached_property
+from dataclasses import field, replace
+from functools import cached_property, partial
 from math import inf
 from typing import Any, NamedTuple
 
@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 
 from drivesizer.files.frozen import dataclass
 from drivesizer.physics.elements.gear_life import turned_load
-from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, first_largest
-from drivesizer.physics.lasting_speed import lasting_speeds
+from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, extremes_of, first_largest
+from drivesizer.physics.groups import layout as at
+from drivesizer.physics.groups.census import SHORT, Census, census, times_above
+from drivesizer.physics.lasting_speed import lasting_speeds, lasting_speeds_by
 from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, places, rms
 from drivesizer.physics.products import product
 from drivesizer.physics.waveform import Wave, energy
@@ -56,14 +58,12 @@ class CycleAtBelt:
     """A load cycle, or several, through a belt of ratio 1, its efficiency included."""
 
     load_cycle: Any  # at the load: a LoadCycle, or several with the same fields as columns
-    functions: (
-        Array  # the six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)
-    )
     acts: NDArray[np.bool_]  # which of them are ever not 0
     moments: Array  # means of their products over the cycle: (6, 6) or (6, 6, cycles)
     scalars: Scalars
     quickest: float  # s, shortest time constant of the windings
     efficiency: Figure = 1.0  # of the belt, that is in the functions
+    census: Census | None = None  # of a long cycle what it is made of
     coarse: dict[tuple[str, float], Any] = field(default_factory=dict)  # what was computed of it, by use and number
 
     @cached_property
@@ -72,23 +72,49 @@ class CycleAtBelt:
         return end_times(self.load_cycle.duration)
 
     @cached_property
+    def functions(self) -> Array:
+        """The six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)."""
+        return np.stack(_six(self.load_cycle, self.efficiency), axis=2 if self.load_cycle.torque.ndim == 2 else 0)
+
+    @property
+    def factors(self) -> Array:
+        """What the belt makes of torques that drive, brake and hold [1]."""
+        return np.array([1.0 / self.efficiency, self.efficiency, 1.0])
+
+    @cached_property
     def extremes(self) -> Extremes:
         """Of one cycle: the points at which anything linear in the functions is largest or smallest."""
+        if self.census is not None:
+            high, low, above, below = (self.census.points(front, self.factors) for front in range(4))
+            return extremes_of(high, low, above[0], below[0])
         return extremes(self.functions, self.time)
 
     @cached_property
     def braked(self) -> Array:
         """Of one cycle: work of each function against the motion, of torques [J]: shape (6,)."""
+        if self.census is not None:
+            return self.census.braked(self.factors)
         each = np.moveaxis(self.functions, 2, 0)
         waves = (Wave(self.load_cycle.duration, one[None], each[SPEED, None]) for one in each)  # a long one takes room
         return np.concatenate([energy(one, storing=False).returned for one in waves])
 
     @cached_property
+    def pieces(self) -> int:
+        """Of one cycle: the number of pieces of ``warming``."""
+        parts = (slice(k, k + SHORT) for k in range(0, len(self.load_cycle.duration), SHORT))
+        return sum(int(self._counts(part).sum()) for part in parts)
+
+    def _counts(self, part: slice) -> NDArray[np.int64]:
+        """In how many pieces segments are cut, so that a winding follows the mean of each, to 0.1 %."""
+        cycle = self.load_cycle
+        changing = np.any([x[part, 0] != x[part, 1] for x in (cycle.torque, cycle.acceleration, cycle.speed)], axis=0)
+        return piece_counts(cycle.duration[part], np.where(changing, self.quickest, inf), 1e-3)
+
+    @cached_property
     def warming(self) -> Pieces:
         """Of one cycle: it in pieces so fine that a winding follows the mean of each, to 0.1 %."""
         duration, functions = self.load_cycle.duration, self.functions
-        changing = (functions[:, 0] != functions[:, 1]).any(axis=1)
-        count = piece_counts(duration, np.where(changing, self.quickest, inf), 1e-3)
+        count = self._counts(slice(None))
         if count.max() == 1:
             return Pieces(duration, functions)
         owner, place = places(count)
@@ -100,14 +126,12 @@ class CycleAtBelt:
     @cached_property
     def torque(self) -> Array:
         """Torque at the output, driving, braking and at rest, at both ends of each segment [N*m]."""
-        one = self.functions.ndim == 3
-        found: Array = (self.functions[:, :, : AT_REST + 1] if one else self.functions[: AT_REST + 1]).sum(2 * one)
-        return found
+        return _kinds(self.load_cycle, self.efficiency)[0]
 
     @cached_property
     def speed(self) -> Array:
         """Speed at the output, at both ends of each segment [rad/s]."""
-        found: Array = self.functions[:, :, SPEED] if self.functions.ndim == 3 else self.functions[SPEED]
+        found: Array = self.load_cycle.speed
         return found
 
     def turned(self, exponent: float) -> Figure:
@@ -271,22 +295,55 @@ def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleA
     CycleAtBelt
         The cycle behind a belt of ratio 1.
     """
-    power = (cycle.torque.mean(1) * cycle.speed.mean(1))[:, None]
-    running = np.any(cycle.speed != 0.0, axis=1)[:, None]
-    torque = cycle.torque * np.where(~running, 1.0, np.where(power > 0.0, 1.0 / efficiency, efficiency))
-    direction, one = np.sign(cycle.speed.mean(1))[:, None], cycle.torque.ndim == 2
-    six = [
+    one = cycle.torque.ndim == 2
+    if one and (looked := census(cycle)) is not None:
+        return _by_census(cycle, looked, efficiency, quickest)
+    six = _six(cycle, efficiency)
+    duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
+    acts = np.array([function.any() for function in six])
+    torque, running = six[DRIVING] + six[BRAKING] + six[AT_REST], np.any(cycle.speed != 0.0, axis=1)
+    found = CycleAtBelt(
+        cycle, acts, _moments(duration, total, six, acts), _scalars(cycle, torque, running, efficiency), quickest,
+        efficiency,
+    )  # fmt: skip
+    found.__dict__["functions"] = np.stack(six, axis=2 if one else 0)  # at hand
+    return found
+
+
+def _six(cycle: Any, efficiency: Figure) -> list[Array]:
+    """The six functions behind a belt of ratio 1, at both ends of each segment."""
+    torque, running, power = _kinds(cycle, efficiency)
+    direction = np.sign(cycle.speed.mean(1))[:, None]
+    return [
         np.where(running & (power > 0.0), torque, 0.0),
         np.where(running & (power <= 0.0), torque, 0.0),
         np.where(~running, torque, 0.0),
         *(np.broadcast_to(x, torque.shape) for x in (cycle.acceleration, direction, cycle.speed)),
     ]
-    duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
-    acts = np.array([function.any() for function in six])
-    return CycleAtBelt(
-        cycle, np.stack(six, axis=2 if one else 0), acts, _moments(duration, total, six, acts),
-        _scalars(cycle, torque, running[:, 0], efficiency), quickest, efficiency,
+
+
+def _kinds(cycle: Any, efficiency: Figure) -> tuple[Array, NDArray[np.bool_], Array]:
+    """Torque behind a belt of ratio 1, at both ends of each segment; which of these run, and at which power."""
+    power = (cycle.torque.mean(1) * cycle.speed.mean(1))[:, None]
+    running = np.any(cycle.speed != 0.0, axis=1)[:, None]
+    torque = cycle.torque * np.where(~running, 1.0, np.where(power > 0.0, 1.0 / efficiency, efficiency))
+    return torque, running, power
+
+
+def _by_census(cycle: Any, looked: Census, efficiency: float, quickest: float) -> CycleAtBelt:
+    """A long load cycle through a belt, by its groups of segments: nothing is made of each segment."""
+    found = CycleAtBelt(cycle, np.ones(6, bool), np.zeros((6, 6)), Scalars(*[0.0] * 9), quickest, efficiency, looked)
+    factors, ends = found.factors, np.array([float(np.abs(cycle.speed).min()), float(looked.of(at.MOST_W).max())])
+    faster = partial(times_above, cycle.duration, cycle.speed)
+    speeds = lasting_speeds_by(faster, ends, cycle.total, looked.mean_running())
+    one = looked.figures(factors)
+    held = cycle.held if not np.isnan(cycle.held) else one.at_rest
+    scalars = Scalars(
+        rms_torque=one.rms_torque, peak_torque=one.peak_torque, held=float(efficiency * held),
+        load_torque=float(looked.of(at.MOST_LOAD).max()), peak_speed=float(ends[1]), **speeds,
+        mean_power=one.mean_power, peak_power=one.peak_power,
     )  # fmt: skip
+    return replace(found, acts=looked.acts(), moments=looked.moments(factors) / cycle.total, scalars=scalars)
 
 
 def piece_counts(duration: Array, time_constant: Array, error: float) -> NDArray[np.int64]:

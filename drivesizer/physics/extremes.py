@@ -12,7 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Envelope", "Extremes", "envelope", "extremes", "first_largest", "near_largest", "refined", "undominated"]
+__all__ = [
+    "Envelope", "Extremes", "envelope", "extremes", "extremes_of", "first_largest", "near_largest", "refined",
+    "undominated",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 
@@ -112,13 +115,35 @@ def extremes(functions: Array, time: Array) -> Extremes:
         Points that no other exceeds in every function, and those that exceed no other.
     """
     points, when = functions.reshape(-1, functions.shape[2]), time.reshape(-1)
-    kind = np.argmax(np.abs(points[:, :3]), axis=1) * 3 + np.sign(points[:, 4]).astype(int)  # torque, direction
-    groups = [np.flatnonzero(kind == k) for k in np.unique(kind)]
-    top = _largest(points, np.concatenate([g[_front(points[g])] for g in groups]))
-    bottom = _largest(-points, np.concatenate([g[_front(-points[g])] for g in groups]))
     left, right = functions[:, 0], functions[:, 1]
-    above, below = _corners(np.maximum(left, right)), -_corners(-np.minimum(left, right))
-    return Extremes(points[top], when[top], points[bottom], when[bottom], above, below)
+    return extremes_of((points, when), (points, when), np.maximum(left, right), np.minimum(left, right))
+
+
+def extremes_of(high: tuple[Array, Array], low: tuple[Array, Array], above: Array, below: Array) -> Extremes:
+    """The extreme points among some that may be.
+
+    Parameters
+    ----------
+    high, low
+        Points of the functions, shape (points, 6), and their times [s], among which the highest and the lowest are.
+    above, below
+        Largest and smallest value of each function in segments, shape (segments, 6).
+
+    Returns
+    -------
+    Extremes
+        Points that no other exceeds in every function, and those that exceed no other.
+    """
+    (points, when), (lower, then) = high, low
+    top = _largest(points, np.concatenate([g[_front(points[g])] for g in _alike(points)]))
+    bottom = _largest(-lower, np.concatenate([g[_front(-lower[g])] for g in _alike(lower)]))
+    return Extremes(points[top], when[top], lower[bottom], then[bottom], _corners(above), -_corners(-below))
+
+
+def _alike(points: Array) -> list[NDArray[np.int64]]:
+    """Rows of one direction of power and of motion."""
+    kind = np.argmax(np.abs(points[:, :3]), axis=1) * 3 + np.sign(points[:, 4]).astype(int)
+    return [np.flatnonzero(kind == k) for k in np.unique(kind)]
 
 
 def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:

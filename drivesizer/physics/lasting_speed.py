@@ -19,16 +19,17 @@ exact for speeds that are straight lines, and the cycle repeats: a run over its 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["exceeded", "lasting_speeds", "mean_running"]
+__all__ = ["exceeded", "lasting_speeds", "lasting_speeds_by", "mean_running"]
 
 Array = NDArray[np.float64]
 _SHORT = (1.0, 0.1)  # s uninterrupted, share of the time: so long maxon's limit may be exceeded
 _LONG = (1200.0, 1.0)  # and those of the mean
+_STEPS, _CLOSE = 200, 1e-14  # at most, and share of a speed that is left open: its last digits
 _ROUNDING = 1e-9  # of a time: by so much sums of times may be off
 
 
@@ -49,6 +50,58 @@ def lasting_speeds(duration: Array, speed: Array) -> dict[str, Array]:
     mean = mean_running(duration, speed)
     long, short = (exceeded(duration, speed, permitted) for permitted in (_LONG, _SHORT))
     return {"mean_speed": np.maximum(mean, long), "sustained_speed": np.maximum(mean, short)}
+
+
+def lasting_speeds_by(
+    times: Callable[[float], tuple[float, float]], ends: Array, total: float, mean: float
+) -> dict[str, float]:
+    """The same two speeds of a long cycle, by a function of how long it is faster than a speed.
+
+    Parameters
+    ----------
+    times
+        Longest time without a break above a speed, and all such time [s].
+    ends
+        Slowest and fastest speed of the cycle [rad/s].
+    total
+        Length of the cycle [s].
+    mean
+        Of the speed while running [rad/s].
+
+    Returns
+    -------
+    dict
+        As ``lasting_speeds`` gives them.
+    """
+    long, short = (_exceeded_by(times, ends, total, permitted) for permitted in (_LONG, _SHORT))
+    return {"mean_speed": max(mean, long), "sustained_speed": max(mean, short)}
+
+
+def _exceeded_by(
+    times: Callable[[float], tuple[float, float]], ends: Array, total: float, permitted: tuple[float, float]
+) -> float:
+    """The highest speed that is exceeded for longer than permitted, between two by straight lines and in halves."""
+    longest_run, in_all = permitted[0] * (1.0 + _ROUNDING), permitted[1] * total * (1.0 + _ROUNDING)
+
+    def over(speed: float) -> float:
+        run, every = times(speed)
+        return max(run / longest_run, every / in_all) - 1.0
+
+    low, high = (float(end) for end in ends)
+    if permitted[1] >= 1.0 and total <= permitted[0]:
+        return low
+    above, below = over(low), -1.0
+    for n in range(_STEPS):
+        if not above > 0.0 or high - low <= _CLOSE * high:
+            break
+        share = 0.5 if n % 3 == 2 else above / (above - below)
+        middle = low + min(max(share, 0.001), 0.999) * (high - low)
+        found = over(middle)
+        if found > 0.0:
+            low, above = middle, found
+        else:
+            high, below = middle, found
+    return high if above > 0.0 else low
 
 
 def mean_running(duration: Array, speed: Array) -> Array:

@@ -103,7 +103,7 @@ def in_machine(
             return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
         early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
         rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
-        most = max(_FEWEST, _CELLS // max(len(case.at_belt.warming.duration) for case in problem.cases))
+        most = max(_FEWEST, _CELLS // max(case.at_belt.pieces for case in problem.cases))
         for rows in _pieces(np.flatnonzero(~rejected), _FIRST * wanted, min(most, _MOST)):
             found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best))
             rejected[rows[found.rejected]] = True

@@ -268,7 +268,7 @@ def _tied(
 
 def _in_cells(problem: Problem) -> int:
     """Drives whose waveforms may be computed to order them."""
-    return _CELLS // max(len(case.at_belt.warming.duration) for case in problem.cases)
+    return _CELLS // max(case.at_belt.pieces for case in problem.cases)
 
 
 def _by_margin(

@@ -15,11 +15,11 @@ from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.pull_out import curves_of
 from drivesizer.machine.set_cycle import set_cycle, turned, warming
 from drivesizer.machine.warm_up import warm_up
-from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
+from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.elements.braking import Stop
+from drivesizer.physics.one_pass.torque import torque_above
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
-from drivesizer.physics.waveform import Wave, longest_above, share_above
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
@@ -313,13 +313,10 @@ def _braking(evaluation: Evaluation, index: int, parts: DriveParts) -> list[Figu
 
 def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
     """Times of the gearhead above its continuous torque, in the first load case that has any."""
-    limit = np.array([gearhead.continuous_torque])
+    limit = gearhead.continuous_torque
     for case in evaluation.problem.cases:
-        torque = case.at_belt.functions[None, :, :, : AT_REST + 1].sum(axis=3) / evaluation.candidates.belt[index]
-        found = Wave(case.cycle.duration, torque, torque)
-        longest = float(longest_above(found, limit)[0])
+        longest, share = torque_above(case.at_belt.behind(float(evaluation.candidates.belt[index])), limit)
         if longest > 0.0:
-            share = float(share_above(found, limit)[0])
             title = "Gearhead above its continuous torque"
             return [
                 Figure(name="gearhead_overload", title=f"{title}, uninterrupted", value=longest, kind="time", unit="s"),

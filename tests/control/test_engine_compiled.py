@@ -20,10 +20,12 @@ from drivesizer.control.path_following import kernel as following
 from drivesizer.files import machine_code, translation
 from drivesizer.files.machine_code import files_of, translated
 from drivesizer.files.translation import linked, usable
+from drivesizer.physics.groups import kernel as groups
 from drivesizer.physics.one_pass import kernel as one_pass
 
 KERNELS = {
-    "engine": (of_the_drive.KERNEL, 9), "one pass": (one_pass.KERNEL, 4), "platform": (following.KERNEL, 5),
+    "engine": (of_the_drive.KERNEL, 9), "one pass": (one_pass.KERNEL, 5), "platform": (following.KERNEL, 5),
+    "groups": (groups.KERNEL, 2),
     "stepper": (stepper.KERNEL, 2),
 }  # fmt: skip
 OLDEST = stepper.KERNEL.translation.read_bytes().partition(b"\n")[0].decode().split()[-1]

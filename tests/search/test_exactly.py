@@ -7,6 +7,7 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
+from drivesizer.physics.groups import census
 from drivesizer.physics.one_pass import drives, kernel
 from drivesizer.physics.one_pass import layout as at
 from drivesizer.search.columns.candidates import candidates
@@ -66,7 +67,10 @@ def test_one_pass_finds_what_the_whole_waveform_says(supply, seed, torque, catal
     given = problem_of(tmp_path, catalog, supply, seed, torque)
     sets = some(given, 120, seed)
     whole = evaluate(given, sets)
-    monkeypatch.setattr(drives, "_SHORT", 10)
+    for module in (census, drives):
+        monkeypatch.setattr(module, "SHORT", 10)
+    given = problem_of(tmp_path, catalog, supply, seed, torque)
+    assert given.cases[0].at_belt.census
     passed = evaluate(given, sets)
     known = 0
     for name, column in whole.figures.items():

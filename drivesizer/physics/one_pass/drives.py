@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 import drivesizer.physics.one_pass.layout as at
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.groups.census import SHORT, columns_of
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.one_pass.kernel import compiled
 from drivesizer.physics.power_stage import Feed
@@ -19,7 +20,7 @@ from drivesizer.physics.thermal import COPPER, TwoBodies, resistance_25, resista
 __all__ = ["Figures", "Found", "figures", "is_long", "through"]
 
 Array = NDArray[np.float64]
-_SHORT = 1 << 15  # segments up to which a waveform is computed whole
+_PASSED = ("passed", 0.0)  # what was found of drives, by their figures: some are looked at several times
 _LEAST, _ORDER = -np.inf, np.polynomial.legendre.leggauss(at.POINTS)
 
 
@@ -55,7 +56,7 @@ class Figures(NamedTuple):
 
 def is_long(cycle: AtGearhead) -> bool:
     """Whether a cycle is so long that drives go through it in one pass, where that is at hand as machine code."""
-    return len(cycle.load_cycle.duration) > _SHORT and compiled() is not None
+    return len(cycle.load_cycle.duration) > SHORT and compiled() is not None
 
 
 def figures(
@@ -77,7 +78,8 @@ def figures(
         Their power stages and the supply.
     more
         ``leads`` that take of the voltage [ohm], ``limit`` of the current [A], share ``kept`` on the bus [1], and what
-        is ``wanted``: 0 of the winding alone, 1 power and time above the limit too, 2 energy too.
+        is ``wanted``: -1 only the time above the limit, 0 of the winding alone, 1 power and that time too, 2 energy
+        too.
 
     Returns
     -------
@@ -144,9 +146,12 @@ def through(cycle: AtGearhead, drives: Figures) -> Found:
     """
     pass_over, load = compiled(), cycle.load_cycle
     assert pass_over is not None  # ``is_long`` said so
-    columns, strides = [load.duration], np.tile(np.array([2, 1]), 3)
-    columns += [np.ascontiguousarray(ends).reshape(-1) for ends in (load.speed, load.acceleration, load.torque)]
-    rows = [_one(pass_over, row.copy(), columns, strides, load.total) for row in drives.table]
+    columns, strides = columns_of(load)
+    known: dict[bytes, tuple[float, ...]] = cycle.base.coarse.setdefault(_PASSED, {})
+    for row in drives.table:
+        if row.tobytes() not in known:
+            known[row.tobytes()] = _one(pass_over, row.copy(), columns, strides, load.total)
+    rows = [known[row.tobytes()] for row in drives.table]
     found = Found(*np.array(rows).reshape(-1, len(Found._fields)).T)
     return found._replace(winding=found.winding + drives.ambient)
 
@@ -162,10 +167,10 @@ def _one(
     if pass_over(d, g, *columns, strides):
         return (np.inf, *[np.nan] * (len(Found._fields) - 1))
     winding = (np.nan, np.nan) if d[at.FIXED] else (g[at.WINDING], g[at.WINDING + 2])
-    voltage = _peak(g, at.VOLTAGE)
+    voltage = _peak(g, at.VOLTAGE) if d[at.WANTED] >= 0.0 else (np.nan, np.nan)
     copper = g[at.COPPER] / total
     power = _peak(g, at.POWER) if d[at.WANTED] >= 1.0 else (np.nan, np.nan)
-    above = _above(g, d[at.LIMIT]) if d[at.WANTED] >= 1.0 else np.nan
+    above = _above(g, d[at.LIMIT]) if d[at.WANTED] != 0.0 else np.nan
     energy = (g[at.DRAWN], g[at.RETURNED], _stored(g)) if d[at.WANTED] >= 2.0 else (np.nan,) * 3
     return (*winding, *voltage, copper, *power, above, *energy)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 import drivesizer.physics.one_pass.layout as at
+from drivesizer.physics.groups.look import below
 from drivesizer.physics.one_pass.layout import Array
 
 __all__: list[str] = []  # compiled into ``kernel``
@@ -110,17 +111,6 @@ def add_stored(d: Array, g: Array, i_0: float, i_1: float, v_0: float, v_1: floa
     first, second, _ = works(i_0, i_1, v_0, v_1)
     put_in_store(d, g, first * t)
     put_in_store(d, g, second * t)
-
-
-def below(limit: float, i_0: float, i_1: float) -> tuple[float, float]:
-    """Shares of a piece from when until when the current is not above a limit; from beyond it where it always is."""
-    if i_0 == i_1:
-        return (2.0, 2.0) if abs(i_0) > limit else (0.0, 1.0)
-    up, down = (limit - i_0) / (i_1 - i_0), (-limit - i_0) / (i_1 - i_0)
-    enter, leave = min(up, down), max(up, down)
-    if enter >= 1.0 or leave <= 0.0:
-        return 2.0, 2.0
-    return max(enter, 0.0), min(leave, 1.0)
 
 
 def keep_time_above(d: Array, g: Array, i_0: float, i_1: float, start: float, t: float) -> None:

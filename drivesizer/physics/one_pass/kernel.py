@@ -6,13 +6,14 @@ from collections.abc import Callable
 from functools import cache
 
 from drivesizer.files.machine_code import Kernel, defined_in, machine_code
+from drivesizer.physics.groups import look
 from drivesizer.physics.one_pass import feeding, heating, layout, through
 
 __all__ = ["KERNEL", "compiled"]
 
 KERNEL = Kernel(
-    functions=defined_in((heating, feeding, through)),
-    modules=(layout, heating, feeding, through),
+    functions=(look.below, *defined_in((heating, feeding, through))),
+    modules=(layout, look, heating, feeding, through),
     inline=True,
     slow="numba is not installed: long load cycles take some times longer",
     arguments="d1 d1 d1 d1 d1 d1 q1",

@@ -5,12 +5,34 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str] = []  # constants, used as ``at.NAME``
+from drivesizer.physics.groups.layout import (
+    ACCELERATION,
+    AT_REST,
+    BRAKING,
+    DIRECTION,
+    DRIVING,
+    OF_ACCELERATION,
+    OF_SPEED,
+    OF_TORQUE,
+    SPEED,
+)  # fmt: skip
+
+__all__ = [
+    "ACCELERATION",
+    "AT_REST",
+    "BRAKING",
+    "DIRECTION",
+    "DRIVING",
+    "OF_ACCELERATION",
+    "OF_SPEED",
+    "OF_TORQUE",
+    "SPEED",
+]  # beside constants, all used as ``at.NAME``; fmt: skip
 
 Array = NDArray[np.float64]
 
-# --- a drive: current from torque (its power to the load, from it, at rest), acceleration, direction and speed
-DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
+# --- a drive; the first six places are the current by torque (power to the load, from it, at rest), acceleration,
+# direction and speed
 EMF = 6  # V*s/rad, induced voltage per speed of the load
 SURPLUS = 7  # V*s/rad, of it what the back-EMF constant is above the torque constant
 FEEDBACK = 8  # 1/(A^2 s), by which copper that warms up heats more
@@ -25,7 +47,7 @@ LOSS, LEAST_LOSS, OHM, STANDBY = 24, 25, 26, 27  # V, V, ohm, W of the power sta
 SOURCE, RESISTANCE, DRIVES = 28, 29, 30  # V without load, ohm of source and cables, that it feeds
 KEPT = 31  # share of what is returned that stays on the bus
 LIMIT = 32  # A, of which the time above is wanted
-WANTED = 33  # 0 of the winding, 1 power and time above too, 2 energy too
+WANTED = 33  # -1 only time above, 0 of the winding, 1 power and time above too, 2 energy too
 PERIODIC_W, PERIODIC_H = 34, 35  # K, rises at the cycle's start
 INVERSE = 36  # 1 / k of the whole numbers up to the most
 MOST = 40  # terms of a series
@@ -44,9 +66,6 @@ MAP = 23  # what a cycle adds to rises: by that of the winding, of the housing, 
 BLOCK = 29  # the same of a block
 LEVEL = 35  # J, in the store
 FOUND = 36
-
-# --- strides: step from segment to segment and from end to end, of speed, acceleration and torque
-OF_SPEED, OF_ACCELERATION, OF_TORQUE = 0, 2, 4
 
 ALIKE = 1e-9  # share by which values differ that are alike, as in ``extremes``
 FINEST, CLOSE = 200, 12e-3  # pieces of a segment at most; as in ``cycle_at_gearhead.piece_counts``

@@ -117,6 +117,11 @@ def feed(
 
 def go_through(d: Array, g: Array, i_0: float, i_1: float, w_0: float, w_1: float, t: float, changing: bool) -> None:
     """One piece."""
+    if d[at.WANTED] != 0.0:
+        keep_time_above(d, g, i_0, i_1, g[at.TIME], t)
+    if d[at.WANTED] < 0.0:
+        g[at.TIME] += t
+        return
     square = mean_square(i_0, i_1)
     start, end, mean = warm_up_to(d, g, square, housing_loss(d, w_0, w_1), t, changing)
     v_0 = d[at.EMF] * w_0 + (d[at.R_AMBIENT] + d[at.R_RISE] * start) * i_0
@@ -125,8 +130,7 @@ def go_through(d: Array, g: Array, i_0: float, i_1: float, w_0: float, w_1: floa
     keep_voltage(d, g, i_0, v_0, g[at.TIME])
     keep_voltage(d, g, i_1, v_1, g[at.TIME] + t)
     g[at.COPPER] += R * square * t
-    if d[at.WANTED] >= 1.0:
-        keep_time_above(d, g, i_0, i_1, g[at.TIME], t)
+    if d[at.WANTED] > 0.0:
         feed(d, g, (i_0, i_1), (w_0, w_1), (v_0, v_1), R, t)
     g[at.TIME] += t
 

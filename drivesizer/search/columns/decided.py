@@ -24,13 +24,12 @@ from drivesizer.search.columns.block_bounds import closer as closer_in_blocks
 from drivesizer.search.columns.block_bounds import closer_power
 from drivesizer.search.columns.bus_bounds import closer_stored, stored_by_segments
 from drivesizer.search.columns.candidates import Rows
-from drivesizer.search.columns.exactly import exact
+from drivesizer.search.columns.exactly import exact, time_above
 from drivesizer.search.columns.limits_over_time import (
     Moments,
     Pair,
     Wanted,
     kept_on_the_bus,
-    time_above,
     waveform_limits,
 )
 from drivesizer.spec.robot import RobotSpec
@@ -167,7 +166,7 @@ def decided(
                          for one, old in zip(found, before, strict=True))  # fmt: skip
             found = low, high
     left = case.open(found, alive)
-    long = len(cycle.base.warming.duration) > _LONG
+    long = cycle.base.pieces > _LONG
     if long:
         found, left = _closer(case, alive, found, left)
     return _exactly(case, alive, found, left, long)
@@ -239,8 +238,8 @@ def _closer(
         found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
         left = case.open(found, alive)
     if (mask := left[_WINDING]).any():  # the current alone decides
-        spec, cycle, demand, _, _, parts = case.some(mask)
-        above = time_above(spec, cycle, demand, parts)
+        spec, cycle, demand, heating, _, parts = case.some(mask)
+        above = time_above(spec, cycle, demand, heating, parts)
         found = _replaced(found, mask, [on(m, mask)._replace(above=above) for m in found])
         left = case.open(found, alive)
     return found, left

@@ -25,7 +25,7 @@ from drivesizer.search.columns.limits_over_time import (
 )
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["exact"]
+__all__ = ["exact", "time_above"]
 
 Array = NDArray[np.float64]
 _LEVELS = {"winding": 0, "power": 1, "limits": 1, "all": 2}
@@ -80,6 +80,30 @@ def exact(
         low = low._replace(stored=high.stored[rows])
     steady = temperature_at_most(ambient, cycle, heating, stresses, motor)
     return between_bounds(high, low, rows, heating.winding, steady)
+
+
+def time_above(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts) -> Array:
+    """Longest uninterrupted time above the controller's continuous current, which the current alone decides.
+
+    Parameters
+    ----------
+    spec, cycle, demand, heating, parts
+        As ``exact`` takes them.
+
+    Returns
+    -------
+    Array
+        [s], shape (rows,).
+    """
+    if not is_long(cycle):
+        return limits_over_time.time_above(spec, cycle, demand, parts)
+    limit = controller_current(parts.controller, spec.environment.ambient)
+    drives = figures(
+        spec.environment.ambient, cycle, demand, heating, parts.motor, spec.feed(parts.controller, parts.brake),
+        leads=0.0, kept=0.0, limit=limit, wanted=-1,
+    )  # fmt: skip
+    nothing = np.zeros(len(drives.table))
+    return through(cycle, drives.held(slice(None), nothing, nothing)).above
 
 
 def _of_all(cycle: AtGearhead, drives: Figures, feed: Feed, stresses: Stress, motor: object) -> Moments:

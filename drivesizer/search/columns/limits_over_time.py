@@ -301,7 +301,7 @@ def _time_above(cycle: AtGearhead, coefficients: Array, k_t: Array, limit: Array
 
 def _slices(cycle: AtGearhead, count: int) -> list[slice]:
     """Pieces of so many candidates, behind one belt each unless all are one piece; of none one: columns stay."""
-    size = max(1, _AT_ONCE // len(cycle.base.warming.duration))
+    size = max(1, _AT_ONCE // cycle.base.pieces)
     if count <= size:
         return [slice(0, count)]
     belts = [rows for _, rows in cycle.parts] if isinstance(cycle, AtGearheads) else [slice(0, count)]

@@ -119,7 +119,7 @@ class _Moved(NamedTuple):
 
 def _together(waiting: Sequence[_Moved]) -> bool:
     """Whether so much is little enough to be looked at in one go."""
-    longest = max(len(cycle.base.warming.duration) for cycle in waiting[0].cycles)
+    longest = max(cycle.base.pieces for cycle in waiting[0].cycles)
     pieces = longest if longest <= _SHORT else _BLOCKS
     count = sum(len(one.parts.motor.rows) for one in waiting)
     return len(waiting) <= _BELTS and pieces * count <= _CELLS
