@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.load_cases.at_shaft import motion_of
-from drivesizer.load_cases.platform_wheels import load_cases
+from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.spec.several_axes.machine import AxisSpec, MachineSpec
 from drivesizer.units import show
