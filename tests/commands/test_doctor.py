@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from importlib import metadata
 
 import pytest
@@ -95,7 +96,11 @@ def test_what_takes_long_is_said_to_a_person_alone(monkeypatch, capsys):
     monkeypatch.setattr(common, "_PATIENCE", 0.0)
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     monkeypatch.setenv("FORCE_COLOR", "1")
+    out = err = ""
     with common.working("writing the report"):
-        common.time.sleep(0.1)
-    out = capsys.readouterr()
-    assert out.out == "" and "writing the report" in out.err
+        until = time.monotonic() + 30.0  # s: it is said by a thread, which a busy machine lets wait
+        while "writing the report" not in err and time.monotonic() < until:
+            time.sleep(0.02)
+            told = capsys.readouterr()
+            out, err = out + told.out, err + told.err
+    assert out + capsys.readouterr().out == "" and "writing the report" in err
