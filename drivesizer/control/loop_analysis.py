@@ -194,19 +194,27 @@ def _crossings(
 ) -> Iterator[tuple[float, complex]]:
     """Angular frequency [rad/s] and response wherever a figure of the response changes sign."""
     below = sampled < 0.0  # a figure that is 0 on the grid counts with those above: its crossing is found once
-    for n in np.flatnonzero(below[:-1] != below[1:]):
-        at = _root(lambda x: figure(response(x)), w[n : n + 2], sampled[n : n + 2])
-        yield at, complex(response(np.array([at]))[0])
+    before = np.flatnonzero(below[:-1] != below[1:])
+    steps = np.stack([before, before + 1])
+    for at in _roots(lambda x: figure(response(x)), w[steps], sampled[steps]) if len(before) else ():
+        yield float(at), complex(response(np.array([at]))[0])
 
 
-def _root(figure: Callable[[Array], Array], ends: Array, values: Array) -> float:
-    """Place at which a figure changes sign, to 1e-12: of equal parts the one that has it, again and again."""
+def _roots(figure: Callable[[Array], Array], ends: Array, values: Array) -> Array:
+    """Places at which a figure changes sign, to 1e-12: of equal parts the one that has it, again and again.
+
+    Of all steps of a grid at once, for the response of a long delay has a hundred such places; ends and values there
+    have shape (2, steps).
+    """
     for _ in range(_TIMES):
         places = np.linspace(ends[0], ends[1], _PARTS + 1)
-        found = np.concatenate([values[:1], figure(places[1:-1]), values[1:]])
-        n = int(np.flatnonzero((found < 0.0) != (found[0] < 0.0))[0])
-        ends, values = places[n - 1 : n + 1], found[n - 1 : n + 1]
-    return float(ends[0] - values[0] * (ends[1] - ends[0]) / (values[1] - values[0]))
+        inside = figure(places[1:-1].ravel()).reshape(_PARTS - 1, -1)
+        found = np.concatenate([values[:1], inside, values[1:]])
+        after = np.argmax((found < 0.0) != (found[0] < 0.0), axis=0)
+        rows = np.stack([after - 1, after])
+        ends, values = np.take_along_axis(places, rows, 0), np.take_along_axis(found, rows, 0)
+    found_at: Array = ends[0] - values[0] * (ends[1] - ends[0]) / (values[1] - values[0])
+    return found_at
 
 
 def _margins(response: Response, w: Array, L: _Values) -> tuple[float, ...]:

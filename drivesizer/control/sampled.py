@@ -5,8 +5,6 @@ As python-control has them, which tests hold beside these: importing it takes lo
 Symbols: A, B, C, D the matrices of :math:`x_{k+1} = A x_k + B u_k`, :math:`y_k = C x_k + D u_k`.
 
 .. [1] K. J. Åström, B. Wittenmark, *Computer-Controlled Systems*, 3rd ed., Prentice Hall 1997, ch. 2: sampled systems.
-.. [2] A. J. Laub, Efficient multivariable frequency response computations, IEEE Transactions on Automatic Control 26
-   (1981) 407-408: a Hessenberg form once, and its elimination for each frequency.
 """
 
 from __future__ import annotations
@@ -26,7 +24,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Response = Callable[[Array], NDArray[np.complex128]]  # of angular frequencies [rad/s]
-_FEW = 4  # frequencies that are solved one by one
 
 
 class System(NamedTuple):
@@ -228,7 +225,10 @@ def step_response(system: System, samples: int) -> Array:
 
 
 def frequency_response(system: System) -> Response:
-    """The transfer function from the first input to the first output on the unit circle, [2].
+    """The transfer function from the first input to the first output on the unit circle; NaN at a pole.
+
+    A state that only repeats another one a period later, as most of a delay do, is that one times 1/z: what is left to
+    solve for each frequency is as large as the plant and its controller, however long the delay.
 
     Parameters
     ----------
@@ -240,54 +240,45 @@ def frequency_response(system: System) -> Response:
     callable
         Values at angular frequencies [rad/s], shape (frequencies,).
     """
-    H, b, c = _hessenberg(system)
-    through = complex(system.D[0, 0])
+    repeated = _repeated(system.A, system.B)
+    own = [n for n in range(system.states) if n not in repeated]
+    place = {n: k for k, n in enumerate(own)}
+    late = [(n, place[root], periods) for n, (root, periods) in repeated.items()]
+    A, b, c = system.A[own], system.B[own, 0], system.C[0]
+    late = [(n, root, periods) for n, root, periods in late if A[:, n].any() or c[n]]
 
     def response(w: Array) -> NDArray[np.complex128]:
         z = np.exp(1j * w * system.dt)
-        if len(w) <= _FEW:
-            return np.array([value_at(system, complex(one)) for one in z])
-        return np.asarray(c @ _solved(H, b, z) + through)
+        M = z[:, None, None] * np.eye(len(own)) - A[:, own]
+        outputs = np.tile(c[own].astype(complex), (len(z), 1))
+        for n, root, periods in late:
+            later = z**-periods
+            M[:, :, root] -= later[:, None] * A[:, n]
+            outputs[:, root] += later * c[n]
+        return (outputs * _solved(M, b.astype(complex))).sum(axis=1) + complex(system.D[0, 0])
 
     return response
 
 
-def _hessenberg(system: System) -> tuple[Array, Array, Array]:
-    """A, the first column of B and the first row of C in states in which A has one diagonal below its main one."""
-    A, b, c = system.A.copy(), system.B[:, 0].copy(), system.C[0].copy()
-    for k in range(system.states - 2):
-        u = A[k + 1 :, k].copy()
-        u[0] += np.copysign(np.linalg.norm(u), u[0])
-        length = u @ u
-        if length:
-            A[k + 1 :] -= np.outer(u, (2.0 / length) * (u @ A[k + 1 :]))
-            A[:, k + 1 :] -= np.outer(A[:, k + 1 :] @ u, (2.0 / length) * u)
-            b[k + 1 :] -= (2.0 / length) * (u @ b[k + 1 :]) * u
-            c[k + 1 :] -= (2.0 / length) * (c[k + 1 :] @ u) * u
-    return A, b, c
+def _repeated(A: Array, B: Array) -> dict[int, tuple[int, int]]:
+    """States that only repeat another one some periods later: which, and how many periods."""
+    alone = (np.count_nonzero(A, axis=1) == 1) & (A.sum(axis=1) == 1.0) & ~B.any(axis=1)
+    before = {int(n): int(np.flatnonzero(A[n])[0]) for n in np.flatnonzero(alone)}
+    found = {}
+    for n in before:
+        root, periods = n, 0
+        while root in before and periods <= len(before):
+            root, periods = before[root], periods + 1
+        if root not in before:  # else they go round
+            found[n] = (root, periods)
+    return found
 
 
-def _solved(H: Array, b: Array, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """States x of (z 1 - H) x = b, shape (states, frequencies): eliminated with pivots for all frequencies at once."""
-    n = len(H)
-    upper = np.zeros((n, n + 1, len(z)), complex)  # rows as eliminated, the right side as a last column
-    row = _row(H, b, z, 0) if n else np.zeros((1, len(z)), complex)
-    for k in range(n - 1):
-        below = _row(H, b, z, k + 1)[k:]
-        swapped = np.abs(below[0]) > np.abs(row[0])
-        upper[k, k:] = np.where(swapped, below, row)
-        other = np.where(swapped, row, below)
-        row = other[1:] - other[0] / upper[k, k] * upper[k, k + 1 :]
-    if n:
-        upper[n - 1, n - 1 :] = row
-    x = np.zeros((n, len(z)), complex)
-    for k in range(n - 1, -1, -1):
-        x[k] = (upper[k, n] - (upper[k, k + 1 : n] * x[k + 1 :]).sum(axis=0)) / upper[k, k]
-    return x
-
-
-def _row(H: Array, b: Array, z: NDArray[np.complex128], k: int) -> NDArray[np.complex128]:
-    """A row of z 1 - H with its right side, for each frequency."""
-    row = np.repeat(np.append(-H[k], b[k])[:, None].astype(complex), len(z), axis=1)
-    row[k] += z
-    return row
+def _solved(M: NDArray[np.complex128], b: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """States x of M x = b, shape (frequencies, states); NaN where M is singular."""
+    try:
+        return np.asarray(np.linalg.solve(M, b[:, None])[..., 0])
+    except np.linalg.LinAlgError:
+        singular = np.linalg.det(M) == 0.0
+        kept = np.where(singular[:, None, None], np.eye(len(b)), M)
+        return np.where(singular[:, None], np.nan, np.linalg.solve(kept, b[:, None])[..., 0])

@@ -74,3 +74,19 @@ def test_the_response_of_many_states_needs_no_distinct_poles():
 
 def test_at_a_pole_there_is_no_value():
     assert math.isnan(value_at(first_order(1.0, 0.0, 1.0, T), 1.0).real)
+    response = frequency_response(beside(first_order(1.0, 0.0, 1.0, T), first_order(1.0, 0.0, -1.0, T)))
+    assert np.isnan(response(np.array([0.0, 0.1 / T]))).tolist() == [True, False]
+
+
+@pytest.mark.parametrize("row", [None, [1.0]])
+def test_a_loop_with_a_long_delay_is_python_control_s(row):
+    """Sixty states that only repeat others: of the closed loop too, where what they end in is fed back."""
+    loop = in_series(delayed(60, T), first_order(0.01, 0.002, 0.9, T))
+    loop = fed_back(loop, row) if row else loop
+    theirs = control.frequency_response(control.ss(*loop), W, squeeze=True).complex
+    assert frequency_response(loop)(W) == pytest.approx(theirs, rel=1e-9, abs=1e-12)
+
+
+def test_states_that_repeat_each_other_in_a_circle_are_solved_as_others():
+    round_and_round = System(np.roll(np.eye(3), 1, axis=0), np.zeros((3, 1)), np.ones((1, 3)), np.ones((1, 1)), T)
+    assert frequency_response(round_and_round)(W) == pytest.approx(np.ones(len(W)), abs=1e-12)
