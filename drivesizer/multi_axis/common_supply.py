@@ -316,4 +316,4 @@ def _timing(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[st
         if one not in done:
             yield f"{one}: repeats its cycle of {show(own[0].cycle.total, 's', 'time')}"
     if bus.phases:
-        yield "periods have no common multiple: those that repeat run at any phase"
+        yield "periods have no common multiple that is short enough: those that repeat run at any phase"
