@@ -17,7 +17,7 @@ J and M of the belt before it; those of a belt behind it are parts of J_w and T_
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isnan
 
@@ -196,8 +196,17 @@ def machine_export(sizing: MachineSizing, *, one_rate: bool = False) -> MachineE
         robot=_robot(sizing, {name: of for name, of in exports.items() if name in joints}) if machine.robot else None,
         axes=tuple((name, of) for name, of in exports.items() if name not in joints),
         gravity=machine.environment.gravity,
-        said=sizing.notes,
+        said=(*sizing.notes, *_platforms(sizing.axes)),
     )
+
+
+def _platforms(axes: Sequence[AxisSizing]) -> list[str]:
+    """Axes of which a file of their own has more: platforms, here one shaft."""
+    names = [axis.name for axis in axes if axis.spec.platform is not None]
+    return [
+        f"{name}: the shaft of one wheel; exported as an axis of its own it is the base with all of them"
+        for name in names
+    ]
 
 
 def _exported(axis: AxisSizing, rate: float | None) -> Export:
