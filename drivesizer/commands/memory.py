@@ -11,12 +11,15 @@ import sys
 
 __all__ = ["keep_freed_memory"]
 
-# number of glibc's mallopt, its variable in the environment, bytes: as large as it lets the second grow by itself
-_LIMITS = ((-1, "MALLOC_TRIM_THRESHOLD_", 128 << 20), (-3, "MALLOC_MMAP_THRESHOLD_", 32 << 20))
+# number of glibc's mallopt, its variable in the environment, bytes: the most that it takes, by its version
+_LIMITS = (
+    (-3, "MALLOC_MMAP_THRESHOLD_", (256 << 20, 32 << 20)),
+    (-1, "MALLOC_TRIM_THRESHOLD_", (512 << 20,)),
+)
 
 
 def keep_freed_memory() -> None:
-    """Have this process, and those that it starts, keep up to 128 MiB that they freed; where glibc allocates.
+    """Have this process, and those that it starts, keep up to 512 MiB that they freed; where glibc allocates.
 
     What the environment says of it is left as it is.
     """
@@ -25,7 +28,7 @@ def keep_freed_memory() -> None:
     import ctypes  # numpy loads it too
 
     library = ctypes.CDLL(None)
-    for number, variable, size in _LIMITS if hasattr(library, "mallopt") else ():
+    for number, variable, sizes in _LIMITS if hasattr(library, "mallopt") else ():
         if variable not in os.environ:
-            library.mallopt(number, size)
-            os.environ[variable] = str(size)
+            taken = next((size for size in sizes if library.mallopt(number, size)), None)
+            os.environ |= {} if taken is None else {variable: str(taken)}

@@ -23,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # this tree's program
 sys.path.insert(0, str(Path(__file__).parent))
 from laws_case import DRIVES, SAME, Case, alike, brief, case_of, differences, parts_of, same_everywhere, spec_of
 from laws_machines import LOAD, Plain, backwards, catalogue, in_other_units, scaled_by, several_cases

@@ -208,7 +208,9 @@ def _live_request(words: list[str]) -> int:
     held = Held("robot.yaml")
     assert words[1] in JOBS
     for piece in islice(done(held, words[1], request), _PIECES):
-        print(json.dumps(piece, allow_nan=False, ensure_ascii=False))
+        print(
+            json.dumps(piece, allow_nan=False)
+        )  # a browser reads it: what no terminal may show stands in it as \u0085
     return 0
 
 
