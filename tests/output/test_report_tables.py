@@ -5,6 +5,7 @@ import io
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -122,3 +123,13 @@ def test_the_table_has_a_section_for_everything(result):
         result.counts.failed_by
     )
     assert all(len(row) == len(csv_tables.COLUMNS) and None not in row.values() for row in rows)
+
+
+def test_columns_over_time_are_written_bit_for_bit_and_what_is_unknown_is_empty():
+    time = np.array([0.0, 0.1, 0.30000000000000004, 1e-320, 1e22])
+    torque = np.array([-0.0, np.nan, 1 / 3, np.inf, 5.0])
+    text = csv_tables.columns_csv({"time": (time, "time", "s"), "T, motor": (torque, "torque", "N*m")}).decode()
+    heads, *rows = csv.reader(io.StringIO(text))
+    assert heads == ["time (s)", "T, motor (N*m)"] and text.endswith("\n") and "\r" not in text
+    assert [row[1] for row in rows] == ["-0.0", "", repr(1 / 3), "inf", "5.0"]
+    assert [float(row[0]) for row in rows] == time.tolist()

@@ -62,7 +62,8 @@ def write(
     """
     from drivesizer.output.report.sections.content import Content
 
-    content = Content(result, validation)  # one for all kinds: what takes time is computed once
+    both = {".pdf", ".html"} <= {path.suffix.lower() for path in paths}
+    content = Content(result, validation, both)  # one for all kinds: what takes time is computed once
     return written(OF_ONE, "render", (content,), paths, {"paper": paper, "date": date})
 
 

@@ -27,10 +27,11 @@ from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import from_si, label
 
-__all__ = ["IN_TABLES", "Drawing", "loop_drawings", "report_drawings"]
+__all__ = ["IN_TABLES", "STILL", "Drawing", "loop_drawings", "report_drawings"]
 
 Drawing = Callable[[Form], bytes]
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
+STILL = ("way", "tornado", "fields", "efficiency", "demand", "heat", "energy")  # what the page shows as the PDF does
 
 
 def report_drawings(

@@ -9,14 +9,12 @@ is drawn.
 from __future__ import annotations
 
 import io
-import sys
 import unicodedata
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from importlib import import_module
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
+from drivesizer.output.report.figures.layout import laid_out, load_matplotlib
 from drivesizer.output.text import clean, short
 
 if TYPE_CHECKING:
@@ -86,60 +84,23 @@ def drawn(draw: Any, height: float, form: Form = "svg") -> bytes:
     bytes
         The file in that form.
     """
-    _load_matplotlib()
+    load_matplotlib()
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
 
     kind = "png" if form == "png" else "svg"
     with matplotlib.rc_context():
         matplotlib.rcdefaults()  # not what the user's matplotlibrc says
         matplotlib.rcParams.update(STYLE | ({"svg.fonttype": "none"} if form == "typeset" else {}))
-        figure = Figure(figsize=(_WIDTH, height), layout="constrained", dpi=_DOTS if form == "png" else 72)
-        canvas: Any = (FigureCanvasAgg if form == "png" else FigureCanvasSVG)(figure)
-        draw(figure)
+        dots, canvas = (_DOTS, FigureCanvasAgg) if form == "png" else (72, FigureCanvasSVG)
         stream = io.BytesIO()
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # a box stands in for a letter of far scripts
-            _lay_out(figure)
+            figure = laid_out(draw, (_WIDTH, height), dots, canvas)
             # not savefig, which draws all of it twice: once to find the extent of what is drawn, which nothing needs
-            getattr(canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
+            getattr(figure.canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
     return stream.getvalue()
-
-
-def _load_matplotlib() -> None:
-    """Load it without the help on what each artist's ``set`` takes, which takes a third of the time to write."""
-    if "matplotlib.artist" in sys.modules:
-        return
-    artist: Any = import_module("matplotlib.artist")
-    unwritten = classmethod(lambda _: None)
-    with (
-        _instead(artist, "kwdoc", lambda _: ""),
-        _instead(artist.Artist, "_update_set_signature_and_docstring", unwritten),
-    ):
-        import_module("matplotlib.figure")
-
-
-@contextmanager
-def _instead(owner: Any, name: str, other: Any) -> Iterator[None]:
-    """Something else under a name that the owner has, for a while."""
-    own = vars(owner).get(name)
-    if own is None:
-        yield
-        return
-    setattr(owner, name, other)
-    try:
-        yield
-    finally:
-        setattr(owner, name, own)
-
-
-def _lay_out(figure: Any) -> None:
-    """Place the axes once: left to itself, matplotlib draws the whole figure for that before it draws it."""
-    if figure.get_layout_engine() is not None:
-        figure.get_layout_engine().execute(figure)
-        figure.set_layout_engine("none")
 
 
 _EDGE = 0.05  # in, from the figure's edge to the labels of its axes

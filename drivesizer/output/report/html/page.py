@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from drivesizer.output.report.figures.all_figures import Drawing
+from drivesizer.output.report.figures.all_figures import STILL, Drawing
 from drivesizer.output.report.figures.field import conditions
 from drivesizer.output.report.figures.field_panels import panels
 from drivesizer.output.report.figures.style import COLOURS
@@ -30,18 +30,9 @@ from drivesizer.output.report.sections.candidates import candidate_numbers
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
 
-__all__ = ["SCRIPTS", "STILL", "filled_page", "movable", "page_parts", "render", "report_html"]
+__all__ = ["SCRIPTS", "filled_page", "movable", "page_parts", "render", "report_html"]
 
 SCRIPTS = ("tables.js", "plots.js", "weights.js", "weights_view.js", "page.js")  # one after the other, as one script
-STILL = (
-    "way",
-    "tornado",
-    "fields",
-    "efficiency",
-    "demand",
-    "heat",
-    "energy",
-)  # figures that the page shows as the PDF does
 _MOST_PANELS = 6  # of the motor's field that can be moved
 
 

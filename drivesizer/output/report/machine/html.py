@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 from typing import Any
 
-from drivesizer.output.report.figures.all_figures import Drawing
+from drivesizer.output.report.figures.all_figures import STILL, Drawing
 from drivesizer.output.report.html.curves import Plot
-from drivesizer.output.report.html.page import STILL, filled_page, movable
+from drivesizer.output.report.html.page import filled_page, movable
 from drivesizer.output.report.html.power_plot import power_plot
 from drivesizer.output.report.machine.content import MachineContent
 from drivesizer.output.report.machine.document import document, shown

@@ -7,7 +7,8 @@ from functools import cached_property
 from drivesizer.control.validation import Validation
 from drivesizer.files.frozen import dataclass
 from drivesizer.output.parts import PartLine, machine_parts
-from drivesizer.output.report.figures.all_figures import Drawing, report_drawings
+from drivesizer.output.report.figures.all_figures import STILL, Drawing, report_drawings
+from drivesizer.output.report.figures.layout import once
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.lines.machine import first_wheel
 from drivesizer.output.report.lines.reliability import outcome
@@ -24,6 +25,7 @@ class Content:
 
     result: SizingResult
     validation: Validation | None = None
+    both: bool = False  # whether there is to be a page beside a PDF, with figures that it shows alike
 
     @property
     def drive(self) -> DriveSet | None:
@@ -43,7 +45,8 @@ class Content:
     @cached_property
     def drawings(self) -> dict[str, Drawing]:
         """Every figure by name."""
-        return report_drawings(self.result, self.validation, self.behaviour)
+        every = report_drawings(self.result, self.validation, self.behaviour)
+        return every | {name: once(every[name]) for name in STILL if self.both and name in every}
 
     @cached_property
     def cycles(self) -> list[tuple[str, LoadCycle]]:

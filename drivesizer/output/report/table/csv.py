@@ -114,8 +114,14 @@ def timeseries_csv(validation: Validation) -> bytes:
 def columns_csv(columns: Mapping[str, tuple[NDArray[np.float64], str, str]]) -> bytes:
     """Columns over time by name, each with its kind and the unit that it is written in."""
     heads = [f"{name} ({unit})" for name, (_, _, unit) in columns.items()]
-    written = (from_si(values, unit, kind).tolist() for values, kind, unit in columns.values())
-    return encoded(heads, zip(*written, strict=True))
+    written = (_figures(from_si(values, unit, kind)) for values, kind, unit in columns.values())
+    return encoded(heads, ()) + "".join(f"{','.join(row)}\n" for row in zip(*written, strict=True)).encode()
+
+
+def _figures(values: NDArray[np.float64]) -> list[str]:
+    """Figures as they stand in a CSV, which is to be read bit for bit; what is unknown is empty."""
+    texts = [*map(repr, values.tolist())]
+    return ["" if text == "nan" else text for text in texts] if np.isnan(values).any() else texts
 
 
 def sets_csv(result: SizingResult) -> bytes:

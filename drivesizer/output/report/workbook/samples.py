@@ -10,7 +10,7 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from drivesizer.output.report.lines.rows import Row
 from drivesizer.output.report.sections.sheet import Sheet
@@ -60,20 +60,25 @@ def _with_rows(sheet: str, rows: Sequence[Row]) -> str:
     found = _FORMAT.search(sheet)
     assert found is not None
     cells = [f'<c r="{_letters(place)}%d" s="{found[1]}"><v>%.16G</v></c>' for place in range(len(rows[0]))]
-    whole = "".join(cells)
-    made = (_row(n, [*row.values()], cells, whole) for n, row in enumerate(rows[1:], 3))
+    made = _rows([row.values() for row in rows[1:]], cells)
     head, end, rest = sheet.partition(_END)
     head = _EXTENT.sub(rf"A1:\g<1>{len(rows) + 1}", head)
     return "".join((head, *made, end, rest))
 
 
-def _row(number: int, values: list[float], cells: list[str], whole: str) -> str:
-    """A row of the sheet: at once where all is known."""
-    if math.isfinite(sum(values)):
-        body = whole % tuple(part for value in values for part in (number, value))
-    else:
-        body = "".join(c % (number, v) for c, v in zip(cells, values, strict=True) if math.isfinite(v))
-    return f'<row r="{number}">{body}</row>'
+def _rows(rows: Sequence[Collection[float]], cells: Sequence[str]) -> Iterable[str]:
+    """The rows from the third on: each at once where all is known, as of most records."""
+    columns, numbers = [*zip(*rows, strict=True)], range(3, len(rows) + 3)
+    if all(math.isfinite(sum(column)) for column in columns):
+        parts = (part for column in columns for part in (numbers, column))
+        whole = f'<row r="%d">{"".join(cells)}</row>'
+        return map(whole.__mod__, zip(numbers, *parts, strict=True))
+    return (f'<row r="{n}">{_known(n, row, cells)}</row>' for n, row in zip(numbers, rows, strict=True))
+
+
+def _known(number: int, values: Iterable[float], cells: Sequence[str]) -> str:
+    """The cells of a row that are known."""
+    return "".join(cell % (number, v) for cell, v in zip(cells, values, strict=True) if math.isfinite(v))
 
 
 def _letters(place: int) -> str:

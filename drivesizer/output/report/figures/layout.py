@@ -1,0 +1,106 @@
+"""matplotlib's figures: loaded without what nobody reads, and laid out once for several forms of the same drawing."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from importlib import import_module
+from typing import Any
+
+__all__ = ["laid_out", "load_matplotlib", "once"]
+
+_KEPT: ContextVar[list[Any] | None] = ContextVar("_KEPT", default=None)  # where figures are kept that are drawn once
+
+
+def once(draw: Callable[[Any], bytes]) -> Callable[[Any], bytes]:
+    """A drawing that is laid out when it is first printed as SVG, and let go when it is printed as such again.
+
+    Parameters
+    ----------
+    draw
+        Of one figure, by ``style.drawn``.
+
+    Returns
+    -------
+    Callable
+        The same bytes in each form.
+    """
+    kept: list[Any] = []
+
+    def printed(form: Any) -> bytes:
+        before = _KEPT.set(None if form == "png" else kept)  # a picture has other letters
+        try:
+            return draw(form)
+        finally:
+            _KEPT.reset(before)
+
+    return printed
+
+
+def laid_out(draw: Callable[[Any], None], size: tuple[float, float], dots: int, canvas: Any) -> Any:
+    """A figure with its axes placed, that of before where a drawing is printed again.
+
+    Parameters
+    ----------
+    draw
+        What draws into it.
+    size
+        Width and height [in].
+    dots
+        Per inch.
+    canvas
+        Class of matplotlib that measures and prints it.
+
+    Returns
+    -------
+    Figure
+        Of matplotlib, on its canvas.
+    """
+    from matplotlib.figure import Figure
+
+    kept = _KEPT.get()
+    if kept:
+        return kept.pop()
+    figure = Figure(figsize=size, layout="constrained", dpi=dots)
+    canvas(figure)
+    draw(figure)
+    _place(figure)
+    if kept is not None:
+        kept.append(figure)
+    return figure
+
+
+def _place(figure: Any) -> None:
+    """Place the axes once: left to itself, matplotlib draws the whole figure for that before it draws it."""
+    if figure.get_layout_engine() is not None:
+        figure.get_layout_engine().execute(figure)
+        figure.set_layout_engine("none")
+
+
+def load_matplotlib() -> None:
+    """Load it without the help on what each artist's ``set`` takes, which takes a third of the time to write."""
+    if "matplotlib.artist" in sys.modules:
+        return
+    artist: Any = import_module("matplotlib.artist")
+    unwritten = classmethod(lambda _: None)
+    with (
+        _instead(artist, "kwdoc", lambda _: ""),
+        _instead(artist.Artist, "_update_set_signature_and_docstring", unwritten),
+    ):
+        import_module("matplotlib.figure")
+
+
+@contextmanager
+def _instead(owner: Any, name: str, other: Any) -> Iterator[None]:
+    """Something else under a name that the owner has, for a while."""
+    own = vars(owner).get(name)
+    if own is None:
+        yield
+        return
+    setattr(owner, name, other)
+    try:
+        yield
+    finally:
+        setattr(owner, name, own)
