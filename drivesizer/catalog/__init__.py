@@ -57,7 +57,7 @@ def shipped() -> dict[str, Path]:
 @functools.cache
 def _found_once() -> Mapping[str, Path]:
     """The shipped catalogues, looked for once per process: a hundred are loaded one by one where all are listed."""
-    return {path.stem: path for path in sorted(shipped_folder("catalogs").glob("*.yaml"))}
+    return {path.stem: path for path in sorted(shipped_folder("catalogs").glob("*.yaml"), key=str)}
 
 
 def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Catalog:

@@ -7,13 +7,13 @@ is left of a long recording is thinned once more to its convex hull.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "Envelope", "Extremes", "envelope", "extremes", "extremes_of", "first_largest", "near_largest", "refined",
+    "Envelope", "Extremes", "distinct", "envelope", "extremes", "extremes_of", "first_largest", "near_largest", "refined",
     "undominated",
 ]  # fmt: skip
 
@@ -46,6 +46,30 @@ class Envelope(NamedTuple):
     first: NDArray[np.int64]  # first segment of each
 
 
+def distinct(values: NDArray[Any]) -> NDArray[Any]:
+    """The different ones of some values, rising: ``np.unique`` without the masked arrays that it loads for nothing.
+
+    Parameters
+    ----------
+    values
+        None of them NaN.
+
+    Returns
+    -------
+    array
+        Of one dimension.
+
+    Examples
+    --------
+    >>> distinct(np.array([[2.0, 1.0], [2.0, 3.0]])).tolist(), distinct(np.array([])).tolist()
+    ([1.0, 2.0, 3.0], [])
+    """
+    rising = np.sort(values, axis=None)
+    first = np.ones(len(rising), bool)
+    first[1:] = rising[1:] != rising[:-1]
+    return rising[first]
+
+
 def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
     """Largest and smallest value of each function in consecutive pieces of a cycle, so many at most.
 
@@ -63,7 +87,7 @@ def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
     Envelope
         Bounds of each function in each piece.
     """
-    starts = np.unique(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
+    starts = distinct(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
     left, right = functions[:, 0], functions[:, 1]
     high, low = (extreme.reduceat(extreme(left, right), starts) for extreme in (np.maximum, np.minimum))
     return Envelope(np.add.reduceat(duration, starts), high, low, starts)
@@ -143,7 +167,7 @@ def extremes_of(high: tuple[Array, Array], low: tuple[Array, Array], above: Arra
 def _alike(points: Array) -> list[NDArray[np.int64]]:
     """Rows of one direction of power and of motion."""
     kind = np.argmax(np.abs(points[:, :3]), axis=1) * 3 + np.sign(points[:, 4]).astype(int)
-    return [np.flatnonzero(kind == k) for k in np.unique(kind)]
+    return [np.flatnonzero(kind == k) for k in distinct(kind)]
 
 
 def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
@@ -200,7 +224,7 @@ def _largest(points: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     if len(rows) > _FRONT:
         return np.sort(rows)
     direction = np.sign(points[rows, 4])  # a figure of one direction alone must find its points
-    groups = [rows[direction == d] for d in np.unique(direction)]
+    groups = [rows[direction == d] for d in distinct(direction)]
     return np.sort(np.concatenate([g[undominated(points[g])] for g in groups]))
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drivesizer.physics.extremes import distinct
 from drivesizer.physics.heat_step import Array, Modes, drive, modes, turning_time, weights
 from drivesizer.physics.thermal import TwoBodies, steady_winding_temperature
 
@@ -156,7 +157,7 @@ def _narrowed(above: Callable[[Array], Array], low: float, high: float) -> float
             share = float(ends[0] / (ends[0] - ends[1]))
         guess = share if 0.0 <= share <= 1.0 else 0.5
         shares = np.concatenate((_ANYWHERE, [guess], guess - _CLOSE, guess + _CLOSE))
-        grid = low + (high - low) * np.unique(np.clip(shares, 0.0, 1.0))
+        grid = low + (high - low) * distinct(np.clip(shares, 0.0, 1.0))
         grid[-1] = high
         values = above(grid)
         n = max(int((values >= 0.0).argmax()), 1)

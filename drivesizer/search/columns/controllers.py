@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
+from drivesizer.physics.extremes import distinct
 from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.ratings import controller_current
@@ -228,7 +229,7 @@ def controllers(
 def _belongs(catalog: Catalog, order: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Controllers (rows) that may drive motors (columns): one inside an actuator is for its motor alone."""
     box, whose = catalog.motors["inside"], catalog.controllers["inside"]
-    has_own = np.isin(box, np.unique(whose[whose != ""]))
+    has_own = np.isin(box, distinct(whose[whose != ""]))
     place = whose[order][:, None]
     found: NDArray[np.bool_] = np.where(has_own, place == box, place == "")
     return found

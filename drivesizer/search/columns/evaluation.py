@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
+from drivesizer.physics.extremes import distinct
 from drivesizer.results.check_columns import CheckColumn, fits, over_band
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
@@ -231,7 +232,7 @@ def _by_belt(
     problem: Problem, candidates: Candidates, exact: bool, each: Collection[str]
 ) -> tuple[list[tuple[NDArray[Any], Examined]], dict[str, NDArray[Any]]]:
     """Candidates behind each belt, by their rows, and the parts and figures of all as columns."""
-    belts = [np.flatnonzero(candidates.belt == belt) for belt in np.unique(candidates.belt)]
+    belts = [np.flatnonzero(candidates.belt == belt) for belt in distinct(candidates.belt)]
     several = [(float(candidates.belt[rows[0]]), candidates.on(rows)) for rows in belts]
     found = list(zip(belts, examine(problem, several, staged=False, exact=exact, each=each), strict=True))
     count = len(candidates.motor)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.elements.gear_life import gear_life
+from drivesizer.physics.extremes import distinct
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.spec.robot import RobotSpec
 
@@ -37,7 +38,7 @@ def life_of_gearheads(cycle: AtGearhead, gearhead: Any, rated: str = "rated_life
     life, exponent = gearhead[rated], gearhead["life_exponent"]
     speed = np.where(np.isnan(gearhead["rated_speed"]), gearhead["continuous_input_speed"], gearhead["rated_speed"])
     found = np.full(np.shape(life), np.nan)
-    for p in np.unique(exponent[~np.isnan(exponent)]).tolist():
+    for p in distinct(exponent[~np.isnan(exponent)]).tolist():
         turned = cycle.turned(p) * gearhead["ratio"]
         found = np.where(exponent == p, gear_life(life, gearhead["continuous_torque"], speed, turned, p), found)
     return np.where(np.isposinf(life), np.inf, found)
