@@ -97,6 +97,34 @@ def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> Non
     assert found.probability == pytest.approx(np.mean(supply > needed), abs=0.15)
 
 
+def test_machines_that_lack_voltage_need_no_further_runs(
+    arm: tuple[RobotSpec, DriveSet], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The share, its error and the check that fails most often are those with all runs of all machines."""
+    spec, one = arm
+    assert one.controller
+    asked = run(spec, one, motion_of(spec)).required("voltage_demand")
+    needed = asked / one.controller.max_duty + one.controller.voltage_drop
+    lacks_voltage, lacking = sampled_closed_loop._lacks_voltage, list[bool]()
+
+    def lacks(sample: sampled_closed_loop._Sample) -> bool:
+        lacking.append(lacks_voltage(sample))
+        return lacking[-1]
+
+    for least, most in ((0.8, 1.2), (0.6, 0.95)):
+        text = ARM.replace("nominal: 24 V", f"nominal: 24 V, min: uniform({least * needed} V; {most * needed} V)")
+        low = read_spec(YamlSource(text, "arm.yaml"))
+        given = assumptions(low)
+        values = sample(given, 16, 1).values
+        lacking.clear()
+        with monkeypatch.context() as patch:
+            patch.setattr(sampled_closed_loop, "_lacks_voltage", lacks)
+            found = sampled_closed_loop.loop_share(low, one, given, values, 16)
+            patch.setattr(sampled_closed_loop, "_lacks_voltage", lambda _: False)
+            assert sampled_closed_loop.loop_share(low, one, given, values, 16) == found
+        assert any(lacking) and found and found.probability < 1.0 and found.weakest == "Motor voltage"
+
+
 def test_factors_reach_the_parts(arm: tuple[RobotSpec, DriveSet]) -> None:
     spec, one = arm
     given = assumptions(spec)
