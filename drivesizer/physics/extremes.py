@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "Envelope", "Extremes", "distinct", "envelope", "extremes", "extremes_of", "first_largest", "near_largest", "refined",
-    "undominated",
+    "Envelope", "Extremes", "distinct", "envelope", "extremes", "extremes_of", "first_largest", "near_largest",
+    "refined", "undominated",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
