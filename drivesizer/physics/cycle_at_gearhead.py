@@ -78,7 +78,7 @@ class CycleAtBelt:
 
     @property
     def factors(self) -> Array:
-        """What the belt makes of torques that drive, brake and hold [1]."""
+        """Factors by which the belt changes torques that drive, brake and hold [1]."""
         return np.array([1.0 / self.efficiency, self.efficiency, 1.0])
 
     @cached_property

@@ -29,7 +29,7 @@ __all__ = ["exceeded", "lasting_speeds", "lasting_speeds_by", "mean_running"]
 Array = NDArray[np.float64]
 _SHORT = (1.0, 0.1)  # s uninterrupted, share of the time: so long maxon's limit may be exceeded
 _LONG = (1200.0, 1.0)  # and those of the mean
-_STEPS, _CLOSE = 200, 1e-14  # at most, and share of a speed that is left open: its last digits
+_STEPS, _CLOSE = 200, 1e-13  # at most, and share of a speed that is left open: its last digits
 _ROUNDING = 1e-9  # of a time: by so much sums of times may be off
 
 

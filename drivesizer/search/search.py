@@ -22,6 +22,7 @@ from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, candidates, joined
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate
+from drivesizer.search.columns.limits_over_time import WAVEFORM_LIMITS
 from drivesizer.search.families import family_of, first_of_each
 from drivesizer.search.open_checks import passing
 from drivesizer.search.ranking import Ranking
@@ -135,6 +136,10 @@ def search(
     def in_full(rows: NDArray[np.int64]) -> Evaluation:
         return by_physics(problem, kept.sets.on(rows), True)
 
+    def by_bounds(rows: NDArray[np.int64]) -> Evaluation:
+        return by_physics(problem, kept.sets.on(rows), False)
+
+    bounded = None if _in_cells(problem) else by_bounds
     kept_in_machine = _passing(judge, kept.sets, in_full, order, len(order) if pareto else top)
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
     nearest = closest.on(slice(misses if len(best) else top))  # a budget of the machine may reject all
@@ -144,7 +149,7 @@ def search(
         on_front = kept_in_machine.best[ranking.front(catalog, kept.sets.on(kept_in_machine.best), figures, pareto)]
     held = _held_back(problem, kept, *value, best)
     rank = np.stack([precedence, value[1], ranking.rounded(value[0])])
-    unlike = _of_other_families(judge, kept.sets, in_full, order, best[:1], catalog, others, rank)
+    unlike = _of_other_families(judge, kept.sets, in_full, order, best[:1], catalog, others, rank, bounded)
     extra = np.concatenate([on_front[~np.isin(on_front, best)], short, held, unlike[~np.isin(unlike, best)]])
     shown = _shown(looked_at, kept, nearest, (head, best, extra))
     places = {int(row): n for n, row in enumerate(best)}
@@ -166,10 +171,12 @@ def _of_other_families(
     catalog: Catalog,
     wanted: int,
     rank: Array,
+    bounded: Evaluated | None = None,
 ) -> NDArray[np.int64]:
     """The best drive of each other motor family than that of the best; of those that rank alike the largest margin.
 
-    ``rank`` has a row for each figure that orders, shape (figures, drives).
+    ``rank`` has a row for each figure that orders, shape (figures, drives); ``bounded`` evaluates by bounds, where a
+    waveform takes long.
     """
     if not wanted or not len(best):
         return best[:0]
@@ -180,8 +187,26 @@ def _of_other_families(
     for n, row in enumerate(found):
         same = (family == family[order == row]) & (rank[:, order] == rank[:, [row]]).all(axis=0)
         alike = order[same][:_ALIKE]
-        margin = ranking.rounded(smallest_margin(evaluated(alike).checks))
+        if judge or not bounded:  # the machine may reject some of them
+            margin = ranking.rounded(smallest_margin(evaluated(alike).checks))
+        else:
+            margin = _widest(alike, evaluated, bounded)
         found[n] = _passing(judge, sets, evaluated, alike[np.argsort(-margin, kind="stable")], 1).best[0]
+    return found
+
+
+def _widest(alike: NDArray[np.int64], evaluated: Evaluated, bounded: Evaluated) -> Array:
+    """The smallest margin of each drive, as it is rounded; of those that cannot have the largest minus infinity.
+
+    No more waveforms are computed than decide which drive has the largest.
+    """
+    if len(alike) == 1:
+        return np.zeros(1)
+    no_waveform = [check for check in bounded(alike).checks if check.name not in WAVEFORM_LIMITS]
+    most, found = ranking.rounded(smallest_margin(no_waveform)), np.full(len(alike), -np.inf)
+    for row in np.argsort(-most, kind="stable").tolist():
+        if most[row] >= found.max():
+            found[[row]] = ranking.rounded(smallest_margin(evaluated(alike[[row]]).checks))
     return found
 
 

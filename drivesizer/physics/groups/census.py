@@ -1,4 +1,4 @@
-"""What a long load cycle is made of, found in one look: kinds of segments, their sums and their extreme points."""
+"""Kinds of segments of a long load cycle, found in one look: their sums and their extreme points."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Census(NamedTuple):
     places: Array  # numbers of these ends, rising
 
     def starts(self, motion: int) -> list[float]:
-        """When each group of a kind of motion is first met [s]."""
+        """Times at which each group of a kind of motion is first met [s]."""
         return [float(group.sums[at.STARTS]) for group in self.groups if group.motion == motion]
 
     def of(self, name: int) -> Array:
@@ -83,7 +83,7 @@ class Census(NamedTuple):
         return found
 
     def acts(self) -> NDArray[np.bool_]:
-        """Which of the six functions are ever not 0."""
+        """Mask of the six functions that are ever not 0."""
         torque = [any(g.torque == k and g.sums[at.MOST_LOAD] > 0.0 for g in self.groups) for k in range(3)]
         turns = any(g.motion for g in self.groups)
         return np.array([*torque, self.of(at.MOST_A).max() > 0.0, turns, self.of(at.MOST_W).max() > 0.0])

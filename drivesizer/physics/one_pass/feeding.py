@@ -28,7 +28,7 @@ def keep_voltage(d: Array, g: Array, i: float, v: float, t: float) -> None:
 
 
 def at_stage(d: Array, i_0: float, i_1: float, e_0: float, e_1: float, loss: float) -> tuple[float, float, float]:
-    """What comes to the voltage at both ends, of a current of one sign, and per ampere, for the power into the stage.
+    """Additions to the voltage at both ends, of a current of one sign, and per ampere, for the power into the stage.
 
     ``e``: by how much the induced voltage is above torque constant times speed (``waveform.balanced``).
     """
@@ -74,7 +74,7 @@ def add_work(d: Array, g: Array, work: float) -> None:
 
 
 def put_in_store(d: Array, g: Array, work: float) -> None:
-    """What is returned and stays on the bus comes into a store, what is drawn goes out of it."""
+    """Fill a store with what is returned and stays on the bus; what is drawn goes out of it."""
     came = -work * d[at.KEPT] if work < 0.0 else 0.0
     g[at.CAME] += came
     g[at.SUM] += came - max(work, 0.0)
@@ -107,7 +107,7 @@ def add_energy(d: Array, g: Array, i_0: float, i_1: float, v_0: float, v_1: floa
 
 
 def add_stored(d: Array, g: Array, i_0: float, i_1: float, v_0: float, v_1: float, t: float) -> None:
-    """What stays of that on the bus."""
+    """Keep what stays of that on the bus."""
     first, second, _ = works(i_0, i_1, v_0, v_1)
     put_in_store(d, g, first * t)
     put_in_store(d, g, second * t)

@@ -11,6 +11,8 @@ from drivesizer.physics.one_pass.layout import Array
 
 __all__: list[str] = []  # compiled into ``kernel``
 
+Map = tuple[float, float, float, float, float, float]  # w and h by the winding's rise, by the housing's, and constant
+
 
 def reach(d: Array, square: float, t: float) -> float:
     """Bound of the exponent over a piece [1]."""
@@ -18,8 +20,19 @@ def reach(d: Array, square: float, t: float) -> float:
     return found
 
 
+def short_series(T: float, D: float) -> tuple[float, float]:
+    """q_0 and q_1 / t of a piece so short that five terms do, by trace and determinant of A t."""
+    square = T * T
+    third, fourth = T * (square - 2.0 * D), square * (square - 3.0 * D) + D * D
+    q_0 = 0.5 - D * ((1.0 / 24.0 + T / 120.0) + ((square - D) / 720.0 + third / 5040.0))
+    return q_0, (1.0 / 6.0 + T / 24.0) + ((square - D) / 120.0 + (third / 720.0 + fourth / 5040.0))
+
+
 def series(d: Array, trace: float, determinant: float, size: float, t: float) -> tuple[float, float]:
     """q_0 [1] and q_1 [s] of phi_2 over a piece."""
+    if size < at.BRIEF:
+        q_0, q_1 = short_series(trace * t, determinant * t * t)
+        return q_0, q_1 * t
     a, b = 0.5, 0.0
     q_0, q_1 = a, b
     for k in range(3, at.MOST):
@@ -67,27 +80,33 @@ def top_within(
     return top, when
 
 
-def follow(d: Array, g: Array, square: float, loss: float, t: float) -> None:
-    """The map of the block so far, less one, with a piece after it: on the winding, on the housing, and constant."""
-    ww = d[at.FEEDBACK] * square + d[at.W_W]
+def moved(
+    d: Array, m: tuple[float, float], more: tuple[float, float], ww: float, p_0: float, p_1: float
+) -> tuple[float, float]:
+    """Change over a piece of rises that a map gives; ``more``: slopes that come to theirs."""
     wh, hw, hh = d[at.W_H], d[at.H_W], d[at.H_H]
-    trace, determinant = ww + hh, ww * hh - wh * hw
+    slope_w, slope_h = ww * m[0] + wh * m[1] + more[0], hw * m[0] + hh * m[1] + more[1]
+    pull_w, pull_h = ww * slope_w + wh * slope_h, hw * slope_w + hh * slope_h
+    return p_0 * slope_w + p_1 * pull_w, p_0 * slope_h + p_1 * pull_h
+
+
+def followed(d: Array, m: Map, square: float, loss: float, t: float) -> Map:
+    """A map less one with a piece after it: what it does to the winding's rise, to the housing's, and adds to both."""
+    ww = d[at.FEEDBACK] * square + d[at.W_W]
+    trace, determinant = ww + d[at.H_H], ww * d[at.H_H] - d[at.W_H] * d[at.H_W]
     q_0, q_1 = series(d, trace, determinant, reach(d, square, t), t)
     p_0, p_1 = (1.0 - q_1 * determinant * t) * t, (q_0 + q_1 * trace) * t * t
-    for k in range(3):
-        w, h = g[at.BLOCK + 2 * k] + (k == 0), g[at.BLOCK + 2 * k + 1] + (k == 1)
-        slope_w, slope_h = ww * w + wh * h, hw * w + hh * h
-        if k == 2:
-            slope_w, slope_h = slope_w + d[at.HEAT_W] * square, slope_h + d[at.HEAT_H] * loss
-        g[at.BLOCK + 2 * k] += p_0 * slope_w + p_1 * (ww * slope_w + wh * slope_h)
-        g[at.BLOCK + 2 * k + 1] += p_0 * slope_h + p_1 * (hw * slope_w + hh * slope_h)
+    a, b = moved(d, (m[0] + 1.0, m[1]), (0.0, 0.0), ww, p_0, p_1)
+    c, e = moved(d, (m[2], m[3] + 1.0), (0.0, 0.0), ww, p_0, p_1)
+    more = d[at.HEAT_W] * square, d[at.HEAT_H] * loss
+    x, y = moved(d, (m[4], m[5]), more, ww, p_0, p_1)
+    return m[0] + a, m[1] + b, m[2] + c, m[3] + e, m[4] + x, m[5] + y
 
 
-def put_before(g: Array) -> None:
-    """The map of all later blocks with the block before them; the block's begins anew."""
+def put_before(g: Array, m: Map) -> None:
+    """The map of all later blocks with that of the block before them."""
+    a, b, c, e = g[at.MAP], g[at.MAP + 1], g[at.MAP + 2], g[at.MAP + 3]
     for k in range(3):
-        w, h = g[at.BLOCK + 2 * k], g[at.BLOCK + 2 * k + 1]
-        g[at.BLOCK + 2 * k] = w + (g[at.MAP] * w + g[at.MAP + 2] * h)
-        g[at.BLOCK + 2 * k + 1] = h + (g[at.MAP + 1] * w + g[at.MAP + 3] * h)
-    for k in range(6):
-        g[at.MAP + k], g[at.BLOCK + k] = g[at.MAP + k] + g[at.BLOCK + k], 0.0
+        w, h = m[2 * k], m[2 * k + 1]
+        g[at.MAP + 2 * k] += w + (a * w + c * h)
+        g[at.MAP + 2 * k + 1] += h + (b * w + e * h)

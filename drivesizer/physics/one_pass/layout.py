@@ -63,12 +63,12 @@ SUM, LOWEST, HIGHEST, RISEN, CAME = 12, 13, 14, 15, 16  # J, of a store that is 
 RUN, FIRST, BEGIN = 17, 18, 19  # s: longest above the limit so far, end of what is above at first, begin of the last
 TIME, NOW_W, NOW_H = 20, 21, 22  # s, and rises [K], where the pass is
 MAP = 23  # what a cycle adds to rises: by that of the winding, of the housing, and a constant; w and h of each
-BLOCK = 29  # the same of a block
-LEVEL = 35  # J, in the store
-FOUND = 36
+LEVEL = 29  # J, in the store
+FOUND = 30
 
 ALIKE = 1e-9  # share by which values differ that are alike, as in ``extremes``
 FINEST, CLOSE = 200, 12e-3  # pieces of a segment at most; as in ``cycle_at_gearhead.piece_counts``
+BRIEF = 2e-3  # exponent up to which five terms of a series do
 NEGLIGIBLE = 1e-18  # first term that a series leaves out
 FORGOTTEN = 1e-15  # share of a rise that is left when what was before is of no effect
 AT_ONCE = 4096  # segments of a block

@@ -17,7 +17,7 @@ from drivesizer.physics.one_pass.feeding import (
     keep_time_above,
     keep_voltage,
 )
-from drivesizer.physics.one_pass.heating import follow, put_before, reach, top_within, warmed
+from drivesizer.physics.one_pass.heating import Map, followed, put_before, reach, top_within, warmed
 from drivesizer.physics.one_pass.layout import Array
 
 __all__: list[str] = []  # compiled into ``kernel``
@@ -56,11 +56,17 @@ def housing_loss(d: Array, a: float, b: float) -> float:
     return loss
 
 
+def steps_of(d: Array, square: float, t: float) -> int:
+    """In how many steps a piece is taken, so that a series does."""
+    size = reach(d, square, t)
+    return 1 if size <= 1.0 else math.ceil(size)
+
+
 def warm_up_to(d: Array, g: Array, square: float, loss: float, t: float, changing: bool) -> tuple[float, float, float]:
     """The rises after a piece; of the winding at its start and end as voltages take them, and the mean over it."""
     if d[at.FIXED] > 0.0:
         return d[at.AT_ENDS], d[at.AT_ENDS], d[at.MEANS]
-    steps, start, total, top = int(max(math.ceil(reach(d, square, t)), 1.0)), g[at.NOW_W], 0.0, -math.inf
+    steps, start, total, top = steps_of(d, square, t), g[at.NOW_W], 0.0, -math.inf
     dt = t / steps
     for k in range(steps):
         w, h, mean, first, last = warmed(d, square, loss, dt, g[at.NOW_W], g[at.NOW_H])
@@ -136,37 +142,58 @@ def go_through(d: Array, g: Array, i_0: float, i_1: float, w_0: float, w_1: floa
 
 
 def over_segment(
-    d: Array, g: Array, t: float, w: tuple[float, float], a: tuple[float, float], load: tuple[float, float],
-    mapping: bool,
-) -> None:  # fmt: skip
-    """One segment: its effect on temperatures alone, or all of it."""
+    d: Array, g: Array, t: float, w: tuple[float, float], a: tuple[float, float], load: tuple[float, float]
+) -> None:
+    """One segment."""
     i_0, i_1 = currents(d, w[0], w[1], a[0], a[1], load[0], load[1])
     changing = w[0] != w[1] or a[0] != a[1] or load[0] != load[1]
     count = pieces(d, changing, t)
     rise, turn = (i_1 - i_0) / count, (w[1] - w[0]) / count
     for k in range(count):
         i, j, x, y = i_0 + k * rise, i_0 + (k + 1) * rise, w[0] + k * turn, w[0] + (k + 1) * turn
-        if not mapping:
-            go_through(d, g, i, j, x, y, t / count, changing)
-            continue
-        square, loss = mean_square(i, j), housing_loss(d, x, y)
-        steps = int(max(math.ceil(reach(d, square, t / count)), 1.0))
+        go_through(d, g, i, j, x, y, t / count, changing)
+
+
+def map_segment(
+    d: Array, m: Map, t: float, w: tuple[float, float], a: tuple[float, float], load: tuple[float, float]
+) -> Map:
+    """A map of rises with a segment after it."""
+    i_0, i_1 = currents(d, w[0], w[1], a[0], a[1], load[0], load[1])
+    count = pieces(d, w[0] != w[1] or a[0] != a[1] or load[0] != load[1], t)
+    rise, turn, dt = (i_1 - i_0) / count, (w[1] - w[0]) / count, t / count
+    for k in range(count):
+        square = mean_square(i_0 + k * rise, i_0 + (k + 1) * rise)
+        loss = housing_loss(d, w[0] + k * turn, w[0] + (k + 1) * turn)
+        steps = steps_of(d, square, dt)
         for _ in range(steps):
-            follow(d, g, square, loss, t / count / steps)
+            m = followed(d, m, square, loss, dt / steps)
+    return m
+
+
+def ends_of(column: Array, strides: Strides, place: int, k: int) -> tuple[float, float]:
+    """Both ends of a segment."""
+    first = k * strides[place]
+    return column[first], column[first + strides[place + 1]]
 
 
 def over_segments(
-    d: Array, g: Array, duration: Array, speed: Array, acceleration: Array, torque: Array, strides: Strides,
-    first: int, last: int, mapping: bool,
-) -> None:  # fmt: skip
-    """Some segments, one after the other."""
+    d: Array, g: Array, duration: Array, speed: Array, acceleration: Array, torque: Array, strides: Strides
+) -> None:
+    """All segments, one after the other."""
+    for k in range(len(duration)):
+        w, a = ends_of(speed, strides, at.OF_SPEED, k), ends_of(acceleration, strides, at.OF_ACCELERATION, k)
+        over_segment(d, g, duration[k], w, a, ends_of(torque, strides, at.OF_TORQUE, k))
+
+
+def map_segments(
+    d: Array, duration: Array, speed: Array, acceleration: Array, torque: Array, strides: Strides, first: int, last: int
+) -> Map:
+    """The map of rises over some segments, less one."""
+    m = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(first, last):
-        m, n = k * strides[at.OF_SPEED], strides[at.OF_SPEED + 1]
-        w = speed[m], speed[m + n]
-        m, n = k * strides[at.OF_ACCELERATION], strides[at.OF_ACCELERATION + 1]
-        a = acceleration[m], acceleration[m + n]
-        m, n = k * strides[at.OF_TORQUE], strides[at.OF_TORQUE + 1]
-        over_segment(d, g, duration[k], w, a, (torque[m], torque[m + n]), mapping)
+        w, a = ends_of(speed, strides, at.OF_SPEED, k), ends_of(acceleration, strides, at.OF_ACCELERATION, k)
+        m = map_segment(d, m, duration[k], w, a, ends_of(torque, strides, at.OF_TORQUE, k))
+    return m
 
 
 def forgets(g: Array) -> bool:
@@ -195,11 +222,10 @@ def pass_over(
         last = count
         while last > 0 and not forgets(g):  # from the end, as far back as it has an effect
             first = max(last - at.AT_ONCE, 0)
-            over_segments(d, g, duration, speed, acceleration, torque, strides, first, last, True)
-            put_before(g)
+            put_before(g, map_segments(d, duration, speed, acceleration, torque, strides, first, last))
             last = first
         if not periodic_start(d, g):
             return 1
         g[at.NOW_W], g[at.NOW_H] = d[at.PERIODIC_W], d[at.PERIODIC_H]
-    over_segments(d, g, duration, speed, acceleration, torque, strides, 0, count, False)
+    over_segments(d, g, duration, speed, acceleration, torque, strides)
     return 1 if d[at.FIXED] == 0.0 and not g[at.WINDING] < at.BEYOND else 0

@@ -126,7 +126,7 @@ def _of_all(cycle: AtGearhead, drives: Figures, feed: Feed, stresses: Stress, mo
 
 
 def _moments(cycle: AtGearhead, drives: Figures, feed: Feed, stresses: Stress) -> Moments:
-    """What the pass finds, with the voltage of a cold start, standby power and what the source adds."""
+    """Figures that the pass finds, with the voltage of a cold start, standby power and what the source adds."""
     found, cold, standby = through(cycle, drives), stresses.cold_voltage, feed.stage.standby
     colder = cold.value > found.voltage
     return Moments(

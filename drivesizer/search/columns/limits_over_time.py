@@ -29,6 +29,7 @@ from drivesizer.search.columns.resisted import Resisted, energy_over_time, large
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
+    "WAVEFORM_LIMITS",
     "Moments",
     "Pair",
     "Wanted",
@@ -75,6 +76,10 @@ class Moments(NamedTuple):
         return self if what not in _TOLD else other._replace(**{name: getattr(self, name) for name in _TOLD[what]})
 
 
+WAVEFORM_LIMITS = (
+    "winding_temperature", "supply_voltage", "controller_peak_time", "bus_voltage", "common_bus_voltage",
+    "supply_current", "supply_power",
+)  # fmt: skip
 Wanted = Literal["winding", "power", "limits", "all"]
 _OF_THE_WINDING = ("winding", "winding_time", "voltage", "voltage_time", "copper")
 _TOLD = {"winding": _OF_THE_WINDING, "power": (*_OF_THE_WINDING, "power", "power_time", "above")}
