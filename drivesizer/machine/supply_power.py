@@ -18,7 +18,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.set_cycle import set_cycle, supplied, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.power_stage import at_input, lost_in_source, of_the_source
+from drivesizer.physics.power_stage import Feed, at_input, lost_in_source, of_the_source
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.waveform import Wave, energy, largest_power
 from drivesizer.results.drive_set import DriveParts
@@ -29,6 +29,7 @@ __all__ = ["DrivePower", "distance_of", "drive_power", "side_by_side", "together
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
 _FINEST = 16  # pieces of a segment
+_PART = 1 << 15  # pieces at a time
 _NO_TIME = 1e-12  # of the cycle: two ends so near are one
 
 
@@ -68,6 +69,9 @@ class DrivePower(NamedTuple):
         return self._replace(duration=duration, **columns)
 
 
+_COLUMNS = [name for name in DrivePower._fields if name not in ("duration", "distance")]
+
+
 def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> DrivePower:
     """Power over one cycle in periodic steady state; unknown where the winding's temperature is.
 
@@ -93,31 +97,34 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
     if drive_set.steps:
         return _of_a_stepper(spec, drive_set, base)
     found = set_cycle(spec, drive_set, base)
-    feed, standby = found.feed, found.feed.stage.standby
-    duration, *ends = _pieces(supplied(found))
-    motor = Wave(np.ones(1), *(x[:, None] for x in ends))  # every piece a candidate of its own
-    inner = at_input(motor, feed.stage)
+    duration, *mean = _pieces(supplied(found))
+    as_warm = _pieces(supplied(found, mean=False))[1:]
+    sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
+    columns = np.empty((len(_COLUMNS), len(duration)))
+    for some in (slice(first, first + _PART) for first in range(0, len(duration), _PART)):
+        columns[:, some] = _powers([x[some] for x in mean], [x[some] for x in as_warm], found.feed)
+    columns *= sets
+    named = dict(zip(_COLUMNS, columns, strict=True))
+    return DrivePower(duration=duration, **named, distance=distance_of(spec, found.cycle.load_cycle))
+
+
+def _powers(mean: Sequence[Array], as_warm: Sequence[Array], feed: Feed) -> tuple[Array, ...]:
+    """Columns of ``DrivePower`` over some pieces, each a candidate of its own, of one drive [W].
+
+    Current and voltage with the resistance that each piece has in the mean, and with that at its ends.
+    """
+    standby = feed.stage.standby
+    motor, warm = (Wave(np.ones(1), *(x[:, None] for x in ends)) for ends in (mean, as_warm))
+    inner, one = at_input(motor, feed.stage), at_input(warm, feed.stage)
     own, sums = energy(motor, storing=False), energy(inner, storing=False)
     heat = lost_in_source(inner, feed).sum(axis=1)
-    one = at_input(Wave(np.ones(1), *(x[:, None] for x in _pieces(supplied(found, mean=False))[1:])), feed.stage)
     back = largest_power(one._replace(voltage=-one.voltage))[0]
     out = largest_power(one)[0]
     peak = of_the_source(np.maximum(out, 0.0) + standby, feed)
-    sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
-    return DrivePower(
-        duration=duration,
-        drawn=(sums.drawn + standby + heat) * sets,
-        bus_drawn=(sums.drawn + standby) * sets,
-        returned=sums.returned * sets,
-        peak=peak * sets,
-        returned_peak=np.maximum(back, 0.0) * sets,
-        motor_drawn=own.drawn * sets,
-        motor_returned=own.returned * sets,
-        resisted=heat * sets,
-        most=(out + standby) * sets,
-        least=(standby - back) * sets,
-        distance=distance_of(spec, found.cycle.load_cycle),
-    )
+    return (
+        sums.drawn + standby + heat, sums.drawn + standby, sums.returned, peak, np.maximum(back, 0.0), own.drawn,
+        own.returned, heat, out + standby, standby - back,
+    )  # fmt: skip
 
 
 def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePower:
