@@ -255,7 +255,7 @@ def frequency_response(system: System) -> Response:
             later = z**-periods
             M[:, :, root] -= later[:, None] * A[:, n]
             outputs[:, root] += later * c[n]
-        return (outputs * _solved(M, b.astype(complex))).sum(axis=1) + complex(system.D[0, 0])
+        return np.asarray((outputs * _solved(M, b.astype(complex))).sum(axis=1) + complex(system.D[0, 0]))
 
     return response
 

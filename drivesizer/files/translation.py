@@ -69,7 +69,7 @@ def usable(path: Path, sources: str) -> bytes | None:
 
 
 def _version_here() -> str:
-    """Of the installed llvmlite, as it says itself: to ask the installer's records takes longer than to load it."""
+    """Of the installed llvmlite, as it says itself: to search the installer's records takes longer than to load it."""
     from llvmlite import __version__
 
     return str(__version__)

@@ -49,7 +49,7 @@ def _model(name: str) -> type[LoadModel]:
 
 
 class _ByKind(Mapping[str, Of], Generic[Of]):
-    """What the file of each kind has."""
+    """Models, axes or laws by kind, each out of its file."""
 
     def __init__(self, of: Callable[[str], Of]) -> None:
         self.of = of

@@ -81,7 +81,7 @@ def _simulate(drives: Sequence[Drive], task: Task, rows: int, most: int, threads
     blocks = [drives[n : n + _BLOCK] for n in range(0, len(drives), _BLOCK)]
     series = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2, 1])
     found: list[Run] = []
-    with ThreadPoolExecutor(threads) as pool:  # which starts a thread where one is asked for
+    with ThreadPoolExecutor(threads) as pool:  # which starts a thread with the first task
         each = pool.map if len(drives) > 1 and threads > 1 else map
         for block in blocks:  # made ready by one thread: two would wait for each other's interpreter
             runs = ready(block, task, most)

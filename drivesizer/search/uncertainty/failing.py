@@ -1,4 +1,4 @@
-"""Samples in which a drive fails: all that is asked of drives before it is known which of them are shown.
+"""Samples in which a drive fails: all that is needed of drives before it is known which of them are shown.
 
 The checks are those of ``probabilities``, which has their margins, quantiles and shares too.
 """

@@ -124,7 +124,7 @@ def by_processes(
     function: Callable[[Prepared, Catalog, Sequence[Subject]], list[Found]],
     given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int,
 ) -> list[Found]:  # fmt: skip
-    """What a function finds of drives, by several processes, each with some of them.
+    """Results of a function for drives, by several processes, each with some of them.
 
     Parameters
     ----------

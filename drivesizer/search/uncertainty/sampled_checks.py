@@ -92,7 +92,7 @@ class Block(NamedTuple):
         return {one.figure: self.factors[one] for one in held if one in self.factors}
 
     def once(self, make: Callable[[], Held], *name: Any) -> Held:
-        """What is made of some parts, the first time that it is asked for by that name; of the last ones it is held."""
+        """A figure made of some parts, the first time that its name is used; of the last ones it is held."""
         if name not in self.held:
             if len(self.held) >= _HELD:
                 self.held.clear()

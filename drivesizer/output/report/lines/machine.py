@@ -42,7 +42,7 @@ def machine_words(spec: RobotSpec) -> str:
 
 
 def _burden(load: Load) -> str:
-    """What is moved: its mass, else the inertia of what turns without one; empty where a load has neither.
+    """Mass that is moved, else the inertia of what turns without one; empty where a load has neither.
 
     >>> from types import SimpleNamespace
     >>> _burden(SimpleNamespace(mass=45.0, inertia=0.0)), _burden(SimpleNamespace(mass=0.0, inertia=0.08))
