@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
 from drivesizer.physics.load_cycle import Figure
-from drivesizer.physics.motor_demand import Demands, friction
+from drivesizer.physics.motor_demand import Demands, nominal_friction
+from drivesizer.physics.products import once_per_part
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
 
 __all__ = [
@@ -51,6 +52,8 @@ def on(record: Record, rows: Any) -> Record:
     record
         Of the same type.
     """
+    if isinstance(rows, np.ndarray) and rows.dtype == bool:  # numbers are quicker, column by column
+        rows = np.flatnonzero(rows)
     return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
 
 
@@ -94,23 +97,29 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     tuple of arrays
         Loss per speed [W*s/rad] and per square of it [W*s^2/rad^2].
     """
-    brushed = motor["kind"] == "brushed"
-    rise = motor["max_winding_temperature"] - rated_ambient(motor)
-    R_th2 = motor["thermal_resistance_housing"]
-    hot = resistance_at(resistance_25(motor), motor["max_winding_temperature"])
-    copper = hot * motor["nominal_current"] ** 2
-    left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
-    coulomb, viscous = friction(motor)
-    w_N = motor["nominal_speed"]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        lost = np.maximum(left, 0.0) / ((coulomb + viscous * w_N) * w_N)  # per loss by friction
-    rubs = brushed | np.isnan(left + w_N)
+    rubs, lost, coulomb, viscous, left, w_N = _nominal_loss(motor)
     scale = np.where(rubs, 1.0, lost)
     rubbing, growing = scale * coulomb * ratio, scale * viscous * ratio**2
     if (shapeless := ~rubs & ~np.isfinite(lost)).any():
         rubbing = np.where(shapeless, 0.0, rubbing)
         growing = np.where(shapeless, np.maximum(left, 0.0) * (ratio / w_N) ** 2, growing)
     return rubbing, growing
+
+
+@once_per_part
+def _nominal_loss(motor: Any) -> tuple[Any, ...]:
+    """Of each motor: whether only friction counts, loss per loss by friction, friction, loss [W] and speed of it."""
+    brushed = motor["kind"] == "brushed"
+    rise = motor["max_winding_temperature"] - rated_ambient(motor)
+    R_th2 = motor["thermal_resistance_housing"]
+    hot = resistance_at(resistance_25(motor), motor["max_winding_temperature"])
+    copper = hot * motor["nominal_current"] ** 2
+    left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
+    coulomb, viscous = nominal_friction(motor)
+    w_N = motor["nominal_speed"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lost = np.maximum(left, 0.0) / ((coulomb + viscous * w_N) * w_N)  # per loss by friction
+    return brushed | np.isnan(left + w_N), lost, coulomb, viscous, left, w_N
 
 
 def heat(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.products import once_per_part
 from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 
@@ -44,8 +45,14 @@ def continuous_speed_limit(
     CheckColumn
         Of the candidates.
     """
-    speed = np.where(np.isin(gearhead["manufacturer"], _BY_THE_MEAN), mean_speed, sustained_speed)
+    speed = np.where(_by_the_mean(gearhead), mean_speed, sustained_speed)
     return at_most("gearhead_continuous_speed", speed * ratio, gearhead["continuous_input_speed"], needed=needed)
+
+
+@once_per_part
+def _by_the_mean(gearhead: Any) -> Any:
+    """Whether the maker limits the mean input speed."""
+    return np.isin(gearhead["manufacturer"], _BY_THE_MEAN)
 
 
 def controller_current(controller: Any, ambient: Array | float) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from drivesizer.catalog import DIRECT, Catalog, Table
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.controllers import selected
 
-__all__ = ["FREE", "Candidates", "Rows", "candidates", "joined", "pairs"]
+__all__ = ["FREE", "Candidates", "Crossed", "Rows", "candidates", "joined", "pairs"]
 
 
 FREE = -2  # in place of a controller's row: one is chosen
@@ -44,6 +44,18 @@ def joined(several: Sequence[Candidates]) -> Candidates:
     )
 
 
+class Crossed(NamedTuple):
+    """Pairs of motor and gearhead, each of them behind each of several belts: numbered belt by belt."""
+
+    pairs: Candidates  # whatever their belt
+    belts: list[float]
+
+    def on(self, numbers: NDArray[np.int64]) -> Candidates:
+        """Some of them."""
+        belt, row = np.divmod(numbers, max(len(self.pairs.motor), 1))
+        return self.pairs.on(row)._replace(belt=np.array(self.belts, float)[belt])
+
+
 class Rows:
     """The columns of a table at some rows, taken on first use; at row -1 every figure is unknown."""
 
@@ -51,20 +63,35 @@ class Rows:
         self.table, self.rows = table, rows
         self.some_missing = bool((rows < 0).any())
         self.taken: dict[str, NDArray[Any]] = {}
+        self.made: dict[Callable[[Any], Any], Any] = {}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self.taken:
             column: NDArray[Any] = self.table[name]
             if self.some_missing:
                 column = np.append(column, np.array([np.nan if column.dtype.kind == "f" else ""], column.dtype))
-            self.taken[name] = column[self.rows]
+            self.taken[name] = column.take(self.rows)
         return self.taken[name]
+
+    def each(self, compute: Callable[[Any], Any]) -> Any:
+        """What a function makes of the figures of one part alone, once for each part where that is less."""
+        if compute not in self.made:
+            few = self.some_missing or len(self.rows) <= len(self.table)
+            self.made[compute] = compute(self) if few else _at(compute(self.table), self.rows)
+        return self.made[compute]
 
     def on(self, rows: NDArray[Any] | slice) -> Rows:
         """Some of the rows; for all of them this one, with the columns that it has taken."""
-        if isinstance(rows, slice) and rows == slice(None):
-            return self
-        return Rows(self.table, self.rows[rows])
+        if isinstance(rows, slice):
+            return self if rows == slice(None) else Rows(self.table, self.rows[rows])
+        if rows.dtype == bool:
+            rows = np.flatnonzero(rows)
+        return Rows(self.table, self.rows.take(rows))
+
+
+def _at(columns: Any, rows: NDArray[np.int64]) -> Any:
+    """Columns, or a pair of them, at some rows."""
+    return tuple(column.take(rows) for column in columns) if isinstance(columns, tuple) else columns.take(rows)
 
 
 def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:

@@ -76,7 +76,8 @@ class _Case:
     def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates."""
         demand, heating, stresses, parts = self.columns
-        return (self.spec, self.cycle.on(mask), on(demand, mask), on(heating, mask), on(stresses, mask), parts.on(mask))
+        rows = np.flatnonzero(mask)
+        return (self.spec, self.cycle.on(rows), on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
 
     @cached_property
     def bounding(self) -> Parts:
@@ -116,7 +117,7 @@ class _Case:
     @cached_property
     def coldest(self) -> Array:
         """An upper bound of the cycle's power with a cold winding [W]."""
-        found: Array = behind_each(self.cycle, partial(waveform_bounds.most_cold_power, self.spec), *self.columns)
+        found: Array = waveform_bounds.most_cold_power(self.spec, self.cycle, *self.columns)
         return found
 
 
@@ -155,10 +156,10 @@ def decided(
     """
     case = _Case(spec, cycle, demand, heating, stresses, parts, each, staged)
     if before and not case.controlled:
-        shortest, longest = behind_each(cycle, partial(waveform_bounds.above_bounds, spec), demand, stresses, parts)
+        shortest, longest = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
-        found = behind_each(cycle, partial(waveform_bounds.bounds, spec), demand, heating, stresses, case.bounding)
+        found = waveform_bounds.bounds(spec, cycle, demand, heating, stresses, case.bounding)
         if before:
             known = (
                 ("winding", "winding_time") if spec.resists else ("winding", "winding_time", "voltage", "voltage_time")
@@ -234,8 +235,7 @@ def _closer(
     mask = left[_WINDING]
     if mask.any():
         spec, cycle, demand, _, stresses, parts = case.some(mask)
-        closely = partial(waveform_bounds.above_bounds, spec, pieces=_PIECES)
-        times = behind_each(cycle, closely, demand, stresses, parts)
+        times = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts, _PIECES)
         found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
         left = case.open(found, alive)
     if (mask := left[_WINDING]).any():  # the current alone decides
@@ -255,8 +255,9 @@ def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable
 
 def _replaced(found: Pair, mask: NDArray[np.bool_], few: Sequence[Moments]) -> Pair:
     """Bounds with those of some candidates replaced."""
+    rows = np.flatnonzero(mask)
     low, high = (
-        Moments(*(put(a, mask, b) for a, b in zip(*sides, strict=True))) for sides in zip(found, few, strict=True)
+        Moments(*(put(a, rows, b) for a, b in zip(*sides, strict=True))) for sides in zip(found, few, strict=True)
     )
     return low, high
 

@@ -8,6 +8,7 @@ Symbols: R resistance [ohm], T temperature [K].
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bound
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.products import product
+from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import longest_run
@@ -105,14 +107,17 @@ def resisted(
     at_hot = most_volts = np.maximum(hot_volts, cold_volts)
     if spec.resists:
         most_volts = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + leads), demand.left_out).value)
-    low = low._replace(voltage=_least_voltage(cycle, demand, cool + leads, k_t, cold_volts))
+    least = behind_each(cycle, _least_voltage, demand, cool + leads, k_t, cold_volts)
+    low = low._replace(voltage=least)
     high = high._replace(voltage=most_volts)
-    low, high = low._replace(stored=np.zeros_like(k_t)), high._replace(stored=most_kept(spec, cycle, demand, motor))
+    kept = behind_each(cycle, partial(most_kept, spec), demand, motor)
+    low, high = low._replace(stored=np.zeros_like(k_t)), high._replace(stored=kept)
     if not (spec.supply.current or spec.supply.power):
         return low, high
     feed = spec.feed(parts.controller, parts.brake)
-    least = _corner_power(cycle, demand, cool, k_t, feed) + feed.stage.standby
-    most = np.minimum(_power_bound(cycle, demand, hot, k_t), stresses.current.value * at_hot)
+    feeding = feed.broadcast(len(k_t))
+    least = behind_each(cycle, _corner_power, demand, cool, k_t, feeding) + feed.stage.standby
+    most = np.minimum(behind_each(cycle, _power_bound, demand, hot, k_t), stresses.current.value * at_hot)
     most = most + _most_beyond(cycle, demand, stresses, k_t)
     low = low._replace(power=of_the_source(least, feed))
     high = high._replace(power=at_source(most, stresses, feed))
@@ -142,7 +147,7 @@ def most_cold_power(
     """
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
-    most = _power_bound(cycle, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
+    most = behind_each(cycle, _power_bound, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
     return at_source(most, stresses, spec.feed(parts.controller, parts.brake))
 
 
@@ -223,15 +228,23 @@ def above_bounds(
     tuple[Array, Array]
         Lower and upper bound [s], each of shape (rows,).
     """
-    found = cycle.envelope(pieces)
-    peak = stresses.current.value
-    k_t, limit = parts.motor["torque_constant"], controller_current(parts.controller, spec.environment.ambient)
+    peak, limit = stresses.current.value, controller_current(parts.controller, spec.environment.ambient)
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
+    if len(rows):
+        columns = demand.coefficients[rows], parts.motor["torque_constant"][rows], limit[rows]
+        low[rows], high[rows] = behind_each(cycle.on(rows), partial(_times_above, pieces), *columns)
+    return low, high
+
+
+def _times_above(pieces: int, cycle: AtGearhead, coefficients: Array, k_t: Array, limit: Array) -> tuple[Array, Array]:
+    """Bounds of the time for which currents are above a limit, of candidates whose largest current is [s]."""
+    found = cycle.envelope(pieces)
+    low, high = np.empty((2, len(limit)))
     size = max(_CELLS // len(found.duration), 1)
-    for some in (rows[first : first + size] for first in range(0, len(rows), size)):
-        c = demand.coefficients[some] / k_t[some, None] * cycle.scale
+    for some in (slice(first, first + size) for first in range(0, len(limit), size)):
+        c = coefficients[some] / k_t[some, None] * cycle.scale
         low[some], high[some] = _runs_above(found, c, limit[some, None])
     return low, high
 

@@ -34,7 +34,7 @@ from drivesizer.search.columns.limits import (
 )
 from drivesizer.search.columns.limits_over_time import Pair, least, waveform_limits
 from drivesizer.search.columns.offers import unknown_where_doubtful
-from drivesizer.search.columns.shaft_limits import loads_on_motors
+from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.stages import felt
 from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.part_figures import WHOLE, PartFigures
@@ -301,7 +301,7 @@ def stepper_of(catalog: Catalog, one: SetRows, parts: Parts, factors: Mapping[st
 
 def _on_shaft(spec: Any, at: AtSamples, drive: BeltDrive | None, parts: Parts) -> list[CheckColumn]:
     """Limits of the gearhead, and of the motor's shaft where the spec has a section of it."""
-    found = gearhead_limits(spec, at, parts.gearhead, drive)
+    found = gearhead_limits(spec, at, parts.gearhead) + loads_on_gearheads(spec, at, drive, parts.gearhead)
     return [*found, *loads_on_motors(spec, at, drive, parts.motor, parts.gearhead)] if spec.shaft else found
 
 
