@@ -75,6 +75,14 @@ class CycleAtBelt:
         return extremes(self.functions, self.time)
 
     @cached_property
+    def corners(self) -> tuple[Array, Array]:
+        """Of one cycle: those points in order of time, the lower ones with the other sign, and when they are met [s]."""
+        met = self.extremes
+        time = np.concatenate([met.high_time, met.low_time])
+        order = np.argsort(time, kind="stable")
+        return np.concatenate([met.high, -met.low])[order], time[order]
+
+    @cached_property
     def braked(self) -> Array:
         """Of one cycle: work of each function against the motion, of torques [J]: shape (6,)."""
         each = np.moveaxis(self.functions, 2, 0)
@@ -199,10 +207,8 @@ class AtGearhead:
         Peak
             Of each candidate.
         """
-        met = self.extremes
-        time = np.concatenate([met.high_time, met.low_time])
-        order = np.argsort(time, kind="stable")
-        points, time = np.concatenate([met.high, -met.low])[order] * self.scale, time[order]
+        points, time = self.base.corners
+        points = points * self.scale
         values = product(coefficients, points.T)
         if left_out is not None and len(rows := np.flatnonzero(lacking(left_out))):
             against = (points < 0.0).astype(float)

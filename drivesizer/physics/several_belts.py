@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak, Turning
 from drivesizer.physics.stress import on
 
-__all__ = ["AtGearheads", "behind_each", "belts_of", "put_together"]
+__all__ = ["AtGearheads", "behind_each", "belts_of", "put_together", "scales"]
 
 Array = NDArray[np.float64]
 _FIGURES = ("belt", "rms_torque", "peak_torque", "held", "peak_speed", "mean_speed", "sustained_speed", "mean_power",
@@ -125,6 +125,14 @@ def belts_of(at: AtGearhead, count: int) -> list[slice]:
         One for each belt that has any; at least one.
     """
     return [rows for _, rows in at.parts] if isinstance(at, AtGearheads) else [slice(0, count)]
+
+
+def scales(at: AtGearhead, count: int) -> Array:
+    """By what the belts of so many candidates scale the functions of the cycle [1]: shape (candidates, 6)."""
+    if isinstance(at, AtGearheads):
+        found: Array = np.stack([one.scale for one in at.ats])[at.which]
+        return found
+    return np.broadcast_to(at.scale, (count, len(at.scale)))
 
 
 def _some(column: Any, rows: slice) -> Any:

@@ -20,6 +20,7 @@ from drivesizer.physics.several_belts import behind_each
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
+from drivesizer.search.columns.block_bounds import by_segments
 from drivesizer.search.columns.block_bounds import closer as closer_in_blocks
 from drivesizer.search.columns.block_bounds import closer_power
 from drivesizer.search.columns.bus_bounds import closer_stored, stored_by_segments
@@ -40,8 +41,10 @@ __all__ = ["decided", "put"]
 Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
 _BLOCKS = (64, 1024)
+_MORE = 4  # times as many pieces as segments, from where the segments of a short cycle decide sooner
 _FEW_PIECES, _PIECES = 256, 8192
 _WINDING = 2  # so many of the limits are those of the winding
+_VOLTAGE = 1  # of the motor
 _BUS = 3  # the voltage of the bus
 _POWER = 4  # from here on they are those of the supply's power
 _NOT_BY_HEAT = (2, _BUS)  # time of overload
@@ -73,10 +76,10 @@ class _Case:
         supply = self.spec.supply
         return bool(self.spec.resists or supply.current or supply.power or np.any(kept_on_the_bus(self.spec) > 0.0))
 
-    def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
+    def some(self, mask: NDArray[Any]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates."""
         demand, heating, stresses, parts = self.columns
-        rows = np.flatnonzero(mask)
+        rows = np.flatnonzero(mask) if mask.dtype == bool else mask
         return (self.spec, self.cycle.on(rows), on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
 
     @cached_property
@@ -90,7 +93,7 @@ class _Case:
         table = replace(some, columns={**some.columns, "max_winding_temperature": permitted})
         return parts._replace(motor=Rows(table, np.arange(len(permitted))))
 
-    def bounded(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
+    def bounded(self, mask: NDArray[Any]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates, for bounds."""
         return (*self.some(mask)[:-1], self.bounding.on(mask))
 
@@ -133,6 +136,7 @@ def decided(
     *,
     each: Collection[str] = (),
     staged: bool = False,
+    nearness: bool = True,
 ) -> Pair:
     """Peaks and heat over the waveform, exact where bounds do not decide.
 
@@ -148,6 +152,8 @@ def decided(
         Names of checks to decide of candidates that fail on another as well.
     staged
         Whether it is enough to know which limits fail; else also how far those left open by blocks are from them.
+    nearness
+        Whether it matters how near to its limits a candidate is that passes.
 
     Returns
     -------
@@ -171,6 +177,8 @@ def decided(
     long = len(cycle.base.warming.duration) > _LONG
     if long:
         found, left = _closer(case, alive, found, left)
+    elif not nearness and _MORE * len(cycle.load_cycle.duration) <= len(cycle.base.warming.duration):
+        found, left = _passing_by_segments(case, found, left)
     return _exactly(case, alive, found, left, long)
 
 
@@ -210,6 +218,24 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
 def _wanted(left: list[NDArray[np.bool_]]) -> Wanted:
     """Figures to compute where these limits are open: the energy that the bus stores costs most."""
     return "limits" if left[_BUS].any() else "power"
+
+
+def _passing_by_segments(
+    case: _Case, found: Pair, left: list[NDArray[np.bool_]]
+) -> tuple[Pair, list[NDArray[np.bool_]]]:
+    """The same, closer where that shows that what is open passes; what may fail is left for the waveform to tell."""
+    rows = np.flatnonzero(np.logical_or.reduce(left) & case.told)
+    if not len(rows):
+        return found, left
+    spec, cycle, *columns = case.bounded(rows)
+    few = by_segments(spec, cycle, *columns, *(on(side, rows) for side in found))
+    limits = waveform_limits(spec, few[1], few[1], columns[3])
+    holds = [check.passed | ~mask[rows] for check, mask in zip(limits, left, strict=True)]
+    good = np.flatnonzero(np.logical_and.reduce([*holds, limits[_VOLTAGE].passed]))
+    found = _replaced(found, rows[good], [on(side, good) for side in few])
+    settled = np.zeros(len(case.told), bool)
+    settled[rows[good]] = True
+    return found, [mask & ~settled for mask in left]
 
 
 def _closer(
@@ -253,9 +279,9 @@ def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable
     return _replaced(found, mask, few)
 
 
-def _replaced(found: Pair, mask: NDArray[np.bool_], few: Sequence[Moments]) -> Pair:
+def _replaced(found: Pair, mask: NDArray[Any], few: Sequence[Moments]) -> Pair:
     """Bounds with those of some candidates replaced."""
-    rows = np.flatnonzero(mask)
+    rows = np.flatnonzero(mask) if mask.dtype == bool else mask
     low, high = (
         Moments(*(put(a, rows, b) for a, b in zip(*sides, strict=True))) for sides in zip(found, few, strict=True)
     )

@@ -61,6 +61,7 @@ def powered(
     exactly: bool,
     each: Collection[str] = (),
     staged: bool = False,
+    nearness: bool = True,
 ) -> Powered:
     """Controllers, and every check that hangs on current, voltage and heat.
 
@@ -76,8 +77,8 @@ def powered(
         Compute the waveform of all; else only of those that safe bounds leave undecided.
     each
         Names of checks to decide of candidates that fail on another as well.
-    staged
-        As ``decided`` takes it.
+    staged, nearness
+        As ``decided`` takes them.
 
     Returns
     -------
@@ -88,7 +89,7 @@ def powered(
     stresses = [
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
-    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each, staged)
+    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each, staged, nearness)
     continuous = np.zeros(len(parts.motor.rows), bool)
     required = case.required
     chosen = case.controllers(required, [u.cold_voltage.value for u in case.stresses], continuous)
@@ -161,6 +162,7 @@ class _Cases(NamedTuple):
     exactly: bool
     each: Collection[str]
     staged: bool
+    nearness: bool
 
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
@@ -224,7 +226,9 @@ class _Cases(NamedTuple):
     def _pair(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """Peaks and heat over the waveform of one load case."""
         args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
-        return exact(*args) if self.exactly else decided(*args, ~dead, before, each=self.each, staged=self.staged)
+        if self.exactly:
+            return exact(*args)
+        return decided(*args, ~dead, before, each=self.each, staged=self.staged, nearness=self.nearness)
 
 
 def _again(

@@ -274,7 +274,10 @@ def _powered(
             demand = [case.demand for case in cases]
             found = Powered(*stepped(problem, offered, cycles, demand, parts, staged=staged))
         else:
-            found = powered(problem, offered, cycles, cases, parts, exactly=exact, each=each, staged=staged)
+            near = not staged or sieve.margins
+            found = powered(
+                problem, offered, cycles, cases, parts, exactly=exact, each=each, staged=staged, nearness=near
+            )
         yield _examined(sieve, parts, found)
 
 

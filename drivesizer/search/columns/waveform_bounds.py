@@ -20,7 +20,7 @@ from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bound
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.products import product
-from drivesizer.physics.several_belts import behind_each
+from drivesizer.physics.several_belts import AtGearheads, behind_each, scales
 from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import longest_run
@@ -103,6 +103,7 @@ def resisted(
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
     leads = spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0
+    cycle, demand = _behind_one(cycle, demand)
     cold_volts, hot_volts = stresses.cold_voltage.value, cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value
     at_hot = most_volts = np.maximum(hot_volts, cold_volts)
     if spec.resists:
@@ -122,6 +123,18 @@ def resisted(
     low = low._replace(power=of_the_source(least, feed))
     high = high._replace(power=at_source(most, stresses, feed))
     return low, high
+
+
+def _behind_one(cycle: AtGearhead, demand: Demands) -> tuple[AtGearhead, Demands]:
+    """Candidates behind several belts as such behind one of ratio 1, to be computed in one go; where that has room.
+
+    The belt's scale of the functions then is in their coefficients. That rounds otherwise, which is no matter of bounds.
+    """
+    points = len(cycle.extremes.high) + len(cycle.extremes.low)
+    if not isinstance(cycle, AtGearheads) or points * len(demand.total_ratio) > _CELLS:
+        return cycle, demand
+    scaled, ratio = demand.coefficients * scales(cycle, len(demand.total_ratio)), demand.total_ratio * cycle.belt
+    return cycle.base.behind(1.0), demand._replace(coefficients=scaled, total_ratio=ratio)
 
 
 def most_cold_power(
@@ -233,19 +246,18 @@ def above_bounds(
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
     if len(rows):
-        columns = demand.coefficients[rows], parts.motor["torque_constant"][rows], limit[rows]
-        low[rows], high[rows] = behind_each(cycle.on(rows), partial(_times_above, pieces), *columns)
+        current = demand.coefficients[rows] / parts.motor["torque_constant"][rows, None]
+        current *= scales(cycle.on(rows), len(rows))
+        low[rows], high[rows] = _times_above(cycle.envelope(pieces), current, limit[rows, None])
     return low, high
 
 
-def _times_above(pieces: int, cycle: AtGearhead, coefficients: Array, k_t: Array, limit: Array) -> tuple[Array, Array]:
-    """Bounds of the time for which currents are above a limit, of candidates whose largest current is [s]."""
-    found = cycle.envelope(pieces)
+def _times_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, Array]:
+    """Bounds of the time for which currents are above a limit, so many candidates at a time [s]."""
     low, high = np.empty((2, len(limit)))
     size = max(_CELLS // len(found.duration), 1)
     for some in (slice(first, first + size) for first in range(0, len(limit), size)):
-        c = coefficients[some] / k_t[some, None] * cycle.scale
-        low[some], high[some] = _runs_above(found, c, limit[some, None])
+        low[some], high[some] = _runs_above(found, current[some], limit[some])
     return low, high
 
 
