@@ -89,6 +89,8 @@ class Feed(NamedTuple):
         is met, and what is not met with the smallest is not. Without a largest duty the supply's voltage is the bound.
         """
         printed = self.usable
+        if not np.isnan(printed).any():
+            return printed
         most, least = (
             usable_voltage(
                 self.voltage, self.stage.max_duty, np.where(np.isnan(self.stage.drop), drop, self.stage.drop)

@@ -172,14 +172,15 @@ def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     shape = np.broadcast(demand, limit).shape
     demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
     zero = more.get("zero", 0.0)
-    idle = (demand == zero) | (np.isposinf(limit) & (demand != np.inf))  # without a limit any demand will do
+    unbounded = demand == np.inf  # it passes no limit, known or not
+    idle = (demand == zero) | ((limit == np.inf) & ~unbounded)  # without a limit any demand will do
     above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
     return CheckColumn(
         name=name,
         demand=demand,
         limit=limit,
-        passed=((above <= limit) & (demand != np.inf)) | idle,
-        failed=((above > limit) | (demand == np.inf)) & ~idle,  # an unbounded demand passes no limit, known or not
+        passed=((above <= limit) & ~unbounded) | idle,
+        failed=((above > limit) | unbounded) & ~idle,
         **more,
     )
 

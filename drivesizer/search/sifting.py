@@ -172,10 +172,11 @@ def _closest(bound: Array) -> NDArray[np.int64]:
 
 def _at_both(problem: Problem, every: Crossed, easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
     """Candidates that pass at the favourable end, then those of the other end alone; ``few`` were examined at both."""
-    belt, row = np.divmod(hard.rows, len(few))
-    passing, total = few[row] + belt * len(every.pairs.motor), len(every.pairs.motor)
-    both, alone = np.isin(easy.rows, passing), ~np.isin(passing, easy.rows)
-    opened = np.isin(easy.rows % total, few) & ~both
+    total, (belt, row) = len(every.pairs.motor), np.divmod(hard.rows, len(few))
+    passing = few[row] + belt * total
+    at_hard, at_easy = (_marked(rows, total * len(every.belts)) for rows in (passing, easy.rows))
+    both, alone = at_hard[easy.rows], ~at_easy[passing]
+    opened = _marked(few, total)[easy.rows % total] & ~both
     unknown, margin = easy.unknown.copy(), easy.margin.copy()
     opened[both] = (unknown[both] != hard.unknown[~alone]).any(axis=1)  # rows of both rise
     unknown[both] &= hard.unknown[~alone]
@@ -185,7 +186,7 @@ def _at_both(problem: Problem, every: Crossed, easy: Examined, few: NDArray[np.i
         column[both] = hard.figures[name][~alone]
     brake = easy.brake.copy()
     brake[both] = hard.brake[~alone]
-    rest = np.flatnonzero(~np.isin(easy.rejected, passing))
+    rest = np.flatnonzero(~at_hard[easy.rejected])
     whole = easy._replace(
         rows=np.concatenate([easy.rows, passing[alone]]),
         unknown=np.concatenate([unknown, hard.unknown[alone]]),
@@ -200,6 +201,13 @@ def _at_both(problem: Problem, every: Crossed, easy: Examined, few: NDArray[np.i
         by_belt = np.argsort(whole.rows // total, kind="stable")
         whole, opened = _reordered(whole, by_belt), opened[by_belt]
     return _found(problem, every, whole, opened)
+
+
+def _marked(rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """Which of so many rows are among some."""
+    found = np.zeros(count, bool)
+    found[rows] = True
+    return found
 
 
 def _reordered(found: Examined, rows: NDArray[np.int64]) -> Examined:

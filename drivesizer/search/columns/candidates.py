@@ -76,9 +76,14 @@ class Rows:
     def each(self, compute: Callable[[Any], Any]) -> Any:
         """What a function makes of the figures of one part alone, once for each part where that is less."""
         if compute not in self.made:
-            few = self.some_missing or len(self.rows) <= len(self.table)
-            self.made[compute] = compute(self) if few else _at(compute(self.table), self.rows)
+            few = len(self.rows) <= len(self.table)
+            self.made[compute] = compute(self) if few else _at(compute(self._every), self.rows)
         return self.made[compute]
+
+    @property
+    def _every(self) -> Any:
+        """All parts of the table; behind them one of which nothing is known, where there is such a row."""
+        return Rows(self.table, np.append(np.arange(len(self.table)), -1)) if self.some_missing else self.table
 
     def on(self, rows: NDArray[Any] | slice) -> Rows:
         """Some of the rows; for all of them this one, with the columns that it has taken."""
@@ -90,8 +95,11 @@ class Rows:
 
 
 def _at(columns: Any, rows: NDArray[np.int64]) -> Any:
-    """Columns, or a pair of them, at some rows."""
-    return tuple(column.take(rows) for column in columns) if isinstance(columns, tuple) else columns.take(rows)
+    """Columns, or several of them, at some rows."""
+    if not isinstance(columns, tuple):
+        return columns.take(rows)
+    taken = (column.take(rows) for column in columns)
+    return type(columns)(*taken) if hasattr(columns, "_fields") else tuple(taken)
 
 
 def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:

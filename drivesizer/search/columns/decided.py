@@ -117,6 +117,16 @@ class _Case:
         masks = [mask & self.columns[0].complete for mask in masks]  # else it stays unknown whatever the waveform says
         return [mask & self.told for mask in masks[:_WINDING]] + masks[_WINDING:]
 
+    def open_again(
+        self, found: Pair, alive: NDArray[np.bool_], left: list[NDArray[np.bool_]], mask: NDArray[np.bool_]
+    ) -> list[NDArray[np.bool_]]:
+        """The same where only the bounds of some candidates are others than those that left these open."""
+        rows = np.flatnonzero(mask)
+        spec, cycle, *columns = self.some(rows)
+        few = _Case(spec, cycle, *columns, self.each, self.staged)
+        some = few.open((on(found[0], rows), on(found[1], rows)), alive[rows])
+        return [put(old, rows, new) for old, new in zip(left, some, strict=True)]
+
     @cached_property
     def coldest(self) -> Array:
         """An upper bound of the cycle's power with a cold winding [W]."""
@@ -195,7 +205,7 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
     if winding.any():
         new = [on(side, winding[first]).over(on(old, winding), "winding") for side, old in zip(few, found, strict=True)]
         found = _replaced(found, winding, new)
-        left = case.open(found, alive)
+        left = case.open_again(found, alive, left, winding)
     rest = np.logical_or.reduce(left[_WINDING:])
     if not rest.any():
         return found

@@ -44,9 +44,11 @@ from drivesizer.spec.mounting import loss_at_flange
 __all__ = ["Examined", "brakes_of", "encoders_of", "examine", "felt"]
 
 Array = NDArray[np.float64]
-_SHORT, _BLOCKS = 256, 64  # pieces of a cycle that count: a longer one is first looked at in so many blocks
-_CELLS = 400_000  # candidates times pieces, up to which several belts are looked at together
-_BELTS = 16
+_SHORT = 256  # pieces of a cycle: a longer one is first looked at in so many blocks
+_BLOCKS = 64
+_SHORT_CELLS, _CELLS = 1_000_000, 400_000  # candidates times these, up to which several belts are looked at together
+_BELTS = 64
+_STEPPER_BELTS = 16
 
 
 class Examined(NamedTuple):
@@ -283,12 +285,13 @@ def _powered(
 
 def _places(problem: Problem, moved: _Moved) -> list[slice]:
     """Candidates that are looked at together: behind as many belts as their waveforms have room."""
-    pieces = max(len(cycle.base.warming.duration) for cycle in moved.cycles)
-    cells = 0 if has_steppers(problem.catalog) else pieces if pieces <= _SHORT else _BLOCKS
+    steppers, pieces = has_steppers(problem.catalog), max(len(c.base.warming.duration) for c in moved.cycles)
+    most = (_SHORT_CELLS // pieces) if pieces <= _SHORT else _CELLS // _BLOCKS
     found, belts = list[slice](), 0
     for rows in belts_of(moved.cycles[0], len(moved.parts.motor.rows)):
         start = found[-1].start if found else 0
-        if found and belts < _BELTS and cells * (rows.stop - start) <= _CELLS:
+        few = belts < _STEPPER_BELTS if steppers else belts < _BELTS and rows.stop - start <= most
+        if found and few:
             found[-1], belts = slice(start, rows.stop), belts + 1
         else:
             found, belts = [*found, rows], 1

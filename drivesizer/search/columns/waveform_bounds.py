@@ -194,9 +194,9 @@ def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Arra
 def _least_voltage(cycle: AtGearhead, demand: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
     """Less than the largest voltage: cold at the start, or at a bound where a warmer winding only raises it."""
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
-    volts = product(volts_of(demand, k_t, cool), points.T)
-    more = np.where(product(demand.coefficients, points.T) * volts > 0.0, np.abs(volts), 0.0)
-    least: Array = np.maximum(more.max(axis=1), cold)
+    volts = product(points, volts_of(demand, k_t, cool).T)  # shape (points, candidates): few long rows
+    more = np.where(product(points, demand.coefficients.T) * volts > 0.0, np.abs(volts), 0.0)
+    least: Array = np.maximum(more.max(axis=0), cold)
     return least
 
 
@@ -275,9 +275,9 @@ def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, A
 def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array, feed: Feed) -> Array:
     """Largest power into the stage at the extreme points [W]: between them it may be more."""
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
-    current = product(demand.coefficients / k_t[:, None], points.T)
-    power = current * product(volts_of(demand, k_t, hot), points.T) + feed.reshaped((-1, 1)).lost(current)
-    found: Array = power.max(axis=1)
+    current = product(points, (demand.coefficients / k_t[:, None]).T)
+    power = current * product(points, volts_of(demand, k_t, hot).T) + feed.lost(current)
+    found: Array = power.max(axis=0)
     return found
 
 
@@ -286,6 +286,6 @@ def _power_bound(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> 
     current, volts = (demand.coefficients / k_t[:, None] * cycle.scale, volts_of(demand, k_t, hot) * cycle.scale)
     found = np.zeros(len(hot))
     for points, sign in ((cycle.extremes.above, 1.0), (cycle.extremes.below, -1.0)):
-        both = [np.maximum(sign * product(c, points.T), 0.0) for c in (current, volts)]
-        found = np.maximum(found, (both[0] * both[1]).max(axis=1))
+        both = [np.maximum(sign * product(points, c.T), 0.0) for c in (current, volts)]
+        found = np.maximum(found, (both[0] * both[1]).max(axis=0))
     return found
