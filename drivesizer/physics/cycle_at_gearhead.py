@@ -31,6 +31,7 @@ __all__ = [
     "Pieces", "Turning", "at_gearhead", "bounded", "lacking", "piece_counts",
 ]  # fmt: skip
 
+_FEW = 16  # points, of which the largest of each is found quicker column by column
 _FINEST = 200  # pieces of a segment at most
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 Array = NDArray[np.float64]
@@ -213,7 +214,9 @@ class AtGearhead:
         if left_out is not None and len(rows := np.flatnonzero(lacking(left_out))):
             against = (points < 0.0).astype(float)
             values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
-        value, place = first_largest(values)
+        else:
+            left_out = None
+        value, place = first_largest(np.asfortranarray(values) if len(points) < _FEW else values)
         return bounded(value, time[place], left_out)
 
     @cached_property

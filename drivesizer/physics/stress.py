@@ -54,7 +54,13 @@ def on(record: Record, rows: Any) -> Record:
     """
     if isinstance(rows, np.ndarray) and rows.dtype == bool:  # numbers are quicker, column by column
         rows = np.flatnonzero(rows)
-    return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
+    if isinstance(rows, slice):
+        return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
+    taken: dict[int, Any] = {}  # columns that are one and the same stay so
+    for x in record:
+        if id(x) not in taken:
+            taken[id(x)] = on(x, rows) if isinstance(x, tuple) else x.take(rows, axis=0)
+    return type(record)(*(taken[id(x)] for x in record))
 
 
 class Heat(NamedTuple):

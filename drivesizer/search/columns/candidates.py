@@ -59,9 +59,10 @@ class Crossed(NamedTuple):
 class Rows:
     """The columns of a table at some rows, taken on first use; at row -1 every figure is unknown."""
 
-    def __init__(self, table: Table[Any], rows: NDArray[np.int64]) -> None:
+    def __init__(self, table: Table[Any], rows: NDArray[np.int64], some_missing: bool | None = None) -> None:
+        """``some_missing``: whether a row may be -1, where that is known."""
         self.table, self.rows = table, rows
-        self.some_missing = bool((rows < 0).any())
+        self.some_missing = bool((rows < 0).any()) if some_missing is None else some_missing
         self.taken: dict[str, NDArray[Any]] = {}
         self.made: dict[Callable[[Any], Any], Any] = {}
 
@@ -88,10 +89,10 @@ class Rows:
     def on(self, rows: NDArray[Any] | slice) -> Rows:
         """Some of the rows; for all of them this one, with the columns that it has taken."""
         if isinstance(rows, slice):
-            return self if rows == slice(None) else Rows(self.table, self.rows[rows])
+            return self if rows == slice(None) else Rows(self.table, self.rows[rows], self.some_missing)
         if rows.dtype == bool:
             rows = np.flatnonzero(rows)
-        return Rows(self.table, self.rows.take(rows))
+        return Rows(self.table, self.rows.take(rows), self.some_missing)
 
 
 def _at(columns: Any, rows: NDArray[np.int64]) -> Any:

@@ -36,7 +36,7 @@ from drivesizer.search.columns.limits_over_time import (
 )
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["decided", "put"]
+__all__ = ["decided", "put", "put_moments"]
 
 Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
@@ -292,10 +292,30 @@ def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable
 def _replaced(found: Pair, mask: NDArray[Any], few: Sequence[Moments]) -> Pair:
     """Bounds with those of some candidates replaced."""
     rows = np.flatnonzero(mask) if mask.dtype == bool else mask
-    low, high = (
-        Moments(*(put(a, rows, b) for a, b in zip(*sides, strict=True))) for sides in zip(found, few, strict=True)
-    )
+    low, high = (put_moments(old, rows, new) for old, new in zip(found, few, strict=True))
     return low, high
+
+
+def put_moments(old: Moments, rows: NDArray[np.int64], new: Moments) -> Moments:
+    """Peaks and heat with those of some candidates replaced.
+
+    Parameters
+    ----------
+    old, new
+        Of all candidates and of these.
+    rows
+        Which they are.
+
+    Returns
+    -------
+    Moments
+        Columns that are one and the same in both stay so.
+    """
+    made: dict[tuple[int, int], Array] = {}
+    for a, b in zip(old, new, strict=True):
+        if (id(a), id(b)) not in made:
+            made[id(a), id(b)] = put(a, rows, b)
+    return Moments(*(made[id(a), id(b)] for a, b in zip(old, new, strict=True)))
 
 
 def put(column: NDArray[Any], rows: NDArray[Any], some: NDArray[Any]) -> NDArray[Any]:

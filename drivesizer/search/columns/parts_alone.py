@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.several_belts import AtGearheads
 from drivesizer.results.check_columns import CheckColumn
-from drivesizer.results.problem import LoadCase, Problem
+from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Crossed, Rows
 from drivesizer.search.columns.encoders import counts_check
 from drivesizer.search.columns.limits import gearhead_limits, load_limits
@@ -25,7 +25,7 @@ from drivesizer.search.columns.offers import Offers, limits_behind_each, worst_o
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads
 from drivesizer.search.columns.survivors import Amount, Rejected, Sieve, amounting, bound_of
 
-__all__ = ["Started", "all_of_them", "behind", "by_their_parts"]
+__all__ = ["Started", "all_of_them", "by_their_parts"]
 
 Array = NDArray[np.float64]
 _ENOUGH = 100  # rejected candidates, to find the closest among
@@ -42,11 +42,11 @@ class Started(NamedTuple):
 
 
 class _Judged(NamedTuple):
-    """Checks of parts, what they amount to, and what the smallest margin of each part is at most."""
+    """Checks of parts, and what they amount to."""
 
     checks: list[CheckColumn]
     amount: Amount
-    bound: Array
+    bound: Array  # what the smallest margin of each part is at most
 
 
 def _judged(checks: list[CheckColumn], count: int, margins: bool) -> _Judged:
@@ -57,8 +57,9 @@ class _Parts(NamedTuple):
     """All that is judged alone."""
 
     load: list[_Judged]  # behind each belt, of one row
-    gearhead: _Judged  # all gearheads behind the first belt, then behind the next
+    gearhead: list[CheckColumn]  # of all gearheads behind the first belt, then behind the next
     motor: _Judged
+    behind: list[list[AtGearhead]]  # the load cycle of each case behind each belt
 
 
 def by_their_parts(problem: Problem, offered: Offers, crossed: Crossed, margins: bool) -> Iterator[Started]:
@@ -79,10 +80,12 @@ def by_their_parts(problem: Problem, offered: Offers, crossed: Crossed, margins:
         At least one; what failed is counted in the first.
     """
     parts = _of_the_catalog(problem, offered, crossed.belts, margins)
-    left, rejected = _sorted_out(crossed.pairs, parts)
+    left, near = _sorted_out(crossed.pairs, parts)
+    gearheads = _worth(parts, crossed, np.concatenate([*left, *near]), margins)
     counted: Counter[str] = _failed_by(crossed, parts)
+    rejected = [_bounded(crossed, numbers, parts, gearheads) for numbers in near]
     for numbers in _several([len(rows) for rows in left], np.concatenate(left)):
-        started = _started(problem, crossed, numbers, parts, margins)
+        started = _started(crossed, numbers, parts, gearheads, margins)
         started.sieve.failed_by, started.sieve.rejected = counted, rejected
         counted, rejected = Counter(), []
         yield started
@@ -92,19 +95,20 @@ def _of_the_catalog(problem: Problem, offered: Offers, belts: Sequence[float], m
     """Every motor with its best encoder, and behind each belt the load and every gearhead."""
     catalog, count = problem.catalog, len(problem.catalog.gearheads)
     motor = [*offered.motor_limits, *counts_check(problem.spec, catalog, offered.encoders.last)]
-    which = np.repeat(np.arange(len(belts)), count)
     every = Rows(catalog.gearheads, np.tile(np.arange(count), len(belts)))
-    cycles = [behind(case, belts, which) for case in problem.cases]
+    behind = [[case.at_belt.behind(belt) for belt in belts] for case in problem.cases]
+    which = np.repeat(np.arange(len(belts)), count)
     return _Parts(
-        [_judged(_loads(problem, [c.at_belt.behind(belt) for c in problem.cases]), 1, margins) for belt in belts],
-        _judged(_gearheads(problem, cycles, every), len(which), margins),
+        [_judged(_loads(problem, cycles), 1, margins) for cycles in zip(*behind, strict=True)],
+        _gearheads(problem, [_behind_each(ats, which) for ats in behind], every),
         _judged(motor, len(catalog.motors), margins),
+        behind,
     )
 
 
-def behind(case: LoadCase, belts: Sequence[float], which: NDArray[np.int64]) -> AtGearhead:
-    """The load cycle behind several belts; ``which``: number of each candidate's belt, never falling."""
-    return AtGearheads([case.at_belt.behind(belt) for belt in belts], which).on(slice(None))
+def _behind_each(ats: Sequence[AtGearhead], which: NDArray[np.int64]) -> AtGearhead:
+    """A load cycle behind several belts; ``which``: number of each candidate's belt, never falling."""
+    return AtGearheads(ats, which).on(slice(None))
 
 
 def _loads(problem: Problem, cycles: Sequence[AtGearhead]) -> list[CheckColumn]:
@@ -126,36 +130,67 @@ def _gearheads(problem: Problem, cycles: Sequence[AtGearhead], gearhead: Rows) -
     return worst_of_all(problem, limits)
 
 
-def _sorted_out(pairs: Candidates, parts: _Parts) -> tuple[list[NDArray[np.int64]], list[Rejected]]:
+def _sorted_out(pairs: Candidates, parts: _Parts) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]]:
     """Numbers of the candidates that no part fails, and of the others those near to that: behind each belt."""
-    load, gearhead, motor = parts
-    bad_motor, total = motor.amount.failed, len(pairs.motor)
+    bad_motor, total, belts = parts.motor.amount.failed, len(pairs.motor), len(parts.load)
+    failed = np.logical_or.reduce([check.failed for check in parts.gearhead]).reshape(belts, -1)
     alive = np.flatnonzero(~bad_motor[pairs.motor])
-    of_alive, size = pairs.gearhead[alive], len(gearhead.bound) // len(load)
-    left, rejected = list[NDArray[np.int64]](), list[Rejected]()
-    for number, one in enumerate(load):
-        behind_it = slice(number * size, (number + 1) * size)
-        bad = gearhead.amount.failed[behind_it] | one.amount.failed
+    of_alive = pairs.gearhead[alive]
+    left, rejected = list[NDArray[np.int64]](), list[NDArray[np.int64]]()
+    for number, one in enumerate(parts.load):
+        bad = failed[number] | one.amount.failed
         fails = bad[of_alive]
         near = alive[fails]
         if len(near) < _ENOUGH:  # those of a motor that fails too are hardly among the nearest
             near = np.flatnonzero(bad[pairs.gearhead] | bad_motor[pairs.motor])
-        bound = np.minimum(gearhead.bound[behind_it][pairs.gearhead[near]], one.bound)
-        rejected.append((near + number * total, np.minimum(bound, motor.bound[pairs.motor[near]])))
+        rejected.append(near + number * total)
         left.append(alive[~fails] + number * total)
     return left, rejected
+
+
+class _Gearheads(NamedTuple):
+    """What the checks of those gearheads amount to that some candidates have, behind each belt."""
+
+    amount: Amount
+    bound: Array
+    place: NDArray[np.int64]  # of each gearhead among them
+    count: int
+
+    def of(self, crossed: Crossed, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Which of them candidates have."""
+        belt, row = np.divmod(numbers, max(len(crossed.pairs.motor), 1))
+        places: NDArray[np.int64] = belt * self.count + self.place[crossed.pairs.gearhead[row]]
+        return places
+
+
+def _worth(parts: _Parts, crossed: Crossed, numbers: NDArray[np.int64], margins: bool) -> _Gearheads:
+    """Gearheads of some candidates."""
+    size = len(parts.gearhead[0].failed) // len(parts.load)
+    used = np.zeros(size, bool)
+    used[crossed.pairs.gearhead[numbers % max(len(crossed.pairs.motor), 1)]] = True
+    rows = np.flatnonzero(used)
+    every = (np.arange(len(parts.load))[:, None] * size + rows).ravel()
+    checks = [check.on(every) for check in parts.gearhead]
+    judged = _judged(checks, len(every), margins)
+    return _Gearheads(judged.amount, judged.bound, np.cumsum(used) - 1, len(rows))
+
+
+def _bounded(crossed: Crossed, numbers: NDArray[np.int64], parts: _Parts, gearheads: _Gearheads) -> Rejected:
+    """Rejected candidates behind one belt, and what the smallest margin of their parts is at most."""
+    belt, row = np.divmod(numbers, max(len(crossed.pairs.motor), 1))
+    bound = np.minimum(gearheads.bound[gearheads.of(crossed, numbers)], parts.motor.bound[crossed.pairs.motor[row]])
+    return numbers, np.minimum(bound, np.concatenate([one.bound for one in parts.load])[belt])
 
 
 def _failed_by(crossed: Crossed, parts: _Parts) -> Counter[str]:
     """How many candidates each check of a part fails."""
     found, belts = Counter[str](), len(crossed.belts)
-    load, gearhead, motor = parts
-    for one in load:
+    for one in parts.load:
         for check in one.checks:
             found[check.name] += len(crossed.pairs.motor) * int(check.failed)
-    for check in motor.checks:
+    for check in parts.motor.checks:
         found[check.name] += belts * _together(crossed.pairs.motor, check.failed)
-    for check in gearhead.checks:
+    for check in parts.gearhead:
         found[check.name] += _together(crossed.pairs.gearhead, check.failed.reshape(belts, -1).sum(axis=0))
     return found
 
@@ -179,16 +214,19 @@ def _several(counts: Sequence[int], numbers: NDArray[np.int64]) -> Iterator[NDAr
             yield numbers[start : min(start + _MOST, last)]
 
 
-def _started(problem: Problem, crossed: Crossed, numbers: NDArray[np.int64], parts: _Parts, margins: bool) -> Started:
+def _started(
+    crossed: Crossed, numbers: NDArray[np.int64], parts: _Parts, gearheads: _Gearheads, margins: bool
+) -> Started:
     """Some of the candidates, with what the checks of their parts amount to."""
-    sets, (load, gearhead, motor) = crossed.on(numbers), parts
-    which = numbers // max(len(crossed.pairs.motor), 1)
-    place = which * (len(gearhead.bound) // len(load)) + sets.gearhead
-    unknown = gearhead.amount.unknown[place] | motor.amount.unknown[sets.motor]
-    unknown |= np.concatenate([one.amount.unknown for one in load])[which]
-    margin = np.minimum(gearhead.amount.margin[place], motor.amount.margin[sets.motor])
-    margin = np.minimum(margin, np.concatenate([one.amount.margin for one in load])[which])
-    cycles = [behind(case, crossed.belts, which) for case in problem.cases]
+    sets, which = crossed.on(numbers), numbers // max(len(crossed.pairs.motor), 1)
+    place, motor = gearheads.of(crossed, numbers), parts.motor.amount
+    unknown = gearheads.amount.unknown.take(place, axis=0) | motor.unknown.take(sets.motor, axis=0)
+    unknown |= np.concatenate([one.amount.unknown for one in parts.load]).take(which, axis=0)
+    margin = np.full(len(numbers), np.inf)
+    if margins:
+        of_load = np.concatenate([one.amount.margin for one in parts.load])
+        margin = np.minimum.reduce([gearheads.amount.margin[place], motor.margin[sets.motor], of_load[which]])
+    cycles = [_behind_each(ats, which) for ats in parts.behind]
     return Started(sets, Sieve(numbers, unknown, margin, margins), cycles)
 
 
@@ -209,9 +247,10 @@ def all_of_them(problem: Problem, offered: Offers, sets: Candidates) -> Iterator
     """
     belts, counts = np.unique(sets.belt, return_counts=True)
     number = np.repeat(np.arange(len(belts)), counts)
+    behind = [[case.at_belt.behind(belt) for belt in belts.tolist()] for case in problem.cases]
     for rows in _several(counts.tolist(), np.arange(len(sets.motor))) if len(belts) else ():
         some = sets.on(rows)
-        cycles = [behind(case, belts.tolist(), number[rows]) for case in problem.cases]
+        cycles = [_behind_each(ats, number[rows]) for ats in behind]
         checks = [
             *_loads_of_each(problem, cycles, len(rows)),
             *_gearheads(problem, cycles, Rows(problem.catalog.gearheads, some.gearhead)),

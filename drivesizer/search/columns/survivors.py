@@ -130,8 +130,11 @@ class Sieve:
         if amount.failed.any():
             rejected, kept = np.flatnonzero(amount.failed), np.flatnonzero(~amount.failed)
             self.rejected.append((self.rows[rejected], bound_of([c.on(rejected) for c in found], len(rejected))))
-            self.rows, self.unknown, self.margin = self.rows[kept], self.unknown[kept], self.margin[kept]
-        self.unknown |= amount.unknown[kept]
+            self.rows, self.margin = self.rows[kept], self.margin[kept]
+            self.unknown, unknown = self.unknown.take(kept, axis=0), amount.unknown.take(kept, axis=0)
+        else:
+            unknown = amount.unknown
+        self.unknown |= unknown
         if self.margins:
             self.margin = np.minimum(self.margin, amount.margin[kept])
         return kept

@@ -246,7 +246,7 @@ def above_bounds(
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
     if len(rows):
-        current = demand.coefficients[rows] / parts.motor["torque_constant"][rows, None]
+        current = demand.coefficients.take(rows, axis=0) / parts.motor["torque_constant"][rows, None]
         current *= scales(cycle.on(rows), len(rows))
         low[rows], high[rows] = _times_above(cycle.envelope(pieces), current, limit[rows, None])
     return low, high
