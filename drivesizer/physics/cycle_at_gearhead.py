@@ -77,7 +77,7 @@ class CycleAtBelt:
 
     @cached_property
     def corners(self) -> tuple[Array, Array]:
-        """Of one cycle: those points in order of time, the lower ones with the other sign, and when they are met [s]."""
+        """Of one cycle: those points by time, the lower ones with the other sign, and when they are met [s]."""
         met = self.extremes
         time = np.concatenate([met.high_time, met.low_time])
         order = np.argsort(time, kind="stable")

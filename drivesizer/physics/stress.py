@@ -14,7 +14,8 @@ from drivesizer.physics.products import once_per_part
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
 
 __all__ = [
-    "Heat", "Parts", "Record", "Stress", "heat", "housing_loss", "on", "stress", "temperature_at_most", "volts_of",
+    "Heat", "Parts", "Record", "Stress", "heat", "housing_loss", "on", "put", "replaced", "stress",
+    "temperature_at_most", "volts_of",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -61,6 +62,53 @@ def on(record: Record, rows: Any) -> Record:
         if id(x) not in taken:
             taken[id(x)] = on(x, rows) if isinstance(x, tuple) else x.take(rows, axis=0)
     return type(record)(*(taken[id(x)] for x in record))
+
+
+def put(column: NDArray[Any], rows: NDArray[Any], some: NDArray[Any]) -> NDArray[Any]:
+    """A column with some of its rows replaced.
+
+    Parameters
+    ----------
+    column
+        Shape (rows, ...).
+    rows
+        Row numbers or a mask.
+    some
+        New values of these rows.
+
+    Returns
+    -------
+    Array
+        A copy of the column.
+
+    >>> put(np.array([1, 2, 3]), np.array([True, False, True]), np.array([7, 8])).tolist()
+    [7, 2, 8]
+    """
+    changed = column.copy()
+    changed[rows] = some
+    return changed
+
+
+def replaced(record: Record, rows: NDArray[np.int64], some: Record) -> Record:
+    """A record of columns with those of some candidates replaced.
+
+    Parameters
+    ----------
+    record, some
+        Of all candidates and of these.
+    rows
+        Which they are.
+
+    Returns
+    -------
+    record
+        Of the same type; columns that are one and the same in both stay so.
+    """
+    made: dict[tuple[int, int], Array] = {}
+    for a, b in zip(record, some, strict=True):
+        if (id(a), id(b)) not in made:
+            made[id(a), id(b)] = put(a, rows, b)
+    return type(record)(*(made[id(a), id(b)] for a, b in zip(record, some, strict=True)))
 
 
 class Heat(NamedTuple):

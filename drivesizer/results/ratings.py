@@ -147,7 +147,7 @@ def _rated(
 ) -> CheckColumn:
     """An RMS demand against a thermal rating, in another ambient than that of the rating."""
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
-    limit = np.asarray(rating * current_derating(ambient, T_max, rated))
+    limit = np.where(np.isposinf(rating), np.inf, rating * current_derating(ambient, T_max, rated))
     found = at_most(name, rms, limit, needed=needed)
     least = np.isnan(T_max) & (ambient < np.asarray(rated)) & ~found.passed
     return at_most(name, rms, np.where(least, np.nan, limit), needed=needed) if least.any() else found

@@ -18,6 +18,7 @@ from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import Candidates, Crossed, joined, pairs
 from drivesizer.search.columns.evaluation import by_physics
+from drivesizer.search.columns.parts_alone import belts_together
 from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.search.ranking import BRAKE, COUNTED, order, rounded
 from drivesizer.spec.select import OBJECTIVES
@@ -76,12 +77,12 @@ def sifted(
     tuple
         Those that pass or may pass, candidates near the limits, and how many failed on what.
     """
-    every, belts = pairs(problem), problem.belt_ratios
-    total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
+    every = pairs(problem)
+    total, done, failed_by = len(every.motor) * len(problem.belt_ratios), 0, Counter[str]()
     kept: list[_Found] = []
     rejected = [(every.on(slice(0, 0)), np.zeros(0))]
     exact = bool(names & _WAVEFORM)
-    for one in _examined(problem, every, belts, exact, margins or exact):
+    for one in _examined(problem, every, exact, margins or exact):
         failed_by.update(one.failed_by)
         kept.append(one)
         rejected = [_nearest(problem, [*rejected, (one.rejected, one.bound)])]
@@ -109,24 +110,23 @@ def any_passes(problem: Problem) -> bool:
     bool
         Whether ``sifted`` would find one.
     """
-    every, belts = pairs(problem), problem.belt_ratios
+    every = pairs(problem)
     if problem.spec.select.unknown == "reject":
-        return any((~one.unknown.any(axis=1)).any() for one in _examined(problem, every, belts, False, False))
+        return any((~one.unknown.any(axis=1)).any() for one in _examined(problem, every, False, False))
     uncertain = every.on(estimated(problem, every))
     favourable, unfavourable = at_ends(problem) if len(uncertain.motor) else (problem, problem)
     sides = ((favourable, every), (unfavourable, uncertain))
-    found = (
-        one for side, sets in sides for some, _ in _chunks(sets, belts) for one in examine(side, some, exact=False)
-    )
+    chunks = ((side, some) for side, sets in sides for some, _ in _chunks(problem, sets))
+    found = (one for side, some in chunks for one in examine(side, some, exact=False))
     return any(len(one.rows) for one in found)
 
 
-def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bool, margins: bool) -> Iterator[_Found]:
+def _examined(problem: Problem, every: Candidates, exact: bool, margins: bool) -> Iterator[_Found]:
     """Some of them after the other: all at the favourable end, where printed figures are as printed."""
     uncertain = np.zeros(len(every.motor), bool)
     uncertain[estimated(problem, every)] = True
     favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
-    for some, pairs_ in _chunks(every, belts):
+    for some, pairs_ in _chunks(problem, every):
         easy = _together(examine(favourable, some, exact=exact, margins=margins))
         few = np.flatnonzero(uncertain[pairs_])
         if len(few):
@@ -217,13 +217,14 @@ def _reordered(found: Examined, rows: NDArray[np.int64]) -> Examined:
     return found._replace(figures=figures, **changed)
 
 
-def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[Crossed, slice]]:
+def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slice]]:
     """The candidates belt by belt, some at a time, and which pairs these are."""
-    several = max(_CHUNK // max(len(every.motor), 1), 1)
-    for first in range(0, len(belts), several):
+    belts = problem.belt_ratios
+    most = min(max(_CHUNK // max(len(every.motor), 1), 1), belts_together(problem))
+    for some in np.array_split(np.array(belts), -(-len(belts) // most)):  # alike many at a time
         for start in range(0, len(every.motor), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            yield Crossed(every.on(rows), belts[first : first + several]), rows
+            yield Crossed(every.on(rows), some.tolist()), rows
 
 
 def _nearest(problem: Problem, several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:

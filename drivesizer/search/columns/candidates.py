@@ -50,6 +50,11 @@ class Crossed(NamedTuple):
     pairs: Candidates  # whatever their belt
     belts: list[float]
 
+    def number(self, belt: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Numbers of candidates by those of their belts and the rows of their pairs."""
+        found: NDArray[np.int64] = belt * len(self.pairs.motor) + row
+        return found
+
     def on(self, numbers: NDArray[np.int64]) -> Candidates:
         """Some of them."""
         belt, row = np.divmod(numbers, max(len(self.pairs.motor), 1))

@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.several_belts import behind_each
-from drivesizer.physics.stress import Heat, Parts, Stress, on
+from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
-from drivesizer.search.columns.block_bounds import by_segments
+from drivesizer.search.columns.block_bounds import by_segments, closer_power
 from drivesizer.search.columns.block_bounds import closer as closer_in_blocks
-from drivesizer.search.columns.block_bounds import closer_power
 from drivesizer.search.columns.bus_bounds import closer_stored, stored_by_segments
 from drivesizer.search.columns.candidates import Rows
 from drivesizer.search.columns.limits_over_time import (
@@ -36,7 +35,7 @@ from drivesizer.search.columns.limits_over_time import (
 )
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["decided", "put", "put_moments"]
+__all__ = ["decided"]
 
 Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
@@ -79,7 +78,7 @@ class _Case:
     def some(self, mask: NDArray[Any]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates."""
         demand, heating, stresses, parts = self.columns
-        rows = np.flatnonzero(mask) if mask.dtype == bool else mask
+        rows = _numbers(mask)
         return (self.spec, self.cycle.on(rows), on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
 
     @cached_property
@@ -122,8 +121,7 @@ class _Case:
     ) -> list[NDArray[np.bool_]]:
         """The same where only the bounds of some candidates are others than those that left these open."""
         rows = np.flatnonzero(mask)
-        spec, cycle, *columns = self.some(rows)
-        few = _Case(spec, cycle, *columns, self.each, self.staged)
+        few = _Case(*self.some(rows), self.each, self.staged)
         some = few.open((on(found[0], rows), on(found[1], rows)), alive[rows])
         return [put(old, rows, new) for old, new in zip(left, some, strict=True)]
 
@@ -237,9 +235,9 @@ def _passing_by_segments(
     rows = np.flatnonzero(np.logical_or.reduce(left) & case.told)
     if not len(rows):
         return found, left
-    spec, cycle, *columns = case.bounded(rows)
-    few = by_segments(spec, cycle, *columns, *(on(side, rows) for side in found))
-    limits = waveform_limits(spec, few[1], few[1], columns[3])
+    some = case.bounded(rows)
+    few = by_segments(*some, on(found[0], rows), on(found[1], rows))
+    limits = waveform_limits(case.spec, few[1], few[1], some[-1])
     holds = [check.passed | ~mask[rows] for check, mask in zip(limits, left, strict=True)]
     good = np.flatnonzero(np.logical_and.reduce([*holds, limits[_VOLTAGE].passed]))
     found = _replaced(found, rows[good], [on(side, good) for side in few])
@@ -291,53 +289,11 @@ def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable
 
 def _replaced(found: Pair, mask: NDArray[Any], few: Sequence[Moments]) -> Pair:
     """Bounds with those of some candidates replaced."""
-    rows = np.flatnonzero(mask) if mask.dtype == bool else mask
-    low, high = (put_moments(old, rows, new) for old, new in zip(found, few, strict=True))
+    rows = _numbers(mask)
+    low, high = (replaced(old, rows, new) for old, new in zip(found, few, strict=True))
     return low, high
 
 
-def put_moments(old: Moments, rows: NDArray[np.int64], new: Moments) -> Moments:
-    """Peaks and heat with those of some candidates replaced.
-
-    Parameters
-    ----------
-    old, new
-        Of all candidates and of these.
-    rows
-        Which they are.
-
-    Returns
-    -------
-    Moments
-        Columns that are one and the same in both stay so.
-    """
-    made: dict[tuple[int, int], Array] = {}
-    for a, b in zip(old, new, strict=True):
-        if (id(a), id(b)) not in made:
-            made[id(a), id(b)] = put(a, rows, b)
-    return Moments(*(made[id(a), id(b)] for a, b in zip(old, new, strict=True)))
-
-
-def put(column: NDArray[Any], rows: NDArray[Any], some: NDArray[Any]) -> NDArray[Any]:
-    """A column with some of its rows replaced.
-
-    Parameters
-    ----------
-    column
-        Shape (rows, ...).
-    rows
-        Row numbers or a mask.
-    some
-        New values of these rows.
-
-    Returns
-    -------
-    Array
-        A copy of the column.
-
-    >>> put(np.array([1, 2, 3]), np.array([True, False, True]), np.array([7, 8])).tolist()
-    [7, 2, 8]
-    """
-    changed = column.copy()
-    changed[rows] = some
-    return changed
+def _numbers(rows: NDArray[Any]) -> NDArray[np.int64]:
+    """Numbers of rows, of these or of a mask: they are quicker."""
+    return np.flatnonzero(rows) if rows.dtype == bool else rows

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.view.stepper_view import has_steppers
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.several_belts import AtGearheads
 from drivesizer.results.check_columns import CheckColumn
@@ -25,12 +26,14 @@ from drivesizer.search.columns.offers import Offers, limits_behind_each, worst_o
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads
 from drivesizer.search.columns.survivors import Amount, Rejected, Sieve, amounting, bound_of
 
-__all__ = ["Started", "all_of_them", "by_their_parts"]
+__all__ = ["Started", "all_of_them", "belts_together", "by_their_parts"]
 
 Array = NDArray[np.float64]
 _ENOUGH = 100  # rejected candidates, to find the closest among
 _ROWS = 1 << 15  # candidates behind several belts that go on together
 _MOST = 1 << 16  # of those behind one belt
+_SHORT = 256  # pieces of a load cycle
+_SHORT_BELTS, _BELTS = 64, 16  # whose load cycles are held at a time
 
 
 class Started(NamedTuple):
@@ -81,11 +84,11 @@ def by_their_parts(problem: Problem, offered: Offers, crossed: Crossed, margins:
     """
     parts = _of_the_catalog(problem, offered, crossed.belts, margins)
     left, near = _sorted_out(crossed.pairs, parts)
-    gearheads = _worth(parts, crossed, np.concatenate([*left, *near]), margins)
-    counted: Counter[str] = _failed_by(crossed, parts)
-    rejected = [_bounded(crossed, numbers, parts, gearheads) for numbers in near]
-    for numbers in _several([len(rows) for rows in left], np.concatenate(left)):
-        started = _started(crossed, numbers, parts, gearheads, margins)
+    gearheads = _worth(parts, crossed.pairs.gearhead, (left, near), margins)
+    counted, rejected = _failed_by(crossed, parts), [_bounded(crossed, near, parts, gearheads)]
+    counts = np.bincount(left.belt, minlength=len(crossed.belts))
+    for rows in _several(counts.tolist(), len(crossed.belts)):
+        started = _started(crossed, _Numbers(left.belt[rows], left.row[rows]), parts, gearheads, margins)
         started.sieve.failed_by, started.sieve.rejected = counted, rejected
         counted, rejected = Counter(), []
         yield started
@@ -130,9 +133,21 @@ def _gearheads(problem: Problem, cycles: Sequence[AtGearhead], gearhead: Rows) -
     return worst_of_all(problem, limits)
 
 
-def _sorted_out(pairs: Candidates, parts: _Parts) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]]:
-    """Numbers of the candidates that no part fails, and of the others those near to that: behind each belt."""
-    bad_motor, total, belts = parts.motor.amount.failed, len(pairs.motor), len(parts.load)
+class _Numbers(NamedTuple):
+    """Candidates, by the number of their belt and the row of their pair."""
+
+    belt: NDArray[np.int64]
+    row: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, rows: Sequence[NDArray[np.int64]]) -> _Numbers:
+        """Those behind each belt, one after the other."""
+        return cls(np.repeat(np.arange(len(rows)), [len(some) for some in rows]), np.concatenate(rows))
+
+
+def _sorted_out(pairs: Candidates, parts: _Parts) -> tuple[_Numbers, _Numbers]:
+    """The candidates that no part fails, and of the others those that are near to that."""
+    bad_motor, belts = parts.motor.amount.failed, len(parts.load)
     failed = np.logical_or.reduce([check.failed for check in parts.gearhead]).reshape(belts, -1)
     alive = np.flatnonzero(~bad_motor[pairs.motor])
     of_alive = pairs.gearhead[alive]
@@ -143,9 +158,9 @@ def _sorted_out(pairs: Candidates, parts: _Parts) -> tuple[list[NDArray[np.int64
         near = alive[fails]
         if len(near) < _ENOUGH:  # those of a motor that fails too are hardly among the nearest
             near = np.flatnonzero(bad[pairs.gearhead] | bad_motor[pairs.motor])
-        rejected.append(near + number * total)
-        left.append(alive[~fails] + number * total)
-    return left, rejected
+        rejected.append(near)
+        left.append(alive[~fails])
+    return _Numbers.of(left), _Numbers.of(rejected)
 
 
 class _Gearheads(NamedTuple):
@@ -154,32 +169,33 @@ class _Gearheads(NamedTuple):
     amount: Amount
     bound: Array
     place: NDArray[np.int64]  # of each gearhead among them
-    count: int
+    several: int  # behind each belt
 
-    def of(self, crossed: Crossed, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Which of them candidates have."""
-        belt, row = np.divmod(numbers, max(len(crossed.pairs.motor), 1))
-        places: NDArray[np.int64] = belt * self.count + self.place[crossed.pairs.gearhead[row]]
-        return places
+    def of(self, belt: NDArray[np.int64], gearhead: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Which of them are some gearheads behind some belts."""
+        found: NDArray[np.int64] = belt * self.several + self.place[gearhead]
+        return found
 
 
-def _worth(parts: _Parts, crossed: Crossed, numbers: NDArray[np.int64], margins: bool) -> _Gearheads:
-    """Gearheads of some candidates."""
-    size = len(parts.gearhead[0].failed) // len(parts.load)
-    used = np.zeros(size, bool)
-    used[crossed.pairs.gearhead[numbers % max(len(crossed.pairs.motor), 1)]] = True
+def _worth(parts: _Parts, gearhead: NDArray[np.int64], candidates: Sequence[_Numbers], margins: bool) -> _Gearheads:
+    """The gearheads of some candidates, of which row each pair has the one that ``gearhead`` says."""
+    belts, used = len(parts.load), np.zeros(len(parts.gearhead[0].failed) // len(parts.load), bool)
+    pairs = np.zeros(len(gearhead), bool)
+    for some in candidates:
+        pairs[some.row] = True
+    used[gearhead[pairs]] = True
     rows = np.flatnonzero(used)
-    every = (np.arange(len(parts.load))[:, None] * size + rows).ravel()
-    checks = [check.on(every) for check in parts.gearhead]
-    judged = _judged(checks, len(every), margins)
+    every = (np.arange(belts)[:, None] * len(used) + rows).ravel()
+    judged = _judged([check.on(every) for check in parts.gearhead], len(every), margins)
     return _Gearheads(judged.amount, judged.bound, np.cumsum(used) - 1, len(rows))
 
 
-def _bounded(crossed: Crossed, numbers: NDArray[np.int64], parts: _Parts, gearheads: _Gearheads) -> Rejected:
-    """Rejected candidates behind one belt, and what the smallest margin of their parts is at most."""
-    belt, row = np.divmod(numbers, max(len(crossed.pairs.motor), 1))
-    bound = np.minimum(gearheads.bound[gearheads.of(crossed, numbers)], parts.motor.bound[crossed.pairs.motor[row]])
-    return numbers, np.minimum(bound, np.concatenate([one.bound for one in parts.load])[belt])
+def _bounded(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearheads) -> Rejected:
+    """Rejected candidates, and what the smallest margin of their parts is at most."""
+    motor, place = crossed.pairs.motor[some.row], gearheads.of(some.belt, crossed.pairs.gearhead[some.row])
+    bound = np.minimum(gearheads.bound[place], parts.motor.bound[motor])
+    of_load = np.concatenate([one.bound for one in parts.load])
+    return crossed.number(*some), np.minimum(bound, of_load[some.belt])
 
 
 def _failed_by(crossed: Crossed, parts: _Parts) -> Counter[str]:
@@ -201,33 +217,49 @@ def _together(owner: NDArray[np.int64], failures: NDArray[Any]) -> int:
     return int(used @ failures)
 
 
-def _several(counts: Sequence[int], numbers: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
-    """The numbers behind some belts at a time, which are few enough to go on together."""
-    start = end = 0
+def _several(counts: Sequence[int], most: int) -> Iterator[slice]:
+    """Which candidates go on together, of so many behind each belt: behind few belts, or some of those behind one."""
+    start = end = belts = 0
     ends = [0]
     for count in counts:
-        if end > start and end + count - start > _ROWS:
+        if end > start and (end + count - start > _ROWS or belts == most):
             ends.append(start := end)
-        end += count
+            belts = 0
+        end, belts = end + count, belts + 1
     for first, last in pairwise([*ends, end]):
         for start in range(first, max(last, first + 1), _MOST):
-            yield numbers[start : min(start + _MOST, last)]
+            yield slice(start, min(start + _MOST, last))
 
 
-def _started(
-    crossed: Crossed, numbers: NDArray[np.int64], parts: _Parts, gearheads: _Gearheads, margins: bool
-) -> Started:
+def belts_together(problem: Problem) -> int:
+    """Number of belts whose load cycles are held at a time.
+
+    Parameters
+    ----------
+    problem
+        With its load cycles.
+
+    Returns
+    -------
+    int
+        A few where a cycle is long.
+    """
+    pieces = max(len(case.at_belt.warming.duration) for case in problem.cases)
+    return _SHORT_BELTS if pieces <= _SHORT and not has_steppers(problem.catalog) else _BELTS
+
+
+def _started(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearheads, margins: bool) -> Started:
     """Some of the candidates, with what the checks of their parts amount to."""
-    sets, which = crossed.on(numbers), numbers // max(len(crossed.pairs.motor), 1)
-    place, motor = gearheads.of(crossed, numbers), parts.motor.amount
+    sets, motor = crossed.pairs.on(some.row)._replace(belt=np.array(crossed.belts)[some.belt]), parts.motor.amount
+    place = gearheads.of(some.belt, sets.gearhead)
     unknown = gearheads.amount.unknown.take(place, axis=0) | motor.unknown.take(sets.motor, axis=0)
-    unknown |= np.concatenate([one.amount.unknown for one in parts.load]).take(which, axis=0)
-    margin = np.full(len(numbers), np.inf)
+    unknown |= np.concatenate([one.amount.unknown for one in parts.load]).take(some.belt, axis=0)
+    margin = np.full(len(place), np.inf)
     if margins:
         of_load = np.concatenate([one.amount.margin for one in parts.load])
-        margin = np.minimum.reduce([gearheads.amount.margin[place], motor.margin[sets.motor], of_load[which]])
-    cycles = [_behind_each(ats, which) for ats in parts.behind]
-    return Started(sets, Sieve(numbers, unknown, margin, margins), cycles)
+        margin = np.minimum.reduce([gearheads.amount.margin[place], motor.margin[sets.motor], of_load[some.belt]])
+    cycles = [_behind_each(ats, some.belt) for ats in parts.behind]
+    return Started(sets, Sieve(crossed.number(*some), unknown, margin, margins), cycles)
 
 
 def all_of_them(problem: Problem, offered: Offers, sets: Candidates) -> Iterator[Started]:
@@ -245,18 +277,17 @@ def all_of_them(problem: Problem, offered: Offers, sets: Candidates) -> Iterator
     Started
         None where there are no candidates.
     """
-    belts, counts = np.unique(sets.belt, return_counts=True)
-    number = np.repeat(np.arange(len(belts)), counts)
-    behind = [[case.at_belt.behind(belt) for belt in belts.tolist()] for case in problem.cases]
-    for rows in _several(counts.tolist(), np.arange(len(sets.motor))) if len(belts) else ():
+    counts = np.unique(sets.belt, return_counts=True)[1]
+    for rows in _several(counts.tolist(), belts_together(problem)) if len(counts) else ():
         some = sets.on(rows)
-        cycles = [_behind_each(ats, number[rows]) for ats in behind]
+        belts, which = np.unique(some.belt, return_inverse=True)
+        cycles = [_behind_each([case.at_belt.behind(x) for x in belts.tolist()], which) for case in problem.cases]
         checks = [
-            *_loads_of_each(problem, cycles, len(rows)),
+            *_loads_of_each(problem, cycles, len(which)),
             *_gearheads(problem, cycles, Rows(problem.catalog.gearheads, some.gearhead)),
             *(check.on(some.motor) for check in offered.motor_limits),
         ]
-        yield Started(some, Sieve.of_all(rows, checks), cycles)
+        yield Started(some, Sieve.of_all(np.arange(rows.start, rows.stop), checks), cycles)
 
 
 def _loads_of_each(problem: Problem, cycles: Sequence[AtGearhead], count: int) -> list[CheckColumn]:

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.stress import Heat, Parts, Stress, on, stress
+from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced, stress
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
-from drivesizer.search.columns.decided import decided, put, put_moments
+from drivesizer.search.columns.decided import decided
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
-from drivesizer.search.columns.limits_over_time import Pair, exact, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import Moments, Pair, exact, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.altitude import controller_needed
 
@@ -127,7 +127,7 @@ class _Found(NamedTuple):
         """With some of the candidates found anew; ``of`` says which of the new ones these are."""
 
         def both(old: Pair, some: Pair) -> Pair:
-            low, high = (put_moments(a, rows, on(b, of)) for a, b in zip(old, some, strict=True))
+            low, high = (replaced(a, rows, on(b, of)) for a, b in zip(old, some, strict=True))
             return low, high
 
         return _Found(

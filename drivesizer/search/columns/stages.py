@@ -47,8 +47,6 @@ Array = NDArray[np.float64]
 _SHORT = 256  # pieces of a cycle: a longer one is first looked at in so many blocks
 _BLOCKS = 64
 _SHORT_CELLS, _CELLS = 1_000_000, 400_000  # candidates times these, up to which several belts are looked at together
-_BELTS = 64
-_STEPPER_BELTS = 16
 
 
 class Examined(NamedTuple):
@@ -287,14 +285,13 @@ def _places(problem: Problem, moved: _Moved) -> list[slice]:
     """Candidates that are looked at together: behind as many belts as their waveforms have room."""
     steppers, pieces = has_steppers(problem.catalog), max(len(c.base.warming.duration) for c in moved.cycles)
     most = (_SHORT_CELLS // pieces) if pieces <= _SHORT else _CELLS // _BLOCKS
-    found, belts = list[slice](), 0
+    found = list[slice]()
     for rows in belts_of(moved.cycles[0], len(moved.parts.motor.rows)):
         start = found[-1].start if found else 0
-        few = belts < _STEPPER_BELTS if steppers else belts < _BELTS and rows.stop - start <= most
-        if found and few:
-            found[-1], belts = slice(start, rows.stop), belts + 1
+        if found and (steppers or rows.stop - start <= most):
+            found[-1] = slice(start, rows.stop)
         else:
-            found, belts = [*found, rows], 1
+            found.append(rows)
     return found
 
 

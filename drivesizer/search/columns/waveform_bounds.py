@@ -128,7 +128,7 @@ def resisted(
 def _behind_one(cycle: AtGearhead, demand: Demands) -> tuple[AtGearhead, Demands]:
     """Candidates behind several belts as such behind one of ratio 1, to be computed in one go; where that has room.
 
-    The belt's scale of the functions then is in their coefficients. That rounds otherwise, which is no matter of bounds.
+    The belt's scale of the functions is in their coefficients then. Bounds may round otherwise.
     """
     points = len(cycle.extremes.high) + len(cycle.extremes.low)
     if not isinstance(cycle, AtGearheads) or points * len(demand.total_ratio) > _CELLS:
