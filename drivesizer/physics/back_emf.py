@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.products import once_per_part
+
 __all__ = ["ELECTRONICS", "back_emf_constant"]
 
 Array = NDArray[np.float64]
@@ -25,6 +27,7 @@ _SAME = 0.0101  # two figures of three digits each, each off by half of its last
 _OTHER = 2.0  # times k_t or a part of it: then w_0 and V are not of one winding
 
 
+@once_per_part
 def back_emf_constant(motor: Any) -> Array:
     """Voltage per speed of motors [V*s/rad]; the first of these that is known.
 

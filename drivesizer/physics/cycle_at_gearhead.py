@@ -34,6 +34,7 @@ __all__ = [
     "Pieces", "Turning", "at_gearhead", "bounded", "lacking", "piece_counts",
 ]  # fmt: skip
 
+_FEW = 16  # points, of which the largest of each is found quicker column by column
 _FINEST = 200  # pieces of a segment at most
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 Array = NDArray[np.float64]
@@ -88,6 +89,14 @@ class CycleAtBelt:
             high, low, above, below = (self.census.points(front, self.factors) for front in range(4))
             return extremes_of(high, low, above[0], below[0])
         return extremes(self.functions, self.time)
+
+    @cached_property
+    def corners(self) -> tuple[Array, Array]:
+        """Of one cycle: those points by time, the lower ones with the other sign, and when they are met [s]."""
+        met = self.extremes
+        time = np.concatenate([met.high_time, met.low_time])
+        order = np.argsort(time, kind="stable")
+        return np.concatenate([met.high, -met.low])[order], time[order]
 
     @cached_property
     def braked(self) -> Array:
@@ -225,15 +234,15 @@ class AtGearhead:
         Peak
             Of each candidate.
         """
-        met = self.extremes
-        time = np.concatenate([met.high_time, met.low_time])
-        order = np.argsort(time, kind="stable")
-        points, time = np.concatenate([met.high, -met.low])[order] * self.scale, time[order]
+        points, time = self.base.corners
+        points = points * self.scale
         values = product(coefficients, points.T)
         if left_out is not None and len(rows := np.flatnonzero(lacking(left_out))):
             against = (points < 0.0).astype(float)
             values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
-        value, place = first_largest(values)
+        else:
+            left_out = None
+        value, place = first_largest(np.asfortranarray(values) if len(points) < _FEW else values)
         return bounded(value, time[place], left_out)
 
     @cached_property

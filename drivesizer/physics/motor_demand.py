@@ -23,8 +23,19 @@ from drivesizer.physics.cycle_at_gearhead import (
     AtGearhead,
     lacking,
 )
+from drivesizer.physics.products import once_per_part
 
-__all__ = ["DRY_SHARE", "SLOTLESS", "Demands", "demands", "flange_loss", "friction", "gear_loss", "mean_gear_loss"]
+__all__ = [
+    "DRY_SHARE",
+    "SLOTLESS",
+    "Demands",
+    "demands",
+    "flange_loss",
+    "friction",
+    "gear_loss",
+    "mean_gear_loss",
+    "nominal_friction",
+]
 
 SLOTLESS = "slotless"  # a winding without iron teeth
 DRY_SHARE = {SLOTLESS: 0.37, "": 0.55}  # of a brushless motor's no-load torque, by its winding; sources: ``friction``
@@ -81,7 +92,7 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any, braking: An
     """
     i, k_t = gearhead["ratio"], motor["torque_constant"]
     e, idle = gear_loss(gearhead)
-    coulomb, viscous = friction(motor)
+    coulomb, viscous = nominal_friction(motor)
     c = np.empty((len(i), 6))
     left_out = np.zeros(c.shape, np.bool_)
     unknown = {ACCELERATION: gearhead["inertia"] + motor["rotor_inertia"] + braking, DIRECTION: coulomb, SPEED: viscous}
@@ -103,6 +114,12 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any, braking: An
         c[left_out[:, place] & (slope[:, place] < 0.0), place] = np.nan
     rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
     return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf_constant(motor), left_out)
+
+
+@once_per_part
+def nominal_friction(motor: Any) -> tuple[Array, Array]:
+    """``friction`` of motors as they are in the catalogue."""
+    return friction(motor)
 
 
 def friction(motor: Any, dry: Any = 1.0) -> tuple[Array, Array]:
@@ -139,6 +156,7 @@ def friction(motor: Any, dry: Any = 1.0) -> tuple[Array, Array]:
     return coulomb, np.where(printed, motor["viscous_friction"], viscous)
 
 
+@once_per_part
 def gear_loss(gearhead: Any) -> tuple[Array, Array]:
     r"""Losses of a gearhead: efficiency of the transmitted torque, and torque at its input without load [N*m].
 

@@ -90,6 +90,8 @@ class Feed(NamedTuple):
         is met, and what is not met with the smallest is not. Without a largest duty the supply's voltage is the bound.
         """
         printed = self.usable
+        if not np.isnan(printed).any():
+            return printed
         most, least = (
             usable_voltage(
                 self.voltage, self.stage.max_duty, np.where(np.isnan(self.stage.drop), drop, self.stage.drop)
@@ -160,7 +162,7 @@ def power_stage(controller: Any, voltage: Any, given: Any = None, *, assume: boo
     if own is not None:
         drop, loss = (np.where(inside, x, own) for x in (drop, loss))
     unknown = np.isnan(loss)
-    standby = controller["standby_current"] * voltage if watt is None else watt
+    standby = controller["standby_current"] * voltage if watt is None else np.full(np.shape(loss), watt)
     return PowerStage(
         max_duty=duty,
         drop=drop,

@@ -1,13 +1,22 @@
-"""Products of matrices a part at a time, each too small to be worth threads: these would wait for one another."""
+"""Columns over many candidates: their products, and what hangs on the figures of one part alone.
+
+Products go a part at a time, each too small to be worth threads, which would wait for one another. Figures of a part
+are computed once for each part, not for each candidate that has it.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["product"]
+__all__ = ["once_per_part", "product"]
 
 Array = NDArray[np.float64]
+Result = TypeVar("Result")
 _MULTIPLIED = 1 << 17  # products of figures at a time
 _WIDEST = 2048  # columns at a time, where these are too many
 
@@ -42,3 +51,32 @@ def product(rows: Array, columns: Array) -> Array:
             part = slice(top, top + high), slice(left, left + wide)
             np.matmul(rows[part[0]], columns[:, part[1]], out=found[part])
     return found
+
+
+def once_per_part(compute: Callable[[Any], Result]) -> Callable[[Any], Result]:
+    """Make a function of a part's figures use what columns of many candidates know: which part is whose.
+
+    Parameters
+    ----------
+    compute
+        Function of figures by field name, one part's or columns, that mixes no rows. Its result is a column or a tuple
+        of columns.
+
+    Returns
+    -------
+    callable
+        The same function. Figures with a method ``each`` are asked for what it makes of them.
+
+    Examples
+    --------
+    >>> doubled = once_per_part(lambda part: 2.0 * part["mass"])
+    >>> doubled({"mass": 0.5})
+    1.0
+    """
+
+    @wraps(compute)
+    def computed(part: Any) -> Result:
+        each: Callable[[Callable[[Any], Result]], Result] | None = getattr(part, "each", None)
+        return compute(part) if each is None else each(compute)
+
+    return computed

@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak, Turning
 from drivesizer.physics.stress import on
 
-__all__ = ["AtGearheads", "behind_each", "put_together"]
+__all__ = ["AtGearheads", "behind_each", "belts_of", "put_together", "scales"]
 
 Array = NDArray[np.float64]
+_FIGURES = ("belt", "rms_torque", "peak_torque", "held", "peak_speed", "mean_speed", "sustained_speed", "mean_power",
+            "peak_power", "load_torque", "load_speed")  # fmt: skip
 
 
 class AtGearheads(AtGearhead):
@@ -27,8 +29,26 @@ class AtGearheads(AtGearhead):
     def __init__(self, ats: Sequence[AtGearhead], which: NDArray[np.int64]) -> None:
         """``which``: the number of each candidate's belt, never falling."""
         self.ats, self.which, self.base = ats, which, ats[0].base
-        self.belt = np.array([at.belt for at in ats])[which]
-        self.peak_speed = np.array([at.peak_speed for at in ats])[which]
+
+    def __getattr__(self, name: str) -> Any:
+        """A figure of each candidate's belt, made a column on first use."""
+        if name == "moments":
+            return _Moments(self)
+        if name not in _FIGURES:
+            raise AttributeError(name)
+        column = np.array([getattr(at, name) for at in self.ats])[self.which]
+        setattr(self, name, column)
+        return column
+
+    def slope(self, c: Array) -> Array:
+        """Half of the gradient of the mean square of c f(t), by each coefficient."""
+        found: Array = behind_each(self, lambda at, some: at.slope(some), c)
+        return found
+
+    def turned(self, exponent: float) -> Array:
+        """Mean over the cycle of the output torque to an exponent, times speed there, of each candidate."""
+        found: Array = np.array([at.turned(exponent) for at in self.ats])[self.which]
+        return found
 
     @cached_property
     def parts(self) -> list[tuple[AtGearhead, slice]]:
@@ -56,6 +76,17 @@ class AtGearheads(AtGearhead):
         return Turning(speed, mean, square, several[0].steady)
 
 
+class _Moments:
+    """Means of products of two functions over the cycle, behind the belts of candidates: columns."""
+
+    def __init__(self, cycle: AtGearheads) -> None:
+        self.cycle = cycle
+
+    def __getitem__(self, pair: tuple[int, int]) -> Array:
+        found: Array = np.array([at.moments[pair] for at in self.cycle.ats])[self.cycle.which]
+        return found
+
+
 def behind_each(at: AtGearhead, compute: Callable[..., Any], *columns: Any) -> Any:
     """A function of candidates behind one belt, applied to those behind any number of them.
 
@@ -76,6 +107,32 @@ def behind_each(at: AtGearhead, compute: Callable[..., Any], *columns: Any) -> A
     if not isinstance(at, AtGearheads):
         return compute(at, *columns)
     return put_together([compute(one, *(_some(column, rows) for column in columns)) for one, rows in at.parts])
+
+
+def belts_of(at: AtGearhead, count: int) -> list[slice]:
+    """Which of so many candidates are behind the same belt.
+
+    Parameters
+    ----------
+    at
+        The load cycle behind their belts.
+    count
+        Number of candidates.
+
+    Returns
+    -------
+    list of slice
+        One for each belt that has any; at least one.
+    """
+    return [rows for _, rows in at.parts] if isinstance(at, AtGearheads) else [slice(0, count)]
+
+
+def scales(at: AtGearhead, count: int) -> Array:
+    """By what the belts of so many candidates scale the functions of the cycle [1]: shape (candidates, 6)."""
+    if isinstance(at, AtGearheads):
+        found: Array = np.stack([one.scale for one in at.ats])[at.which]
+        return found
+    return np.broadcast_to(at.scale, (count, len(at.scale)))
 
 
 def _some(column: Any, rows: slice) -> Any:

@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
 from drivesizer.physics.load_cycle import Figure
-from drivesizer.physics.motor_demand import Demands, friction
+from drivesizer.physics.motor_demand import Demands, nominal_friction
+from drivesizer.physics.products import once_per_part
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
 
 __all__ = [
-    "Heat", "Parts", "Record", "Stress", "heat", "housing_loss", "on", "stress", "temperature_at_most", "volts_of",
+    "Heat", "Parts", "Record", "Stress", "heat", "housing_loss", "on", "put", "replaced", "stress",
+    "temperature_at_most", "volts_of",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -51,7 +53,62 @@ def on(record: Record, rows: Any) -> Record:
     record
         Of the same type.
     """
-    return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
+    if isinstance(rows, np.ndarray) and rows.dtype == bool:  # numbers are quicker, column by column
+        rows = np.flatnonzero(rows)
+    if isinstance(rows, slice):
+        return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
+    taken: dict[int, Any] = {}  # columns that are one and the same stay so
+    for x in record:
+        if id(x) not in taken:
+            taken[id(x)] = on(x, rows) if isinstance(x, tuple) else x.take(rows, axis=0)
+    return type(record)(*(taken[id(x)] for x in record))
+
+
+def put(column: NDArray[Any], rows: NDArray[Any], some: NDArray[Any]) -> NDArray[Any]:
+    """A column with some of its rows replaced.
+
+    Parameters
+    ----------
+    column
+        Shape (rows, ...).
+    rows
+        Row numbers or a mask.
+    some
+        New values of these rows.
+
+    Returns
+    -------
+    Array
+        A copy of the column.
+
+    >>> put(np.array([1, 2, 3]), np.array([True, False, True]), np.array([7, 8])).tolist()
+    [7, 2, 8]
+    """
+    changed = column.copy()
+    changed[rows] = some
+    return changed
+
+
+def replaced(record: Record, rows: NDArray[np.int64], some: Record) -> Record:
+    """A record of columns with those of some candidates replaced.
+
+    Parameters
+    ----------
+    record, some
+        Of all candidates and of these.
+    rows
+        Which they are.
+
+    Returns
+    -------
+    record
+        Of the same type; columns that are one and the same in both stay so.
+    """
+    made: dict[tuple[int, int], Array] = {}
+    for a, b in zip(record, some, strict=True):
+        if (id(a), id(b)) not in made:
+            made[id(a), id(b)] = put(a, rows, b)
+    return type(record)(*(made[id(a), id(b)] for a, b in zip(record, some, strict=True)))
 
 
 class Heat(NamedTuple):
@@ -94,23 +151,29 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
     tuple of arrays
         Loss per speed [W*s/rad] and per square of it [W*s^2/rad^2].
     """
-    brushed = motor["kind"] == "brushed"
-    rise = motor["max_winding_temperature"] - rated_ambient(motor)
-    R_th2 = motor["thermal_resistance_housing"]
-    hot = resistance_at(resistance_25(motor), motor["max_winding_temperature"])
-    copper = hot * motor["nominal_current"] ** 2
-    left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
-    coulomb, viscous = friction(motor)
-    w_N = motor["nominal_speed"]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        lost = np.maximum(left, 0.0) / ((coulomb + viscous * w_N) * w_N)  # per loss by friction
-    rubs = brushed | np.isnan(left + w_N)
+    rubs, lost, coulomb, viscous, left, w_N = _nominal_loss(motor)
     scale = np.where(rubs, 1.0, lost)
     rubbing, growing = scale * coulomb * ratio, scale * viscous * ratio**2
     if (shapeless := ~rubs & ~np.isfinite(lost)).any():
         rubbing = np.where(shapeless, 0.0, rubbing)
         growing = np.where(shapeless, np.maximum(left, 0.0) * (ratio / w_N) ** 2, growing)
     return rubbing, growing
+
+
+@once_per_part
+def _nominal_loss(motor: Any) -> tuple[Any, ...]:
+    """Of each motor: whether only friction counts, loss per loss by friction, friction, loss [W] and speed of it."""
+    brushed = motor["kind"] == "brushed"
+    rise = motor["max_winding_temperature"] - rated_ambient(motor)
+    R_th2 = motor["thermal_resistance_housing"]
+    hot = resistance_at(resistance_25(motor), motor["max_winding_temperature"])
+    copper = hot * motor["nominal_current"] ** 2
+    left = (rise - (motor["thermal_resistance_winding"] + R_th2) * copper) / R_th2
+    coulomb, viscous = nominal_friction(motor)
+    w_N = motor["nominal_speed"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lost = np.maximum(left, 0.0) / ((coulomb + viscous * w_N) * w_N)  # per loss by friction
+    return brushed | np.isnan(left + w_N), lost, coulomb, viscous, left, w_N
 
 
 def heat(

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.files.frozen import dataclass
+from drivesizer.physics.products import once_per_part
 
 __all__ = [
     "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",
@@ -66,6 +67,7 @@ def data_temperature(motor: Any) -> Value:
     return found
 
 
+@once_per_part
 def rated_ambient(motor: Any) -> Value:
     """Ambient of the continuous nominal current [K]: the maker's, else that of the motor's other figures."""
     stated = np.asarray(motor["rated_ambient"], float)
@@ -73,6 +75,7 @@ def rated_ambient(motor: Any) -> Value:
     return found
 
 
+@once_per_part
 def resistance_25(motor: Any) -> Value:
     r"""Resistance of a motor's winding at 25 degC [ohm], :math:`R_d / (1 + \alpha (T_d - T_{25}))`.
 

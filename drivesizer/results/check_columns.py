@@ -143,10 +143,14 @@ class CheckColumn:
 
     def on(self, rows: NDArray[np.int64] | slice) -> CheckColumn:
         """The same check of some of the candidates."""
+        if isinstance(rows, np.ndarray) and rows.dtype == bool:
+            rows = np.flatnonzero(rows)
         taken = object.__new__(CheckColumn)  # quicker than ``replace``: a search takes some rows of many columns
         for name in _FIELDS:
             value = getattr(self, name)
-            object.__setattr__(taken, name, value[rows] if isinstance(value, np.ndarray) else value)
+            if isinstance(value, np.ndarray):
+                value = value[rows] if isinstance(rows, slice) else value.take(rows)
+            object.__setattr__(taken, name, value)
         return taken
 
     def with_rows(self, rows: NDArray[Any], some: CheckColumn) -> CheckColumn:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.products import once_per_part
 from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 
@@ -44,8 +45,14 @@ def continuous_speed_limit(
     CheckColumn
         Of the candidates.
     """
-    speed = np.where(np.isin(gearhead["manufacturer"], _BY_THE_MEAN), mean_speed, sustained_speed)
+    speed = np.where(_by_the_mean(gearhead), mean_speed, sustained_speed)
     return at_most("gearhead_continuous_speed", speed * ratio, gearhead["continuous_input_speed"], needed=needed)
+
+
+@once_per_part
+def _by_the_mean(gearhead: Any) -> Any:
+    """Whether the maker limits the mean input speed."""
+    return np.isin(gearhead["manufacturer"], _BY_THE_MEAN)
 
 
 def controller_current(controller: Any, ambient: Array | float) -> Any:
@@ -140,7 +147,7 @@ def _rated(
 ) -> CheckColumn:
     """An RMS demand against a thermal rating, in another ambient than that of the rating."""
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
-    limit = np.asarray(rating * current_derating(ambient, T_max, rated))
+    limit = np.where(np.isposinf(rating), np.inf, rating * current_derating(ambient, T_max, rated))
     found = at_most(name, rms, limit, needed=needed)
     least = np.isnan(T_max) & (ambient < np.asarray(rated)) & ~found.passed
     return at_most(name, rms, np.where(least, np.nan, limit), needed=needed) if least.any() else found

@@ -1,4 +1,4 @@
-"""Of all candidates those that pass or may pass, and the closest rejected: in chunks, a belt at a time.
+"""Of all candidates those that pass or may pass, and the closest rejected: in chunks, behind some belts at a time.
 
 Candidates are examined at the favourable end of the bands of estimated figures; those that have any once more at the
 other end: it passes where it passes at both, is open where at one, and fails where at none.
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Set
-from itertools import cycle
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +16,9 @@ from numpy.typing import NDArray
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.bands import at_ends, estimated
-from drivesizer.search.columns.candidates import Candidates, joined, pairs
+from drivesizer.search.columns.candidates import Candidates, Crossed, joined, pairs
 from drivesizer.search.columns.evaluation import by_physics
+from drivesizer.search.columns.parts_alone import belts_together
 from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.search.ranking import BRAKE, COUNTED, order, rounded
 from drivesizer.spec.select import OBJECTIVES
@@ -29,8 +29,9 @@ Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]  # drives examined, drives in all
 PASSES, OPEN, UNKNOWN = range(3)  # certainty
 _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
-_CHUNK = 1 << 16  # pairs at a time
+_CHUNK = 1 << 20  # drives at a time
 _NEAREST = 32  # of the rejected, kept until all are known
+_ALIKE = 1e-7  # share of a margin within which rounding makes others equal
 
 
 class Sifted(NamedTuple):
@@ -43,7 +44,7 @@ class Sifted(NamedTuple):
 
 
 class _Found(NamedTuple):
-    """The same of one belt's chunk, with the rejected."""
+    """The same of some candidates, with the rejected."""
 
     examined: int
     sets: Candidates
@@ -76,12 +77,12 @@ def sifted(
     tuple
         Those that pass or may pass, candidates near the limits, and how many failed on what.
     """
-    every, belts = pairs(problem), problem.belt_ratios
-    total, done, failed_by = len(every.motor) * len(belts), 0, Counter[str]()
+    every = pairs(problem)
+    total, done, failed_by = len(every.motor) * len(problem.belt_ratios), 0, Counter[str]()
     kept: list[_Found] = []
     rejected = [(every.on(slice(0, 0)), np.zeros(0))]
     exact = bool(names & _WAVEFORM)
-    for one in _examined(problem, every, belts, exact, margins or exact):
+    for one in _examined(problem, every, exact, margins or exact):
         failed_by.update(one.failed_by)
         kept.append(one)
         rejected = [_nearest(problem, [*rejected, (one.rejected, one.bound)])]
@@ -109,52 +110,73 @@ def any_passes(problem: Problem) -> bool:
     bool
         Whether ``sifted`` would find one.
     """
-    every, belts = pairs(problem), problem.belt_ratios
+    every = pairs(problem)
     if problem.spec.select.unknown == "reject":
-        return any((~one.unknown.any(axis=1)).any() for one in _examined(problem, every, belts, False, False))
+        return any((~one.unknown.any(axis=1)).any() for one in _examined(problem, every, False, False))
     uncertain = every.on(estimated(problem, every))
     favourable, unfavourable = at_ends(problem) if len(uncertain.motor) else (problem, problem)
     sides = ((favourable, every), (unfavourable, uncertain))
-    found = (one for side, sets in sides for one in examine(side, _chunks(sets, belts), staged=True, exact=False))
+    chunks = ((side, some) for side, sets in sides for some, _ in _chunks(problem, sets))
+    found = (one for side, some in chunks for one in examine(side, some, exact=False))
     return any(len(one.rows) for one in found)
 
 
-def _examined(problem: Problem, every: Candidates, belts: list[float], exact: bool, margins: bool) -> Iterator[_Found]:
-    """One belt's chunk after the other: all at the favourable end, where printed figures are as printed."""
+def _examined(problem: Problem, every: Candidates, exact: bool, margins: bool) -> Iterator[_Found]:
+    """Some of them after the other: all at the favourable end, where printed figures are as printed."""
     uncertain = np.zeros(len(every.motor), bool)
     uncertain[estimated(problem, every)] = True
     favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
-    rows = [np.flatnonzero(uncertain[start : start + _CHUNK]) for start in range(0, len(uncertain), _CHUNK)]
-    easy = examine(favourable, _chunks(every, belts), staged=True, exact=exact, margins=margins)
-    some = (
-        (belt, chunk.on(few))
-        for (belt, chunk), few in zip(_chunks(every, belts), cycle(rows), strict=False)
-        if len(few)
-    )
-    hard = examine(unfavourable, some, staged=True, exact=exact, margins=margins)
-    for one, few in zip(easy, cycle(rows), strict=False):
+    for some, pairs_ in _chunks(problem, every):
+        easy = _together(examine(favourable, some, exact=exact, margins=margins))
+        few = np.flatnonzero(uncertain[pairs_])
         if len(few):
-            yield _at_both(problem, one, few, next(hard))
+            again = Crossed(some.pairs.on(few), some.belts)
+            hard = _together(examine(unfavourable, again, exact=exact, margins=margins))
+            yield _at_both(problem, some, easy, few, hard)
         else:
-            yield _found(problem, one, np.zeros(len(one.rows), bool))
+            yield _found(problem, some, easy, np.zeros(len(easy.rows), bool))
 
 
-def _found(problem: Problem, one: Examined, opened: NDArray[np.bool_]) -> _Found:
+def _together(found: Iterator[Examined]) -> Examined:
+    """What was examined some at a time; there is at least one."""
+    several = list(found)
+    if len(several) == 1:
+        return several[0]
+    whole = {
+        name: np.concatenate([getattr(one, name) for one in several])
+        for name in ("rows", "unknown", "margin", "encoder", "controller", "brake", "rejected", "bound")
+    }
+    figures = {name: np.concatenate([one.figures[name] for one in several]) for name in several[0].figures}
+    failed_by = sum((one.failed_by for one in several), Counter[str]())
+    return Examined(checks=[], figures=figures, failed_by=failed_by, **whole)
+
+
+def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.bool_]) -> _Found:
     figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin, BRAKE: one.brake.astype(float)}
-    sets, rejected, bound = one.sets, one.rejected, one.bound
-    if len(rejected) > _NEAREST:
-        far = rounded(-bound)
-        few = np.flatnonzero(~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1]))
-        rejected, bound = rejected[few], bound[few]
-    failing = _nearest(problem, [(sets.on(rejected), bound)])
-    return _Found(len(sets.motor), sets.on(one.rows), opened, one.unknown, figures, one.failed_by, *failing)
+    few = _closest(one.bound)
+    failing = _nearest(problem, [(every.on(one.rejected[few]), one.bound[few])])
+    count = len(every.pairs.motor) * len(every.belts)
+    return _Found(count, every.on(one.rows), opened, one.unknown, figures, one.failed_by, *failing)
 
 
-def _at_both(problem: Problem, easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
+def _closest(bound: Array) -> NDArray[np.int64]:
+    """Which are as near to their limits as the nearest, as many as are kept and their equals."""
+    if len(bound) <= _NEAREST:
+        return np.arange(len(bound))
+    last = -np.partition(-bound, _NEAREST - 1)[_NEAREST - 1]
+    few = np.flatnonzero(bound >= last - _ALIKE * abs(last))  # rounding makes equals of no others
+    far = rounded(-bound[few])
+    near: NDArray[np.int64] = few[~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1])]
+    return near
+
+
+def _at_both(problem: Problem, every: Crossed, easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
     """Candidates that pass at the favourable end, then those of the other end alone; ``few`` were examined at both."""
-    passing = few[hard.rows]
-    both, alone = np.isin(easy.rows, passing), ~np.isin(passing, easy.rows)
-    opened = np.isin(easy.rows, few) & ~both
+    total, (belt, row) = len(every.pairs.motor), np.divmod(hard.rows, len(few))
+    passing = few[row] + belt * total
+    at_hard, at_easy = (_marked(rows, total * len(every.belts)) for rows in (passing, easy.rows))
+    both, alone = at_hard[easy.rows], ~at_easy[passing]
+    opened = _marked(few, total)[easy.rows % total] & ~both
     unknown, margin = easy.unknown.copy(), easy.margin.copy()
     opened[both] = (unknown[both] != hard.unknown[~alone]).any(axis=1)  # rows of both rise
     unknown[both] &= hard.unknown[~alone]
@@ -164,7 +186,7 @@ def _at_both(problem: Problem, easy: Examined, few: NDArray[np.int64], hard: Exa
         column[both] = hard.figures[name][~alone]
     brake = easy.brake.copy()
     brake[both] = hard.brake[~alone]
-    rest = np.flatnonzero(~np.isin(easy.rejected, passing))
+    rest = np.flatnonzero(~at_hard[easy.rejected])
     whole = easy._replace(
         rows=np.concatenate([easy.rows, passing[alone]]),
         unknown=np.concatenate([unknown, hard.unknown[alone]]),
@@ -174,14 +196,35 @@ def _at_both(problem: Problem, easy: Examined, few: NDArray[np.int64], hard: Exa
         rejected=easy.rejected[rest],
         bound=easy.bound[rest],
     )
-    return _found(problem, whole, np.concatenate([opened, np.ones(np.count_nonzero(alone), bool)]))
+    opened = np.concatenate([opened, np.ones(np.count_nonzero(alone), bool)])
+    if alone.any():  # behind each belt they come last
+        by_belt = np.argsort(whole.rows // total, kind="stable")
+        whole, opened = _reordered(whole, by_belt), opened[by_belt]
+    return _found(problem, every, whole, opened)
 
 
-def _chunks(every: Candidates, belts: list[float]) -> Iterator[tuple[float, Candidates]]:
-    for belt in belts:
+def _marked(rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """Which of so many rows are among some."""
+    found = np.zeros(count, bool)
+    found[rows] = True
+    return found
+
+
+def _reordered(found: Examined, rows: NDArray[np.int64]) -> Examined:
+    """Those that came through in another order."""
+    figures = {name: column[rows] for name, column in found.figures.items()}
+    changed = {name: getattr(found, name)[rows] for name in ("rows", "unknown", "margin", "brake")}
+    return found._replace(figures=figures, **changed)
+
+
+def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slice]]:
+    """The candidates belt by belt, some at a time, and which pairs these are."""
+    belts = problem.belt_ratios
+    most = min(max(_CHUNK // max(len(every.motor), 1), 1), belts_together(problem))
+    for some in np.array_split(np.array(belts), -(-len(belts) // most)):  # alike many at a time
         for start in range(0, len(every.motor), _CHUNK):
-            chunk = every.on(slice(start, start + _CHUNK))
-            yield belt, chunk._replace(belt=np.full(len(chunk.motor), belt))
+            rows = slice(start, start + _CHUNK)
+            yield Crossed(every.on(rows), some.tolist()), rows
 
 
 def _nearest(problem: Problem, several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:

@@ -26,6 +26,7 @@ from drivesizer.loads.kinds import AXES, MODULES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.elements.braking import released_power
 from drivesizer.physics.power_stage import Feed, power_stage
+from drivesizer.physics.products import once_per_part
 from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.lives import Lives
 from drivesizer.spec.messages import explained
@@ -361,7 +362,8 @@ class RobotSpec(HasLater):
         A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
         """
         supply = self.supply
-        stage = power_stage(controller, supply.nominal, self.power_stage, assume=self.select.estimates == "on")
+        given, assume = self.power_stage, self.select.estimates == "on"
+        stage = once_per_part(lambda part: power_stage(part, supply.nominal, given, assume=assume))(controller)
         if brake is not None:
             stage = stage._replace(standby=stage.standby + released_power(brake))
         ohm = 0.0 if supply.resistance is None else supply.resistance

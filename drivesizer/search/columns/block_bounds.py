@@ -16,6 +16,7 @@ from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source, source_power
 from drivesizer.physics.products import product
+from drivesizer.physics.several_belts import scales
 from drivesizer.physics.stress import Heat, Parts, Stress, on, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import balanced, wave
@@ -23,7 +24,7 @@ from drivesizer.search.columns.limits_over_time import Moments, Pair
 from drivesizer.search.columns.waveform_bounds import at_source, resisted
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["closer", "closer_power"]
+__all__ = ["by_segments", "closer", "closer_power"]
 
 Array = NDArray[np.float64]
 _ROUNDING = 1e-12  # share of a power that rounding may take
@@ -38,11 +39,16 @@ def _bracketed(cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts, 
 
 def _blocks(cycle: AtGearhead, count: int) -> Blocks:
     """The cycle in so many blocks at most."""
+    return _blocks_before_belt(cycle, count).behind(cycle.scale)
+
+
+def _blocks_before_belt(cycle: AtGearhead, count: int) -> Blocks:
+    """The cycle behind a belt of ratio 1 in so many blocks at most."""
     store, name = cycle.base.coarse, ("blocks", count)
     if name not in store:
         store[name] = blocks(cycle.load_cycle.duration, cycle.base.functions, count)
     found: Blocks = store[name]
-    return found.behind(cycle.scale)
+    return found
 
 
 def closer(
@@ -85,6 +91,39 @@ def closer(
         low = low._replace(**{name: np.fmax(getattr(low, name), one)})
         high = high._replace(**{name: np.fmin(getattr(high, name), np.where(np.isnan(other), np.inf, other))})
     return low, high
+
+
+def by_segments(
+    spec: RobotSpec,
+    cycle: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
+    parts: Parts,
+    low: Moments,
+    high: Moments,
+) -> Pair:
+    """Bounds over a short cycle from its segments, where a winding's course takes many pieces of each.
+
+    Parameters
+    ----------
+    spec, cycle, demand, heating, stresses, parts
+        As in ``bounds``; the candidates may be behind several belts.
+    low, high
+        Its result.
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds.
+    """
+    scale = scales(cycle, len(demand.rms_current))
+    current = demand.coefficients * scale / parts.motor["torque_constant"][:, None]
+    fast, each = scale[:, SPEED], _blocks_before_belt(cycle, len(cycle.load_cycle.duration))
+    losses = heating.friction * fast, heating.iron * fast**2
+    T = bracket(two_bodies(parts.motor), spec.environment.ambient, each, current, *losses)
+    pair = low._replace(winding=T.lower), high._replace(winding=T.upper)
+    return resisted(spec, cycle, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
 
 
 def _in_blocks(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from drivesizer.catalog import DIRECT, Catalog, Table
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.controllers import selected
 
-__all__ = ["FREE", "Candidates", "Rows", "candidates", "joined", "pairs"]
+__all__ = ["FREE", "Candidates", "Crossed", "Rows", "candidates", "joined", "pairs"]
 
 
 FREE = -2  # in place of a controller's row: one is chosen
@@ -44,27 +44,68 @@ def joined(several: Sequence[Candidates]) -> Candidates:
     )
 
 
+class Crossed(NamedTuple):
+    """Pairs of motor and gearhead, each of them behind each of several belts: numbered belt by belt."""
+
+    pairs: Candidates  # whatever their belt
+    belts: list[float]
+
+    def number(self, belt: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Numbers of candidates by those of their belts and the rows of their pairs."""
+        found: NDArray[np.int64] = belt * len(self.pairs.motor) + row
+        return found
+
+    def on(self, numbers: NDArray[np.int64]) -> Candidates:
+        """Some of them."""
+        belt, row = np.divmod(numbers, max(len(self.pairs.motor), 1))
+        return self.pairs.on(row)._replace(belt=np.array(self.belts, float)[belt])
+
+
 class Rows:
     """The columns of a table at some rows, taken on first use; at row -1 every figure is unknown."""
 
-    def __init__(self, table: Table[Any], rows: NDArray[np.int64]) -> None:
+    def __init__(self, table: Table[Any], rows: NDArray[np.int64], some_missing: bool | None = None) -> None:
+        """``some_missing``: whether a row may be -1, where that is known."""
         self.table, self.rows = table, rows
-        self.some_missing = bool((rows < 0).any())
+        self.some_missing = bool((rows < 0).any()) if some_missing is None else some_missing
         self.taken: dict[str, NDArray[Any]] = {}
+        self.made: dict[Callable[[Any], Any], Any] = {}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self.taken:
             column: NDArray[Any] = self.table[name]
             if self.some_missing:
                 column = np.append(column, np.array([np.nan if column.dtype.kind == "f" else ""], column.dtype))
-            self.taken[name] = column[self.rows]
+            self.taken[name] = column.take(self.rows)
         return self.taken[name]
+
+    def each(self, compute: Callable[[Any], Any]) -> Any:
+        """What a function makes of the figures of one part alone, once for each part where that is less."""
+        if compute not in self.made:
+            few = len(self.rows) <= len(self.table)
+            self.made[compute] = compute(self) if few else _at(compute(self._every), self.rows)
+        return self.made[compute]
+
+    @property
+    def _every(self) -> Any:
+        """All parts of the table; behind them one of which nothing is known, where there is such a row."""
+        return Rows(self.table, np.append(np.arange(len(self.table)), -1)) if self.some_missing else self.table
 
     def on(self, rows: NDArray[Any] | slice) -> Rows:
         """Some of the rows; for all of them this one, with the columns that it has taken."""
-        if isinstance(rows, slice) and rows == slice(None):
-            return self
-        return Rows(self.table, self.rows[rows])
+        if isinstance(rows, slice):
+            return self if rows == slice(None) else Rows(self.table, self.rows[rows], self.some_missing)
+        if rows.dtype == bool:
+            rows = np.flatnonzero(rows)
+        return Rows(self.table, self.rows.take(rows), self.some_missing)
+
+
+def _at(columns: Any, rows: NDArray[np.int64]) -> Any:
+    """Columns, or several of them, at some rows."""
+    if not isinstance(columns, tuple):
+        return columns.take(rows)
+    taken = (column.take(rows) for column in columns)
+    return type(columns)(*taken) if hasattr(columns, "_fields") else tuple(taken)
 
 
 def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:

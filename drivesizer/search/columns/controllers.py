@@ -199,25 +199,27 @@ def controllers(
     """
     table = catalog.controllers
     order, allowed, lowest, ambient = usable or usable_controllers(spec, catalog)
-    allowed = allowed[motor]
     lasting = controller_current(table, ambient)
-    figure = {name: table[name][order] for name in ("peak_current", "peak_time")} | {
-        "continuous_current": lasting[order]
-    }
-    enough = allowed & ~(figure["continuous_current"] < rms_current[:, None])
-    enough &= ~(figure["peak_current"] < peak_current[:, None])
-    lacking = np.isnan(figure["continuous_current"]).astype(np.int8) + np.isnan(figure["peak_current"])
+    figure = {name: _beside(table[name], order) for name in ("peak_current", "peak_time")}  # shape (controllers, 1)
+    continuous = _beside(lasting, order)
+    enough = allowed.T.take(motor, axis=1)  # shape (controllers, rows): few long rows are quicker than many short ones
+    enough &= ~(continuous < rms_current)
+    enough &= ~(figure["peak_current"] < peak_current)
+    lacking = np.isnan(continuous).astype(np.int8) + np.isnan(figure["peak_current"])
     if voltage is not None:
-        delivered = spec.feed({name: table[name][order] for name in STAGE_FIGURES})._replace(voltage=lowest).usable
-        enough &= ~(np.fmin(delivered, lowest) < voltage[:, None])
-        timed = figure["continuous_current"] < peak_current[:, None]
-        lacking = lacking + np.isnan(delivered) + (np.isnan(figure["peak_time"]) & timed)
+        delivered = spec.feed({name: _beside(table[name], order) for name in STAGE_FIGURES})
+        usable_voltage = delivered._replace(voltage=lowest).usable
+        enough &= ~(np.fmin(usable_voltage, lowest) < voltage)
+        lacking = lacking + np.isnan(usable_voltage)
+        if (untimed := np.isnan(figure["peak_time"])).any():
+            lacking = lacking + (untimed & (continuous < peak_current))
     if speeds is not None:
         for name, demand in speeds._asdict().items():
-            limit, demand = table[name][order], demand[:, None]
+            limit = _beside(table[name], order)
             enough &= ~(limit < demand)
-            lacking = lacking + (np.isnan(limit) & (demand != 0.0))
-    row = _first(order, enough, lacking, _last(allowed, order))
+            if (unknown := np.isnan(limit)).any():
+                lacking = lacking + (unknown & (demand != 0.0))
+    row = _first(order, enough, lacking, _last(allowed, order)[motor])
     continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
     return Chosen(row, [
         fits("controller_available", row >= 0, len(table) > 0),  # unknown with catalogues that list no controllers
@@ -235,14 +237,22 @@ def _belongs(catalog: Catalog, order: NDArray[np.int64]) -> NDArray[np.bool_]:
     return found
 
 
+def _beside(column: NDArray[Any], order: NDArray[np.int64]) -> NDArray[Any]:
+    """A figure of controllers in order, one in each row: for columns of candidates beside it."""
+    return column[order][:, None]
+
+
 def _first(
     order: NDArray[np.int64], mask: NDArray[np.bool_], lacking: NDArray[np.int8], otherwise: NDArray[np.int64]
 ) -> NDArray[np.int64]:
     """Of those that a mask allows one of which the fewest figures are lacking: of them the first in order."""
-    if not len(order):
-        return otherwise
-    best = np.where(mask, lacking, np.int8(99)).argmin(axis=1)
-    return np.where(mask.any(axis=1), order[best], otherwise)
+    found, fewest = otherwise.copy(), np.full(len(otherwise), 99, np.int8)
+    lacks = np.broadcast_to(lacking, mask.shape)
+    for place in reversed(range(len(order))):  # one that lacks no more goes before those behind it
+        better = mask[place] & (lacks[place] <= fewest)
+        np.copyto(found, order[place], where=better)
+        np.copyto(fewest, lacks[place], where=better)
+    return found
 
 
 def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:

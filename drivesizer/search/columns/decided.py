@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.several_belts import behind_each
-from drivesizer.physics.stress import Heat, Parts, Stress, on
+from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
+from drivesizer.search.columns.block_bounds import by_segments, closer_power
 from drivesizer.search.columns.block_bounds import closer as closer_in_blocks
-from drivesizer.search.columns.block_bounds import closer_power
 from drivesizer.search.columns.bus_bounds import closer_stored, stored_by_segments
 from drivesizer.search.columns.candidates import Rows
 from drivesizer.search.columns.exactly import exact, time_above
@@ -34,13 +34,15 @@ from drivesizer.search.columns.limits_over_time import (
 )
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["decided", "put"]
+__all__ = ["decided"]
 
 Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
 _BLOCKS = (64, 1024)
+_MORE = 4  # times as many pieces as segments, from where the segments of a short cycle decide sooner
 _FEW_PIECES, _PIECES = 256, 8192
 _WINDING = 2  # so many of the limits are those of the winding
+_VOLTAGE = 1  # of the motor
 _BUS = 3  # the voltage of the bus
 _POWER = 4  # from here on they are those of the supply's power
 _NOT_BY_HEAT = (2, _BUS)  # time of overload
@@ -72,10 +74,11 @@ class _Case:
         supply = self.spec.supply
         return bool(self.spec.resists or supply.current or supply.power or np.any(kept_on_the_bus(self.spec) > 0.0))
 
-    def some(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
+    def some(self, mask: NDArray[Any]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates."""
         demand, heating, stresses, parts = self.columns
-        return (self.spec, self.cycle.on(mask), on(demand, mask), on(heating, mask), on(stresses, mask), parts.on(mask))
+        rows = _numbers(mask)
+        return (self.spec, self.cycle.on(rows), on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
 
     @cached_property
     def bounding(self) -> Parts:
@@ -88,7 +91,7 @@ class _Case:
         table = replace(some, columns={**some.columns, "max_winding_temperature": permitted})
         return parts._replace(motor=Rows(table, np.arange(len(permitted))))
 
-    def bounded(self, mask: NDArray[np.bool_]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
+    def bounded(self, mask: NDArray[Any]) -> tuple[RobotSpec, AtGearhead, Demands, Heat, Stress, Parts]:
         """Of some of the candidates, for bounds."""
         return (*self.some(mask)[:-1], self.bounding.on(mask))
 
@@ -112,10 +115,19 @@ class _Case:
         masks = [mask & self.columns[0].complete for mask in masks]  # else it stays unknown whatever the waveform says
         return [mask & self.told for mask in masks[:_WINDING]] + masks[_WINDING:]
 
+    def open_again(
+        self, found: Pair, alive: NDArray[np.bool_], left: list[NDArray[np.bool_]], mask: NDArray[np.bool_]
+    ) -> list[NDArray[np.bool_]]:
+        """The same where only the bounds of some candidates are others than those that left these open."""
+        rows = np.flatnonzero(mask)
+        few = _Case(*self.some(rows), self.each, self.staged)
+        some = few.open((on(found[0], rows), on(found[1], rows)), alive[rows])
+        return [put(old, rows, new) for old, new in zip(left, some, strict=True)]
+
     @cached_property
     def coldest(self) -> Array:
         """An upper bound of the cycle's power with a cold winding [W]."""
-        found: Array = behind_each(self.cycle, partial(waveform_bounds.most_cold_power, self.spec), *self.columns)
+        found: Array = waveform_bounds.most_cold_power(self.spec, self.cycle, *self.columns)
         return found
 
 
@@ -131,6 +143,7 @@ def decided(
     *,
     each: Collection[str] = (),
     staged: bool = False,
+    nearness: bool = True,
 ) -> Pair:
     """Peaks and heat over the waveform, exact where bounds do not decide.
 
@@ -146,6 +159,8 @@ def decided(
         Names of checks to decide of candidates that fail on another as well.
     staged
         Whether it is enough to know which limits fail; else also how far those left open by blocks are from them.
+    nearness
+        Whether it matters how near to its limits a candidate is that passes.
 
     Returns
     -------
@@ -154,10 +169,10 @@ def decided(
     """
     case = _Case(spec, cycle, demand, heating, stresses, parts, each, staged)
     if before and not case.controlled:
-        shortest, longest = behind_each(cycle, partial(waveform_bounds.above_bounds, spec), demand, stresses, parts)
+        shortest, longest = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
-        found = behind_each(cycle, partial(waveform_bounds.bounds, spec), demand, heating, stresses, case.bounding)
+        found = waveform_bounds.bounds(spec, cycle, demand, heating, stresses, case.bounding)
         if before:
             known = (
                 ("winding", "winding_time") if spec.resists else ("winding", "winding_time", "voltage", "voltage_time")
@@ -169,6 +184,8 @@ def decided(
     long = cycle.base.pieces > _LONG
     if long:
         found, left = _closer(case, alive, found, left)
+    elif not nearness and _MORE * len(cycle.load_cycle.duration) <= cycle.base.pieces:
+        found, left = _passing_by_segments(case, found, left)
     return _exactly(case, alive, found, left, long)
 
 
@@ -185,7 +202,7 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
     if winding.any():
         new = [on(side, winding[first]).over(on(old, winding), "winding") for side, old in zip(few, found, strict=True)]
         found = _replaced(found, winding, new)
-        left = case.open(found, alive)
+        left = case.open_again(found, alive, left, winding)
     rest = np.logical_or.reduce(left[_WINDING:])
     if not rest.any():
         return found
@@ -208,6 +225,24 @@ def _exactly(case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDAr
 def _wanted(left: list[NDArray[np.bool_]]) -> Wanted:
     """Figures to compute where these limits are open: the energy that the bus stores costs most."""
     return "limits" if left[_BUS].any() else "power"
+
+
+def _passing_by_segments(
+    case: _Case, found: Pair, left: list[NDArray[np.bool_]]
+) -> tuple[Pair, list[NDArray[np.bool_]]]:
+    """The same, closer where that shows that what is open passes; what may fail is left for the waveform to tell."""
+    rows = np.flatnonzero(np.logical_or.reduce(left) & case.told)
+    if not len(rows):
+        return found, left
+    some = case.bounded(rows)
+    few = by_segments(*some, on(found[0], rows), on(found[1], rows))
+    limits = waveform_limits(case.spec, few[1], few[1], some[-1])
+    holds = [check.passed | ~mask[rows] for check, mask in zip(limits, left, strict=True)]
+    good = np.flatnonzero(np.logical_and.reduce([*holds, limits[_VOLTAGE].passed]))
+    found = _replaced(found, rows[good], [on(side, good) for side in few])
+    settled = np.zeros(len(case.told), bool)
+    settled[rows[good]] = True
+    return found, [mask & ~settled for mask in left]
 
 
 def _closer(
@@ -233,8 +268,7 @@ def _closer(
     mask = left[_WINDING]
     if mask.any():
         spec, cycle, demand, _, stresses, parts = case.some(mask)
-        closely = partial(waveform_bounds.above_bounds, spec, pieces=_PIECES)
-        times = behind_each(cycle, closely, demand, stresses, parts)
+        times = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts, _PIECES)
         found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
         left = case.open(found, alive)
     if (mask := left[_WINDING]).any():  # the current alone decides
@@ -252,34 +286,13 @@ def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable
     return _replaced(found, mask, few)
 
 
-def _replaced(found: Pair, mask: NDArray[np.bool_], few: Sequence[Moments]) -> Pair:
+def _replaced(found: Pair, mask: NDArray[Any], few: Sequence[Moments]) -> Pair:
     """Bounds with those of some candidates replaced."""
-    low, high = (
-        Moments(*(put(a, mask, b) for a, b in zip(*sides, strict=True))) for sides in zip(found, few, strict=True)
-    )
+    rows = _numbers(mask)
+    low, high = (replaced(old, rows, new) for old, new in zip(found, few, strict=True))
     return low, high
 
 
-def put(column: NDArray[Any], rows: NDArray[Any], some: NDArray[Any]) -> NDArray[Any]:
-    """A column with some of its rows replaced.
-
-    Parameters
-    ----------
-    column
-        Shape (rows, ...).
-    rows
-        Row numbers or a mask.
-    some
-        New values of these rows.
-
-    Returns
-    -------
-    Array
-        A copy of the column.
-
-    >>> put(np.array([1, 2, 3]), np.array([True, False, True]), np.array([7, 8])).tolist()
-    [7, 2, 8]
-    """
-    changed = column.copy()
-    changed[rows] = some
-    return changed
+def _numbers(rows: NDArray[Any]) -> NDArray[np.int64]:
+    """Numbers of rows, of these or of a mask: they are quicker."""
+    return np.flatnonzero(rows) if rows.dtype == bool else rows

@@ -126,18 +126,19 @@ def encoders_for(
     -----
     Where none has counts enough it is the one with the most, so that its check can say by how much it falls short.
     """
-    rows, counts = offered.row[motor], offered.counts[motor]
-    enough = (counts >= offered.least) & (rows >= 0)
-    finest = spec.needs.resolution_at_load
-    if finest is not None:
-        geared = reduction if spec.gear is None else reduction * spec.gear.ratio
-        enough &= angle_per_edge(counts, geared[:, None]) <= finest
-    holds = enough & (speed[:, None] <= offered.fastest[motor])
-    found = offered.last[motor]
-    every = np.arange(len(rows))
-    for mask in (enough, holds, holds & offered.known[motor]):  # each better than the one before
-        found = np.where(mask.any(1), rows[every, mask.argmax(1)], found)
-    return found
+    there = (offered.counts >= offered.least) & (offered.row >= 0)
+    finest, geared = spec.needs.resolution_at_load, reduction if spec.gear is None else reduction * spec.gear.ratio
+    best, place = np.zeros(len(motor), np.int8), np.zeros(len(motor), np.int64)
+    for k in reversed(np.flatnonzero(there.any(axis=0)).tolist()):  # one as good goes before those behind it
+        enough = there[:, k].take(motor)
+        if finest is not None:
+            enough &= angle_per_edge(offered.counts[:, k].take(motor), geared) <= finest
+        holds = enough & (speed <= offered.fastest[:, k].take(motor))
+        good = enough.astype(np.int8) + holds + (holds & offered.known[:, k].take(motor))
+        better = enough & (good >= best)
+        np.copyto(best, good, where=better)
+        np.copyto(place, k, where=better)
+    return np.where(best > 0, offered.row[motor, place], offered.last[motor])
 
 
 def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> list[CheckColumn]:

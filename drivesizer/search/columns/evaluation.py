@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -11,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.physics.extremes import distinct
 from drivesizer.results.check_columns import CheckColumn, fits, over_band
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
@@ -22,7 +20,8 @@ from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.encoders import counts_check, encoders_for, offered_encoders
-from drivesizer.search.columns.stages import Examined, examine
+from drivesizer.search.columns.offers import placed, scattered
+from drivesizer.search.columns.stages import examine
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Evaluation", "at_figures", "by_physics", "evaluate", "figures_by_physics"]
@@ -221,8 +220,7 @@ def at_figures(problem: Problem, candidates: Candidates, exact: bool, each: Coll
     """
     found, columns = _by_belt(problem, candidates, exact, each)
     controller, encoder, brake = (columns.pop(name) for name in _PARTS)
-    checks = _in_order(found, len(candidates.motor))
-    return Evaluation(problem, candidates, {}, {}, checks, encoder, controller, brake, columns)
+    return Evaluation(problem, candidates, {}, {}, _in_order(found), encoder, controller, brake, columns)
 
 
 _PARTS = ("controller", "encoder", "brake")
@@ -230,71 +228,20 @@ _PARTS = ("controller", "encoder", "brake")
 
 def _by_belt(
     problem: Problem, candidates: Candidates, exact: bool, each: Collection[str]
-) -> tuple[list[tuple[NDArray[Any], Examined]], dict[str, NDArray[Any]]]:
-    """Candidates behind each belt, by their rows, and the parts and figures of all as columns."""
-    belts = [np.flatnonzero(candidates.belt == belt) for belt in distinct(candidates.belt)]
-    several = [(float(candidates.belt[rows[0]]), candidates.on(rows)) for rows in belts]
-    found = list(zip(belts, examine(problem, several, staged=False, exact=exact, each=each), strict=True))
+) -> tuple[list[CheckColumn], dict[str, NDArray[Any]]]:
+    """Checks of candidates, which are examined belt by belt, and their parts and figures as columns."""
     count = len(candidates.motor)
+    order = np.argsort(candidates.belt, kind="stable")
+    examined = examine(problem, candidates.on(order), exact=exact, each=each)
+    found = [(order[one.rows], one) for one in examined]
     names = found[0][1].figures if found else {}
-    columns = {name: _scattered([(rows, one.figures[name]) for rows, one in found], count) for name in names}
+    columns = {name: placed([(rows, one.figures[name]) for rows, one in found], count) for name in names}
     for name in _PARTS:
-        columns[name] = _scattered([(rows, getattr(one, name)) for rows, one in found], count, np.int64)
-    return found, columns
+        columns[name] = placed([(rows, getattr(one, name)) for rows, one in found], count, np.int64)
+    return scattered([(rows, one.checks) for rows, one in found], count), columns
 
 
-def _scattered(parts: list[tuple[NDArray[Any], NDArray[Any]]], count: int, dtype: Any = np.float64) -> NDArray[Any]:
-    """Columns of some rows at a time as one column."""
-    whole = np.empty(count, dtype)
-    for rows, part in parts:
-        whole[rows] = part
-    return whole
-
-
-_COLUMNS = {"demand": float, "limit": float, "passed": bool, "failed": bool, "time": float, "case": np.int64}
-
-
-_IDLE: dict[str, Any] = {
-    "demand": 0.0,
-    "limit": np.inf,
-    "passed": True,
-    "failed": False,
-    "time": np.nan,
-    "case": 0,
-}  # no limit
-
-
-def _in_order(found: list[tuple[NDArray[Any], Examined]], count: int) -> list[CheckColumn]:
-    """Checks of some rows at a time, put together, in the order in which people read them.
-
-    A check that some rows do not have, such as that of a torque where all currents are known, limits nothing there.
-    """
+def _in_order(checks: list[CheckColumn]) -> list[CheckColumn]:
+    """Checks in the order in which people read them."""
     order = {name: place for place, name in enumerate(CHECKS["physics"])}
-    parts: dict[str, list[tuple[NDArray[Any], CheckColumn]]] = {}
-    for rows, one in found:
-        for check in one.checks:
-            parts.setdefault(check.name, []).append((rows, check))
-    return [_one_check(parts[name], count) for name in sorted(parts, key=order.__getitem__)]
-
-
-def _others(count: int, parts: list[NDArray[np.int64]]) -> NDArray[np.int64]:
-    """The rows that are in none of some parts."""
-    left = np.ones(count, bool)
-    for rows in parts:
-        left[rows] = False
-    return np.flatnonzero(left)
-
-
-def _one_check(parts: list[tuple[NDArray[Any], CheckColumn]], count: int) -> CheckColumn:
-    """One check of some rows at a time as one column."""
-    first, rest = parts[0][1], _others(count, [rows for rows, _ in parts])
-    columns: dict[str, Any] = {
-        name: _scattered([(rest, _IDLE[name]), *((rows, getattr(check, name)) for rows, check in parts)], count, kind)
-        for name, kind in _COLUMNS.items()
-        if getattr(first, name) is not None
-    }
-    if isinstance(first.zero, np.ndarray):  # the ambient of the worst case
-        columns["zero"] = _scattered(
-            [(rest, np.asarray(0.0)), *((rows, np.asarray(c.zero)) for rows, c in parts)], count
-        )
-    return replace(first, **columns)
+    return sorted(checks, key=lambda check: order[check.name])

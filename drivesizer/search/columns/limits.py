@@ -32,7 +32,6 @@ from drivesizer.results.ratings import (
 from drivesizer.search.columns.brakes import at_motor, own_figure
 from drivesizer.search.columns.encoders import angle_per_edge
 from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_limits
-from drivesizer.search.columns.shaft_limits import loads_on_gearheads
 from drivesizer.search.columns.shaft_loads import THRUST
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 from drivesizer.spec.lives import required_life
@@ -143,10 +142,8 @@ def lost_at_load(spec: RobotSpec, backlash: Array, belt: Array) -> Array:
     return lost / spec.gear.ratio + own / (belt if spec.gear_before_belt else 1.0)
 
 
-def gearhead_limits(
-    spec: RobotSpec, cycle: AtGearhead, gearhead: Any, drive: BeltDrive | None = None
-) -> list[CheckColumn]:
-    """Limits of the gearhead, whatever motor drives it.
+def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[CheckColumn]:
+    """Limits of the gearhead, whatever motor drives it; loads of its shaft are in ``shaft_limits``.
 
     Parameters
     ----------
@@ -156,8 +153,6 @@ def gearhead_limits(
         The load cycle at the gearhead's output.
     gearhead
         Columns over candidates by field name.
-    drive
-        Belt and pulleys of its ratio, where they are out of the catalogues.
 
     Returns
     -------
@@ -188,7 +183,7 @@ def gearhead_limits(
     required = required_life(needs.life, "gearhead")
     if required is not None:
         found.append(at_most("gearhead_life", required, life_of_gearheads(cycle, gearhead)))
-    return found + loads_on_gearheads(spec, cycle, drive, gearhead)
+    return found
 
 
 def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:

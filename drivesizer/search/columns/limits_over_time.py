@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
-from drivesizer.physics.several_belts import AtGearheads, behind_each
+from drivesizer.physics.several_belts import behind_each, belts_of
 from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
 from drivesizer.physics.thermal import resistance_25
 from drivesizer.physics.waveform import Wave, longest_above, wave
@@ -309,7 +309,7 @@ def _slices(cycle: AtGearhead, count: int) -> list[slice]:
     size = max(1, _AT_ONCE // cycle.base.pieces)
     if count <= size:
         return [slice(0, count)]
-    belts = [rows for _, rows in cycle.parts] if isinstance(cycle, AtGearheads) else [slice(0, count)]
+    belts = belts_of(cycle, count)
     return [slice(k, min(k + size, rows.stop)) for rows in belts for k in range(rows.start, rows.stop, size)]
 
 

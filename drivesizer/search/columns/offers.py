@@ -1,14 +1,20 @@
-"""Columns common to all load cases: parts that go with each motor, its own limits, and the worst of each check."""
+"""Columns common to all load cases and belts: parts that go with each motor, its own limits, and checks put together.
+
+Of several load cases a check is that of the worst; behind several belts it is made of the candidates behind each.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.several_belts import AtGearheads
 from drivesizer.results.check_columns import CheckColumn, worst_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
@@ -17,7 +23,17 @@ from drivesizer.search.columns.controllers import Usable, usable_controllers
 from drivesizer.search.columns.encoders import Offered, offered_encoders
 from drivesizer.search.columns.limits import motor_limits
 
-__all__ = ["Offers", "offers", "unknown_where_doubtful", "worst_of_all"]
+__all__ = ["Offers", "limits_behind_each", "offers", "placed", "scattered", "unknown_where_doubtful", "worst_of_all"]
+
+_COLUMNS = {"demand": float, "limit": float, "passed": bool, "failed": bool, "time": float, "case": np.int64}
+_IDLE: dict[str, Any] = {
+    "demand": 0.0,
+    "limit": np.inf,
+    "passed": True,
+    "failed": False,
+    "time": np.nan,
+    "case": 0,
+}  # no limit
 
 
 class Offers(NamedTuple):
@@ -81,3 +97,98 @@ def worst_of_all(problem: Problem, checks: Callable[[int], list[CheckColumn]]) -
         for check in checks(number):
             found.setdefault(check.name, []).append((number, check))
     return [worst_case(same) for same in found.values()]
+
+
+def limits_behind_each(
+    problem: Problem,
+    cycle: AtGearhead,
+    compute: Callable[[AtGearhead, BeltDrive | None, slice], list[CheckColumn]],
+    count: int,
+) -> list[CheckColumn]:
+    """Limits that hang on the belt itself: those behind each belt put together.
+
+    Parameters
+    ----------
+    problem
+        With its belts.
+    cycle
+        The load cycle behind the belts of so many candidates.
+    compute
+        Makes the limits of the load cycle behind one belt, that belt, and which candidates are behind it.
+    count
+        Number of candidates.
+
+    Returns
+    -------
+    list
+        Columns over the candidates.
+    """
+    parts = cycle.parts if isinstance(cycle, AtGearheads) else [(cycle, slice(0, count))]
+    return scattered([(rows, compute(at, problem.belt_drive(at.belt), rows)) for at, rows in parts], count)
+
+
+def scattered(found: Sequence[tuple[Any, list[CheckColumn]]], count: int) -> list[CheckColumn]:
+    """Checks of some rows at a time, put together.
+
+    Parameters
+    ----------
+    found
+        Rows, by numbers or as slices, and their checks. One that some rows do not have, such as that of a torque where
+        all currents are known, limits nothing there.
+    count
+        Number of rows.
+
+    Returns
+    -------
+    list
+        Each check over all rows.
+    """
+    parts: dict[str, list[tuple[Any, CheckColumn]]] = {}
+    for rows, checks in found:
+        for check in checks:
+            parts.setdefault(check.name, []).append((rows, check))
+    return [_one_check(same, count) for same in parts.values()]
+
+
+def _one_check(parts: list[tuple[Any, CheckColumn]], count: int) -> CheckColumn:
+    """One check of some rows at a time as one column."""
+    first, rest = parts[0][1], _others(count, [rows for rows, _ in parts])
+    columns: dict[str, Any] = {
+        name: placed([(rest, _IDLE[name]), *((rows, getattr(check, name)) for rows, check in parts)], count, kind)
+        for name, kind in _COLUMNS.items()
+        if getattr(first, name) is not None
+    }
+    if isinstance(first.zero, np.ndarray):  # the ambient of the worst case
+        columns["zero"] = placed([(rest, 0.0), *((rows, c.zero) for rows, c in parts)], count)
+    return replace(first, **columns)
+
+
+def placed(parts: Sequence[tuple[Any, Any]], count: int, dtype: Any = np.float64) -> NDArray[Any]:
+    """Columns of some rows at a time as one column.
+
+    Parameters
+    ----------
+    parts
+        Rows, by numbers or as slices, and their values.
+    count
+        Number of rows.
+    dtype
+        Of the column.
+
+    Returns
+    -------
+    array
+        Shape (count,).
+    """
+    whole = np.empty(count, dtype)
+    for rows, part in parts:
+        whole[rows] = part
+    return whole
+
+
+def _others(count: int, parts: Sequence[Any]) -> NDArray[np.int64]:
+    """The rows that are in none of some parts."""
+    left = np.ones(count, bool)
+    for rows in parts:
+        left[rows] = False
+    return np.flatnonzero(left)

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.stress import Heat, Parts, Stress, on, stress
+from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced, stress
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
-from drivesizer.search.columns.decided import decided, put
+from drivesizer.search.columns.decided import decided
 from drivesizer.search.columns.exactly import exact
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
 from drivesizer.search.columns.limits_over_time import Moments, Pair, least, waveform_limits
@@ -62,6 +62,7 @@ def powered(
     exactly: bool,
     each: Collection[str] = (),
     staged: bool = False,
+    nearness: bool = True,
 ) -> Powered:
     """Controllers, and every check that hangs on current, voltage and heat.
 
@@ -77,8 +78,8 @@ def powered(
         Compute the waveform of all; else only of those that safe bounds leave undecided.
     each
         Names of checks to decide of candidates that fail on another as well.
-    staged
-        As ``decided`` takes it.
+    staged, nearness
+        As ``decided`` takes them.
 
     Returns
     -------
@@ -89,9 +90,10 @@ def powered(
     stresses = [
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
-    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each, staged)
+    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each, staged, nearness)
     continuous = np.zeros(len(parts.motor.rows), bool)
-    chosen = case.controllers([u.cold_voltage.value for u in case.stresses], continuous)
+    required = case.required
+    chosen = case.controllers(required, [u.cold_voltage.value for u in case.stresses], continuous)
     free = np.ones_like(continuous) if parts.controller is None else parts.controller.rows == FREE
     row = chosen.row if parts.controller is None else np.where(free, chosen.row, parts.controller.rows)
     found = case.judged(row, None)
@@ -104,7 +106,7 @@ def powered(
             break
         continuous |= short
         tried |= found.open
-        row, found, changed = _again(case, row, found, continuous, short, np.flatnonzero(again))
+        row, found, changed = _again(case, required, row, found, continuous, short, np.flatnonzero(again))
     figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
     return Powered(row, [chosen.checks[0], *found.checks], _where_known(figures, cases))
 
@@ -126,9 +128,7 @@ class _Found(NamedTuple):
         """With some of the candidates found anew; ``of`` says which of the new ones these are."""
 
         def both(old: Pair, some: Pair) -> Pair:
-            low, high = (
-                Moments(*(put(a, rows, b[of]) for a, b in zip(*s, strict=True))) for s in zip(old, some, strict=True)
-            )
+            low, high = (replaced(a, rows, on(b, of)) for a, b in zip(old, some, strict=True))
             return low, high
 
         return _Found(
@@ -138,6 +138,15 @@ class _Found(NamedTuple):
             put(self.open, rows, new.open[of]),
             [both(*pair) for pair in zip(self.pairs, new.pairs, strict=True)],
         )
+
+
+class _Required(NamedTuple):
+    """What controllers have to do for each candidate."""
+
+    motor: NDArray[np.int64]  # row of its motor
+    rms: Array  # A
+    largest: Array  # A
+    speeds: Speeds
 
 
 class _Cases(NamedTuple):
@@ -152,6 +161,7 @@ class _Cases(NamedTuple):
     exactly: bool
     each: Collection[str]
     staged: bool
+    nearness: bool
 
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
@@ -159,20 +169,26 @@ class _Cases(NamedTuple):
         cycles = [cycle.on(rows) for cycle in self.cycles]
         return self._replace(cycles=cycles, moving=moving, stresses=stresses, parts=self.parts.on(rows))
 
-    def controllers(self, voltage: Sequence[Array], continuous: NDArray[np.bool_]) -> Chosen:
-        """The smallest that suffices in the worst of all cases, with the margins that the spec requires."""
-        spec = self.problem.spec
+    @property
+    def required(self) -> _Required:
+        """What is required in the worst of all cases, with the margins that the spec requires."""
+        spec, motor = self.problem.spec, self.parts.motor
         more, faster = 1.0 + spec.margins.torque, 1.0 + spec.margins.speed
         lasting = 1.0 + max(controller_needed(case.spec, spec.margins.torque) for case in self.problem.cases)
         rms = lasting * np.maximum.reduce([c.demand.rms_current for c in self.moving])
         largest = more * np.maximum.reduce([u.current.value for u in self.stresses])
-        volts = faster * np.maximum.reduce(list(voltage))
-        carried = np.where(continuous, largest, rms)
-        motor, usable = self.parts.motor, self.offered.controllers
         electrical = faster * np.maximum.reduce([electrical_speed(c.demand, motor) for c in self.moving])
         lines = faster * np.maximum.reduce([line_frequency(c.demand, self.parts.encoder) for c in self.moving])
-        speeds = Speeds(electrical, lines if spec.wants_encoder else np.zeros_like(lines))
-        return controllers(spec, self.problem.catalog, motor.rows, carried, largest, volts, speeds, usable)
+        return _Required(
+            motor.rows, rms, largest, Speeds(electrical, lines if spec.wants_encoder else np.zeros_like(lines))
+        )
+
+    def controllers(self, required: _Required, voltage: Sequence[Array], continuous: NDArray[np.bool_]) -> Chosen:
+        """The smallest that suffices in the worst of all cases; of some candidates, where those are fewer."""
+        spec, usable = self.problem.spec, self.offered.controllers
+        volts = (1.0 + spec.margins.speed) * np.maximum.reduce(list(voltage))
+        carried, largest = np.where(continuous, required.largest, required.rms), required.largest
+        return controllers(spec, self.problem.catalog, required.motor, carried, largest, volts, required.speeds, usable)
 
     def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
@@ -209,11 +225,14 @@ class _Cases(NamedTuple):
     def _pair(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """Peaks and heat over the waveform of one load case."""
         args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
-        return exact(*args) if self.exactly else decided(*args, ~dead, before, each=self.each, staged=self.staged)
+        if self.exactly:
+            return exact(*args)
+        return decided(*args, ~dead, before, each=self.each, staged=self.staged, nearness=self.nearness)
 
 
 def _again(
     case: _Cases,
+    required: _Required,
     row: NDArray[np.int64],
     found: _Found,
     continuous: NDArray[np.bool_],
@@ -222,14 +241,15 @@ def _again(
 ) -> tuple[NDArray[np.int64], _Found, NDArray[np.bool_]]:
     """Other controllers for some candidates, where there are, what is found with them, and who changed."""
     changed = np.zeros(len(row), bool)
-    some, opened = case.some(rows), found.open[rows] & ~short[rows]
+    opened = found.open[rows] & ~short[rows]
     volts = [np.where(opened, high.voltage[rows], low.voltage[rows]) for low, high in found.pairs]
-    chosen = some.controllers(volts, continuous[rows]).row
+    chosen = case.controllers(on(required, rows), volts, continuous[rows]).row
     other = np.flatnonzero(chosen != row[rows])
     if not len(other):
         return row, found, changed
     retried = rows[other]
-    new = some.some(other).judged(chosen[other], [(on(low, retried), on(high, retried)) for low, high in found.pairs])
+    before = [(on(low, retried), on(high, retried)) for low, high in found.pairs]
+    new = case.some(retried).judged(chosen[other], before)
     # where heat is unknown a controller is none the worse that does for a cold winding and not for a hot one
     better = np.flatnonzero(~opened[other] | ~new.weak)
     changed[retried[better]] = True

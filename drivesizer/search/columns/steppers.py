@@ -20,7 +20,7 @@ from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
-from drivesizer.physics.several_belts import AtGearheads
+from drivesizer.physics.several_belts import scales
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.stepper.pull_out import amplitude
 from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
@@ -185,10 +185,7 @@ def _at_belt(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
 
     So candidates behind any belt are computed in one go.
     """
-    if isinstance(cycle, AtGearheads):
-        scale = np.stack([at.scale for at in cycle.ats])[cycle.which]
-    else:
-        scale = cycle.scale[None, :]
+    scale = scales(cycle, len(demand.total_ratio))
     return demand.coefficients * scale, demand.total_ratio * scale[:, SPEED]
 
 

@@ -15,121 +15,126 @@ from numpy.typing import NDArray
 
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.search.columns.candidates import Candidates
 
-__all__ = ["Alone", "Sieve"]
+__all__ = ["Amount", "Rejected", "Sieve", "amounting", "bound_of"]
 
 Array = NDArray[np.float64]
+Rejected = tuple[NDArray[np.int64], Array]  # candidates, and what the smallest margin of each is at most
 _ALL = slice(None)
 _WORD = 64  # bits of a word of the checks that are unknown
 _BITS = {name: (place // _WORD, np.uint64(1 << place % _WORD)) for place, name in enumerate(CHECKS["physics"])}
 _WORDS = 1 + max(word for word, _ in _BITS.values())
-_ENOUGH = 100  # rejected candidates, to find the closest among
+
+
+class Amount(NamedTuple):
+    """What checks amount to: columns over parts or candidates."""
+
+    failed: NDArray[np.bool_]  # whether any fails
+    unknown: NDArray[np.uint64]  # which are, as bits, shape (rows, words)
+    margin: Array  # the smallest of those that hang on the load; infinite where margins are not computed
+
+
+def amounting(found: Sequence[CheckColumn], count: int, margins: bool) -> Amount:
+    """What some checks amount to.
+
+    Parameters
+    ----------
+    found
+        Columns of so many rows, or of one figure.
+    count
+        Number of rows.
+    margins
+        Compute the smallest margin.
+
+    Returns
+    -------
+    Amount
+        Of each row.
+    """
+    failed, unknown, margin = np.zeros(count, bool), np.zeros((count, _WORDS), np.uint64), np.full(count, np.inf)
+    for check in found:
+        failed |= check.failed
+        if not check.passed.all():
+            word, bit = _BITS[check.name]
+            unknown[:, word] |= np.where(check.passed, np.uint64(0), bit)
+        if margins:
+            margin = np.minimum(margin, check.tightness)
+    return Amount(failed, unknown, margin)
+
+
+def bound_of(found: Sequence[CheckColumn], count: int) -> Array:
+    """What the smallest margin is at most; -1 where a check fails that has none.
+
+    Parameters
+    ----------
+    found
+        Columns of so many rows, or of one figure.
+    count
+        Number of rows.
+
+    Returns
+    -------
+    array
+        Of each row.
+    """
+    least = np.full(count, np.inf)
+    for check in found:
+        margin = check.margin
+        np.minimum(least, np.where(np.isnan(margin), np.where(check.failed, -1.0, np.inf), margin), out=least)
+    return least
 
 
 class Sieve:
-    """Candidates through the stages."""
+    """Candidates through the stages; ``rejected`` and ``failed_by`` are of all that went in."""
 
-    def __init__(self, sets: Candidates, staged: bool, margins: bool) -> None:
-        self.sets, self.staged, self.margins = sets, staged, margins
-        self.rows = np.arange(len(sets.motor))
+    def __init__(self, rows: NDArray[np.int64], unknown: NDArray[np.uint64], margin: Array, margins: bool) -> None:
+        """The numbers of candidates in stages, with what the checks of their parts amount to."""
+        self.rows, self.unknown, self.margin, self.margins = rows, unknown, margin, margins
+        self.staged = True
         self.checks: list[CheckColumn] = []
         self.failed_by: Counter[str] = Counter()
-        self.unknown = np.zeros((len(sets.motor), _WORDS), np.uint64)  # checks, as bits
-        self.margin = np.full(len(sets.motor), np.inf)
-        self.rejected: list[tuple[NDArray[np.int64], Array]] = []
+        self.rejected: list[Rejected] = []
 
-    def parts(self, alone: Alone) -> None:
-        """The first stage: each part is judged once, and each pair by its two parts."""
-        sets = self.sets
-        for check in alone.load:
-            self.failed_by[check.name] += len(self.rows) * int(check.failed)
-        for found, owner in ((alone.gearhead, sets.gearhead), (alone.motor, sets.motor)):
-            used = np.bincount(owner)
-            for check in found:
-                self.failed_by[check.name] += int(used @ check.failed[: len(used)])
-        if self.staged:
-            self._drop(alone)
-        owners = (
-            (alone.load, self.rows),
-            (alone.gearhead, sets.gearhead[self.rows]),
-            (alone.motor, sets.motor[self.rows]),
-        )
-        for found, owner in owners:
-            self._keep(found, owner)
+    @classmethod
+    def of_all(cls, rows: NDArray[np.int64], checks: list[CheckColumn]) -> Sieve:
+        """Candidates that all go through, with the checks of their parts in full."""
+        sieve = cls(rows, np.zeros((len(rows), _WORDS), np.uint64), np.full(len(rows), np.inf), False)
+        sieve.staged, sieve.checks = False, checks
+        return sieve
 
-    def _drop(self, alone: Alone) -> None:
-        """Candidates with a part that fails; those of a motor that fails too are hardly among the nearest."""
-        load, gearhead, motor = (_judged(found) for found in alone)
-        bad_gearhead, bad_motor = gearhead[0][self.sets.gearhead], motor[0][self.sets.motor]
-        fails = bad_gearhead | bad_motor | load[0]
-        rejected = np.flatnonzero(fails & ~bad_motor)
-        if len(rejected) < _ENOUGH:
-            rejected = np.flatnonzero(fails)
-        bound = np.minimum(gearhead[1][self.sets.gearhead[rejected]], load[1])
-        self.rejected.append((rejected, np.minimum(bound, motor[1][self.sets.motor[rejected]])))
-        self.rows = np.flatnonzero(~fails)
-        self.unknown, self.margin = self.unknown[self.rows], self.margin[self.rows]
+    def split(self, places: Sequence[slice]) -> list[Sieve]:
+        """The candidates that are left in parts; what was counted goes with the first."""
+        found = []
+        for place in places:
+            part = Sieve(self.rows[place], self.unknown[place], self.margin[place], self.margins)
+            part.staged, part.checks = self.staged, [check.on(place) for check in self.checks]
+            found.append(part)
+        found[0].failed_by, found[0].rejected = self.failed_by, self.rejected
+        return found
 
-    def through(self, found: Sequence[CheckColumn]) -> NDArray[np.bool_] | slice:
-        """Keep what does not fail; which of the rows these are: a mask, or a slice of all of them.
+    def through(self, found: Sequence[CheckColumn]) -> NDArray[np.int64] | slice:
+        """Keep what does not fail; which of the rows these are: their places, or a slice of all of them.
 
         In stages advice is not looked at.
         """
-        if self.staged:
-            found = [check for check in found if not check.advice]
+        if not self.staged:
+            self.checks += found
+            return _ALL
+        found = [check for check in found if not check.advice]
+        if not found or not len(self.rows):
+            return _ALL
         for check in found:
             self.failed_by[check.name] += int(np.count_nonzero(check.failed))
-        if not self.staged or not found:
-            self._keep(found, _ALL)
-            return _ALL
-        keep: NDArray[np.bool_] = ~np.logical_or.reduce([check.failed for check in found])
-        if keep.all():
-            self._keep(found, _ALL)
-            return _ALL
-        rejected, passing = np.flatnonzero(~keep), np.flatnonzero(keep)
-        self.rejected.append((self.rows[rejected], _judged([check.on(rejected) for check in found])[1]))
-        self.rows, self.unknown, self.margin = self.rows[passing], self.unknown[passing], self.margin[passing]
-        self._keep(found, passing)
-        return keep
-
-    def _keep(self, found: Sequence[CheckColumn], rows: NDArray[np.int64] | slice) -> None:
-        """Remember checks of the rows that are left, by their places in the checks: whole, or what they amount to."""
-        if not self.staged:
-            self.checks += [_of(check, rows) for check in found]
-            return
-        for check in found:
-            passed = check.passed[rows] if check.passed.ndim else check.passed
-            word, bit = _BITS[check.name]
-            self.unknown[:, word] |= np.where(passed, np.uint64(0), bit)
-            if self.margins:
-                self.margin = np.minimum(self.margin, _of(check, rows).tightness)
-
-
-class Alone(NamedTuple):
-    """Checks of the load, of each gearhead and of each motor of the catalogue."""
-
-    load: list[CheckColumn]
-    gearhead: list[CheckColumn]
-    motor: list[CheckColumn]
-
-
-def _judged(found: Sequence[CheckColumn]) -> tuple[NDArray[np.bool_], Array]:
-    """Whether any check fails, and what the smallest margin is at most; -1 where one fails that has none."""
-    if not found:
-        return np.zeros(1, bool), np.full(1, np.inf)
-    failed = np.logical_or.reduce([np.atleast_1d(check.failed) for check in found])
-    return failed, np.minimum.reduce([np.atleast_1d(_at_most(check)) for check in found])
-
-
-def _at_most(check: CheckColumn) -> Array:
-    """Margins; where there is none, -1 of what fails, else infinite."""
-    margin = check.margin
-    return np.where(np.isnan(margin), np.where(check.failed, -1.0, np.inf), margin)
-
-
-def _of(check: CheckColumn, rows: NDArray[np.int64] | slice) -> CheckColumn:
-    """A check of parts as one of the drives that they belong to; one figure as that of all."""
-    if isinstance(rows, slice):
-        return check
-    return check.on(rows) if check.passed.ndim else check.on_all(rows)
+        amount = amounting(found, len(self.rows), self.margins)
+        kept: NDArray[np.int64] | slice = _ALL
+        if amount.failed.any():
+            rejected, kept = np.flatnonzero(amount.failed), np.flatnonzero(~amount.failed)
+            self.rejected.append((self.rows[rejected], bound_of([c.on(rejected) for c in found], len(rejected))))
+            self.rows, self.margin = self.rows[kept], self.margin[kept]
+            self.unknown, unknown = self.unknown.take(kept, axis=0), amount.unknown.take(kept, axis=0)
+        else:
+            unknown = amount.unknown
+        self.unknown |= unknown
+        if self.margins:
+            self.margin = np.minimum(self.margin, amount.margin[kept])
+        return kept

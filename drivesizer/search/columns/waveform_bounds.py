@@ -8,6 +8,7 @@ Symbols: R resistance [ohm], T temperature [K].
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bound
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.products import product
+from drivesizer.physics.several_belts import AtGearheads, behind_each, scales
 from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import longest_run
@@ -101,22 +103,38 @@ def resisted(
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
     leads = spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0
+    cycle, demand = _behind_one(cycle, demand)
     cold_volts, hot_volts = stresses.cold_voltage.value, cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value
     at_hot = most_volts = np.maximum(hot_volts, cold_volts)
     if spec.resists:
         most_volts = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + leads), demand.left_out).value)
-    low = low._replace(voltage=_least_voltage(cycle, demand, cool + leads, k_t, cold_volts))
+    least = behind_each(cycle, _least_voltage, demand, cool + leads, k_t, cold_volts)
+    low = low._replace(voltage=least)
     high = high._replace(voltage=most_volts)
-    low, high = low._replace(stored=np.zeros_like(k_t)), high._replace(stored=most_kept(spec, cycle, demand, motor))
+    kept = behind_each(cycle, partial(most_kept, spec), demand, motor)
+    low, high = low._replace(stored=np.zeros_like(k_t)), high._replace(stored=kept)
     if not (spec.supply.current or spec.supply.power):
         return low, high
     feed = spec.feed(parts.controller, parts.brake)
-    least = _corner_power(cycle, demand, cool, k_t, feed) + feed.stage.standby
-    most = np.minimum(_power_bound(cycle, demand, hot, k_t), stresses.current.value * at_hot)
+    feeding = feed.broadcast(len(k_t))
+    least = behind_each(cycle, _corner_power, demand, cool, k_t, feeding) + feed.stage.standby
+    most = np.minimum(behind_each(cycle, _power_bound, demand, hot, k_t), stresses.current.value * at_hot)
     most = most + _most_beyond(cycle, demand, stresses, k_t)
     low = low._replace(power=of_the_source(least, feed))
     high = high._replace(power=at_source(most, stresses, feed))
     return low, high
+
+
+def _behind_one(cycle: AtGearhead, demand: Demands) -> tuple[AtGearhead, Demands]:
+    """Candidates behind several belts as such behind one of ratio 1, to be computed in one go; where that has room.
+
+    The belt's scale of the functions is in their coefficients then. Bounds may round otherwise.
+    """
+    points = len(cycle.extremes.high) + len(cycle.extremes.low)
+    if not isinstance(cycle, AtGearheads) or points * len(demand.total_ratio) > _CELLS:
+        return cycle, demand
+    scaled, ratio = demand.coefficients * scales(cycle, len(demand.total_ratio)), demand.total_ratio * cycle.belt
+    return cycle.base.behind(1.0), demand._replace(coefficients=scaled, total_ratio=ratio)
 
 
 def most_cold_power(
@@ -142,7 +160,7 @@ def most_cold_power(
     """
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
-    most = _power_bound(cycle, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
+    most = behind_each(cycle, _power_bound, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
     return at_source(most, stresses, spec.feed(parts.controller, parts.brake))
 
 
@@ -176,9 +194,9 @@ def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Arra
 def _least_voltage(cycle: AtGearhead, demand: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
     """Less than the largest voltage: cold at the start, or at a bound where a warmer winding only raises it."""
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
-    volts = product(volts_of(demand, k_t, cool), points.T)
-    more = np.where(product(demand.coefficients, points.T) * volts > 0.0, np.abs(volts), 0.0)
-    least: Array = np.maximum(more.max(axis=1), cold)
+    volts = product(points, volts_of(demand, k_t, cool).T)  # shape (points, candidates): few long rows
+    more = np.where(product(points, demand.coefficients.T) * volts > 0.0, np.abs(volts), 0.0)
+    least: Array = np.maximum(more.max(axis=0), cold)
     return least
 
 
@@ -223,16 +241,23 @@ def above_bounds(
     tuple[Array, Array]
         Lower and upper bound [s], each of shape (rows,).
     """
-    found = cycle.envelope(pieces)
-    peak = stresses.current.value
-    k_t, limit = parts.motor["torque_constant"], controller_current(parts.controller, spec.environment.ambient)
+    peak, limit = stresses.current.value, controller_current(parts.controller, spec.environment.ambient)
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
+    if len(rows):
+        current = demand.coefficients.take(rows, axis=0) / parts.motor["torque_constant"][rows, None]
+        current *= scales(cycle.on(rows), len(rows))
+        low[rows], high[rows] = _times_above(cycle.envelope(pieces), current, limit[rows, None])
+    return low, high
+
+
+def _times_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, Array]:
+    """Bounds of the time for which currents are above a limit, so many candidates at a time [s]."""
+    low, high = np.empty((2, len(limit)))
     size = max(_CELLS // len(found.duration), 1)
-    for some in (rows[first : first + size] for first in range(0, len(rows), size)):
-        c = demand.coefficients[some] / k_t[some, None] * cycle.scale
-        low[some], high[some] = _runs_above(found, c, limit[some, None])
+    for some in (slice(first, first + size) for first in range(0, len(limit), size)):
+        low[some], high[some] = _runs_above(found, current[some], limit[some])
     return low, high
 
 
@@ -250,9 +275,9 @@ def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, A
 def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array, feed: Feed) -> Array:
     """Largest power into the stage at the extreme points [W]: between them it may be more."""
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
-    current = product(demand.coefficients / k_t[:, None], points.T)
-    power = current * product(volts_of(demand, k_t, hot), points.T) + feed.reshaped((-1, 1)).lost(current)
-    found: Array = power.max(axis=1)
+    current = product(points, (demand.coefficients / k_t[:, None]).T)
+    power = current * product(points, volts_of(demand, k_t, hot).T) + feed.lost(current)
+    found: Array = power.max(axis=0)
     return found
 
 
@@ -261,6 +286,6 @@ def _power_bound(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> 
     current, volts = (demand.coefficients / k_t[:, None] * cycle.scale, volts_of(demand, k_t, hot) * cycle.scale)
     found = np.zeros(len(hot))
     for points, sign in ((cycle.extremes.above, 1.0), (cycle.extremes.below, -1.0)):
-        both = [np.maximum(sign * product(c, points.T), 0.0) for c in (current, volts)]
-        found = np.maximum(found, (both[0] * both[1]).max(axis=1))
+        both = [np.maximum(sign * product(points, c.T), 0.0) for c in (current, volts)]
+        found = np.maximum(found, (both[0] * both[1]).max(axis=0))
     return found

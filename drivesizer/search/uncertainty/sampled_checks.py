@@ -35,7 +35,7 @@ from drivesizer.search.columns.limits import (
 )
 from drivesizer.search.columns.limits_over_time import Pair, least, waveform_limits
 from drivesizer.search.columns.offers import unknown_where_doubtful
-from drivesizer.search.columns.shaft_limits import loads_on_motors
+from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.stages import felt
 from drivesizer.search.uncertainty.class_of_part import holding
 from drivesizer.search.uncertainty.part_figures import WHOLE, PartFigures
@@ -277,9 +277,8 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         else:
             checks, draw = _of_a_case(spec, at, parts, one, factors, listed, energies=bool(block.feeds))
         own = block.once(partial(load_limits, spec, at, drive), "load limits", number, one.belt)
-        geared = block.once(
-            partial(gearhead_limits, spec, at, parts.gearhead, drive), "gearhead limits", number, one.gearhead, one.belt
-        )
+        of_gearhead = partial(_of_gearhead, spec, at, drive, parts.gearhead)
+        geared = block.once(of_gearhead, "gearhead limits", number, one.gearhead, one.belt)
         on_motor = loads_on_motors(spec, at, drive, parts.motor, parts.gearhead) if spec.shaft else []
         checks = [*own, *checks, *geared, *on_motor]
         draws.append(draw)
@@ -291,6 +290,11 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together):
             by_name.setdefault(check.name, []).append((first, check))
     return {name: worst_case(same) for name, same in by_name.items()}
+
+
+def _of_gearhead(spec: Any, at: AtSamples, drive: BeltDrive | None, gearhead: PartFigures) -> list[CheckColumn]:
+    """Limits of a gearhead, those of its shaft among them."""
+    return gearhead_limits(spec, at, gearhead) + loads_on_gearheads(spec, at, drive, gearhead)
 
 
 def stepper_of(catalog: Catalog, one: SetRows, parts: Parts, factors: Mapping[str, Array]) -> SampledStepper | None:
