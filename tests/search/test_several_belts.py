@@ -7,9 +7,12 @@ import pytest
 from starters import starter
 
 from drivesizer.machine.problem import problem
+from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.motor_demand import gear_loss, nominal_friction
+from drivesizer.physics.thermal import rated_ambient, resistance_25
 from drivesizer.search import sifting
 from drivesizer.search.columns import parts_alone
-from drivesizer.search.columns.candidates import Crossed, joined, pairs
+from drivesizer.search.columns.candidates import Crossed, Rows, joined, pairs
 from drivesizer.search.columns.stages import examine
 
 BELTS = [1.0, 1.37, 2.2]
@@ -77,6 +80,28 @@ def test_a_list_behind_several_belts_is_what_it_is_behind_each(given):
             if getattr(check, name) is not None:
                 each = np.concatenate([getattr(one.checks[place], name) for one in alone])
                 np.testing.assert_array_equal(getattr(check, name), each, check.name)
+
+
+@pytest.mark.parametrize(
+    ("section", "compute"),
+    [("motors", nominal_friction), ("motors", back_emf_constant), ("motors", resistance_25), ("motors", rated_ambient),
+     ("gearheads", gear_loss)],
+)  # fmt: skip
+def test_what_hangs_on_one_part_is_the_same_however_many_candidates_have_it(catalog, section, compute):
+    """Of many it is computed once for each part of the table; where some have none, that is unknown."""
+    table = catalog.table(section)
+    rows = np.append(np.tile(np.arange(len(table)), 2), -1)
+    each = {name: np.append(column[rows[:-1]], "" if column.dtype.kind == "U" else np.nan)
+            for name, column in table.columns.items()}  # fmt: skip
+    np.testing.assert_array_equal(compute(Rows(table, rows)), compute(each))
+
+
+def test_the_stage_of_a_controller_is_that_of_each_candidate_that_has_it(given):
+    table, spec = given.catalog.controllers, given.spec
+    rows = np.append(np.tile(np.arange(len(table)), 2), -1)
+    one_by_one = [spec.feed(Rows(table, rows[[place]])).stage for place in range(len(rows))]
+    for name, column in spec.feed(Rows(table, rows)).stage._asdict().items():
+        np.testing.assert_array_equal(column, np.concatenate([getattr(one, name) for one in one_by_one]), name)
 
 
 def test_chunks_of_candidates_are_what_they_are_together(given, monkeypatch):
