@@ -42,7 +42,6 @@ class SetCycle(NamedTuple):
     cycle: AtGearhead
     demands: Demands
     heat: Heat
-    stress: Stress
     flows: Wave  # current, and the voltage that the motion induces, over the pieces that a winding feels
     course: WindingCourse  # how warm the winding is over these
     released: float = 0.0  # W, that keeps its brake released
@@ -51,6 +50,11 @@ class SetCycle(NamedTuple):
     def known(self) -> bool:
         """Whether the motor's current is known, and not only a least one."""
         return bool(self.demands.complete.all() and np.isfinite(self.demands.rms_current).all())
+
+    @property
+    def stress(self) -> Stress:
+        """Largest torque and current, and largest voltage while the winding is cold."""
+        return stress(self.spec.environment.ambient, self.cycle, self.demands, self.motor, self.feed.leads)
 
     @property
     def hot(self) -> Array:
@@ -114,7 +118,6 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
         cycle,
         demand,
         heating,
-        stress(spec.environment.ambient, cycle, demand, motor, feed.leads),
         flows,
         course,
         drive_set.released_power,

@@ -43,7 +43,6 @@ class Scalars(NamedTuple):
     peak_torque: Figure  # N*m
     held: Figure  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
     load_torque: Figure  # N*m, largest at the load
-    peak_speed: Figure  # rad/s
     mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
     sustained_speed: Figure  # rad/s, what it exceeds for longer than shortly
     mean_power: Figure  # W, transmitted in either direction while running
@@ -60,7 +59,7 @@ class CycleAtBelt:
     )
     acts: NDArray[np.bool_]  # which of them are ever not 0
     moments: Array  # means of their products over the cycle: (6, 6) or (6, 6, cycles)
-    scalars: Scalars
+    efficiency: Figure  # of the belt
     quickest: float  # s, shortest time constant of the windings
     coarse: dict[tuple[str, float], Any] = field(default_factory=dict)  # what was computed of it, by use and number
 
@@ -68,6 +67,17 @@ class CycleAtBelt:
     def time(self) -> Array:
         """Time at both ends of each segment [s]: shape (segments, 2, ...)."""
         return end_times(self.load_cycle.duration)
+
+    @cached_property
+    def scalars(self) -> Scalars:
+        """Single figures of it, computed on first use; of several cycles columns."""
+        return _scalars(self.load_cycle, self.torque, self.efficiency)
+
+    @cached_property
+    def peak_speed(self) -> Figure:
+        """Highest speed [rad/s]."""
+        found = np.abs(self.load_cycle.speed).max(axis=(0, 1))
+        return float(found) if self.functions.ndim == 3 else found
 
     @cached_property
     def extremes(self) -> Extremes:
@@ -124,16 +134,60 @@ class AtGearhead:
     """A load cycle at the gearhead's output, behind one belt."""
 
     def __init__(self, base: CycleAtBelt, ratio: Figure) -> None:
-        self.base, self.belt, one = base, ratio, base.scalars
+        self.base, self.belt = base, ratio
         self.scale = np.array([1 / ratio, 1 / ratio, 1 / ratio, ratio, 1.0, ratio])  # of the functions
         by_pairs = np.outer(self.scale, self.scale).reshape(6, 6, *[1] * (base.moments.ndim - 2))
         self.moments = base.moments * by_pairs  # means of products over the cycle
-        self.rms_torque, self.peak_torque = one.rms_torque / ratio, one.peak_torque / ratio
-        self.held = one.held / ratio
-        self.peak_speed, self.mean_speed = one.peak_speed * ratio, one.mean_speed * ratio
-        self.sustained_speed = one.sustained_speed * ratio
-        self.mean_power, self.peak_power = one.mean_power, one.peak_power
-        self.load_torque, self.load_speed = one.load_torque, one.peak_speed  # N*m, rad/s, largest at the load
+
+    @cached_property
+    def peak_speed(self) -> Any:
+        """Highest speed at the output [rad/s]."""
+        return self.base.peak_speed * self.belt
+
+    @property
+    def load_speed(self) -> Figure:
+        """Highest speed at the load [rad/s]."""
+        return self.base.peak_speed
+
+    @property
+    def load_torque(self) -> Figure:
+        """Largest torque at the load [N*m]."""
+        return self.base.scalars.load_torque
+
+    @property
+    def rms_torque(self) -> Figure:
+        """Torque at the output, RMS while running [N*m]."""
+        return self.base.scalars.rms_torque / self.belt
+
+    @property
+    def peak_torque(self) -> Figure:
+        """Largest torque at the output [N*m]."""
+        return self.base.scalars.peak_torque / self.belt
+
+    @property
+    def held(self) -> Figure:
+        """Largest torque at the output that holds the load at rest [N*m]."""
+        return self.base.scalars.held / self.belt
+
+    @property
+    def mean_speed(self) -> Figure:
+        """Mean speed of the output while running, or what it exceeds for long [rad/s]."""
+        return self.base.scalars.mean_speed * self.belt
+
+    @property
+    def sustained_speed(self) -> Figure:
+        """Speed that the output exceeds for longer than shortly [rad/s]."""
+        return self.base.scalars.sustained_speed * self.belt
+
+    @property
+    def mean_power(self) -> Figure:
+        """Power that is transmitted in either direction, mean while running [W]."""
+        return self.base.scalars.mean_power
+
+    @property
+    def peak_power(self) -> Figure:
+        """Largest power that is transmitted [W]."""
+        return self.base.scalars.peak_power
 
     @property
     def load_cycle(self) -> Any:
@@ -282,8 +336,7 @@ def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleA
     duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
     acts = np.array([function.any() for function in six])
     return CycleAtBelt(
-        cycle, np.stack(six, axis=2 if one else 0), acts, _moments(duration, total, six, acts),
-        _scalars(cycle, torque, running[:, 0], efficiency), quickest,
+        cycle, np.stack(six, axis=2 if one else 0), acts, _moments(duration, total, six, acts), efficiency, quickest
     )  # fmt: skip
 
 
@@ -322,9 +375,11 @@ def _moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[
     return found
 
 
-def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_], efficiency: Figure) -> Scalars:
+def _scalars(cycle: Any, torque: Array, efficiency: Figure) -> Scalars:
     """Single figures of cycles; of one from the segments in which it runs, of several with the others as of no time."""
-    duration, speed, alone = cycle.duration, cycle.speed, running.ndim == 1
+    duration, speed = cycle.duration, cycle.speed
+    running = np.any(speed != 0.0, axis=1)
+    alone = running.ndim == 1
     held = running | ~running.any(axis=0)  # a cycle that never runs loads gears at rest
     time, some = (duration[held], held) if alone else (np.where(held, duration, 0.0), slice(None))
     total = time.sum(axis=0)
@@ -336,7 +391,6 @@ def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_], efficiency: 
         peak_torque=np.abs(torque).max(axis=(0, 1)),
         held=efficiency * np.where(np.isnan(cycle.held), np.where(at_rest >= 0.0, at_rest, np.nan), cycle.held),
         load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
-        peak_speed=np.abs(speed).max(axis=(0, 1)),
         **lasting_speeds(duration, speed),
         mean_power=(time * power).sum(axis=0) / np.where(total > 0.0, total, 1.0),
         peak_power=np.abs(torque * speed).max(axis=(0, 1)),
