@@ -41,7 +41,7 @@ _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long
 Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
 
-def weighing(problem: Problem, machine: MechanicalBudget | None) -> Weigh:
+def weighing(problem: Problem, machine: MechanicalBudget | None, *, brief: bool = False) -> Weigh:
     """A function that gives the budgets of the machine with a drive in it, of each drive once.
 
     Parameters
@@ -50,6 +50,8 @@ def weighing(problem: Problem, machine: MechanicalBudget | None) -> Weigh:
         The machine with its load cycles.
     machine
         Checks that are the same for every drive, of ``budgets.of_the_platform``.
+    brief
+        As ``budgets.machine_budget`` takes it.
 
     Returns
     -------
@@ -62,7 +64,7 @@ def weighing(problem: Problem, machine: MechanicalBudget | None) -> Weigh:
         candidates = sets.candidates
         key = int(candidates.motor[row]), int(candidates.gearhead[row]), float(candidates.belt[row])
         if key not in made:
-            made[key] = machine_budget(problem, drive_parts(sets, row), machine)
+            made[key] = machine_budget(problem, drive_parts(sets, row), machine, brief=brief)
         return made[key]
 
     return weigh
@@ -73,6 +75,8 @@ def in_machine(
     machine: MechanicalBudget | None,
     weigh: Weigh,
     aside: frozenset[str] = frozenset(),
+    *,
+    counted: bool = True,
 ) -> Judge | None:
     """A function that separates drives that pass the machine's budgets from those that fail; None without budgets.
 
@@ -84,6 +88,8 @@ def in_machine(
         Of ``weighing``.
     aside
         Names of budgets that are not looked at.
+    counted
+        Count how many drives fail on which budget; else few drives are weighed one by one, without columns.
 
     Returns
     -------
@@ -102,7 +108,7 @@ def in_machine(
         rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
         most = max(_FEWEST, _CELLS // max(len(case.at_belt.warming.duration) for case in problem.cases))
         for rows in _pieces(np.flatnonzero(~rejected), _FIRST * wanted, min(most, _MOST)):
-            found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best))
+            found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best), counted)
             rejected[rows[found.rejected]] = True
             best += rows[found.best].tolist()
             by.update(found.by)
@@ -115,7 +121,7 @@ def in_machine(
     return judge
 
 
-def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int) -> Kept:
+def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int, counted: bool) -> Kept:
     """Of evaluated drives those that pass: by columns where these decide, else one by one."""
 
     def budget(row: int) -> tuple[Check, ...]:
@@ -124,7 +130,8 @@ def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted:
     count = len(sets.candidates.motor)
     if wanted <= count and not any(_fails(sets.problem, budget(row)) for row in range(wanted)):
         return Kept(np.arange(wanted), np.arange(0), wanted, Counter())  # in most machines: no need of the columns
-    certain = _looked_at(certain_failures(sets), aside)
+    few = not counted and count <= _FEWEST  # columns cost more than so many records
+    certain = _looked_at({} if few else certain_failures(sets), aside)
     rejected, best, by = _any_of(certain, count), list[int](), Counter[str]()
     for row in np.flatnonzero(~rejected).tolist():
         checks = budget(row)

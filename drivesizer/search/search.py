@@ -374,7 +374,8 @@ def _by_the_paper(
     counts = Counts(considered=len(passes), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
     passing, rejected = order[passes[order]], order[~passes[order]]
     sets = found.candidates
-    kept_in_machine = _passing(judge, sets, found.on, passing, len(order) if pareto else top)
+    of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
+    kept_in_machine = _passing(judge, sets, of_parts.on, passing, len(order) if pareto else top)
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
     near = rejected[: 0 if misses is None else min(misses, max(top - len(best), 0)) if counts.feasible else top]
     on_front = best[:0]
