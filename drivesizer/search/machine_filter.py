@@ -37,6 +37,7 @@ __all__ = [
 
 _FIRST = 4  # times as many drives as are wanted are computed in full at first
 _FEWEST, _MORE, _MOST = 8, 8, 1 << 16  # at first at least, times as many each time, at most
+_FEW = 4  # whose records cost less than columns of what the paper's method does not compute
 _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long one each row costs
 Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
@@ -107,7 +108,8 @@ def in_machine(
         early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
         rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
         most = max(_FEWEST, _CELLS // max(len(case.at_belt.warming.duration) for case in problem.cases))
-        for rows in _pieces(np.flatnonzero(~rejected), _FIRST * wanted, min(most, _MOST)):
+        alone = 0 if counted else wanted  # these first: they are at hand, and mostly pass
+        for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * wanted, min(most, _MOST)):
             found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best), counted)
             rejected[rows[found.rejected]] = True
             best += rows[found.best].tolist()
@@ -130,7 +132,7 @@ def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted:
     count = len(sets.candidates.motor)
     if wanted <= count and not any(_fails(sets.problem, budget(row)) for row in range(wanted)):
         return Kept(np.arange(wanted), np.arange(0), wanted, Counter())  # in most machines: no need of the columns
-    few = not counted and count <= _FEWEST  # columns cost more than so many records
+    few = not counted and not sets.figures and count <= _FEW  # columns are to be computed, and cost more than so many
     certain = _looked_at({} if few else certain_failures(sets), aside)
     rejected, best, by = _any_of(certain, count), list[int](), Counter[str]()
     for row in np.flatnonzero(~rejected).tolist():
@@ -156,8 +158,11 @@ def _any_of(found: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.bool_
     return rows
 
 
-def _pieces(rows: NDArray[np.int64], first: int, most: int) -> Iterator[NDArray[np.int64]]:
-    """Rows a piece at a time, each larger than the one before: a piece costs much more than a row of it."""
+def _pieces(rows: NDArray[np.int64], alone: int, first: int, most: int) -> Iterator[NDArray[np.int64]]:
+    """Some rows alone, then a piece at a time, each larger than the one before: a piece costs much more than a row."""
+    if alone and len(rows):
+        yield rows[:alone]
+        rows = rows[alone:]
     size = min(max(first, _FEWEST), most)
     while len(rows):
         yield rows[:size]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -127,17 +128,28 @@ def search(
     precedence = _precedence(problem, kept, *value, top)
     order = ranking.order(catalog, kept.sets, *value, before=[precedence])
     head = order[: _tied(problem, precedence, order, *value, top)]
-    closest = rejected.on(slice(0) if misses is None else _nearest(problem, rejected))
-    nearest = closest.on(slice(misses if len(head) else top))
+    closest = cache(lambda: rejected.on(_nearest(problem, rejected)))
+
+    def few_of_closest(found: NDArray[np.int64]) -> Candidates:
+        wanted = 0 if misses is None else misses if len(found) else top
+        return closest().on(slice(wanted)) if wanted else rejected.on(slice(0))
+
+    nearest = few_of_closest(head)
     looked_at = by_physics(problem, joined([kept.sets.on(head), nearest]), True)
     order = np.concatenate([head[_by_margin(looked_at, precedence, head, *value)], order[len(head) :]])
+
+    place = {int(row): n for n, row in enumerate(head)}
 
     def in_full(rows: NDArray[np.int64]) -> Evaluation:
         return by_physics(problem, kept.sets.on(rows), True)
 
-    kept_in_machine = _passing(judge, kept.sets, in_full, order, len(order) if pareto else top)
+    def at_hand(rows: NDArray[np.int64]) -> Evaluation:  # budgets of the machine look at the parts of a drive alone
+        known = [place.get(int(row), -1) for row in rows] if len(rows) <= len(place) else [-1]
+        return looked_at.on(np.array(known)) if min(known) >= 0 else in_full(rows)
+
+    kept_in_machine = _passing(judge, kept.sets, at_hand, order, len(order) if pareto else top)
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
-    nearest = closest.on(slice(misses if len(best) else top))  # a budget of the machine may reject all
+    nearest = few_of_closest(best)  # a budget of the machine may reject all
     on_front = best[:0]
     if pareto:
         figures = {name: column[kept_in_machine.best] for name, column in kept.figures.items()}
