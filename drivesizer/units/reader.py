@@ -129,7 +129,7 @@ def to_si(text: object, kind: str) -> float:
     >>> to_si("142 gcm2", "inertia"), to_si("25 °C", "temperature")
     (1.42e-05, 298.15)
     """
-    return _of_text(text, kind) if isinstance(text, str) else _in_si(text, kind)
+    return _remembered(text, kind) if isinstance(text, str | int | float) else _in_si(text, kind)
 
 
 def _in_si(text: object, kind: str) -> float:
@@ -157,7 +157,7 @@ def _in_si(text: object, kind: str) -> float:
     return result
 
 
-_of_text = lru_cache(maxsize=4096)(_in_si)  # variants of a spec have most of their texts in common
+_remembered = lru_cache(maxsize=4096, typed=True)(_in_si)  # variants of a spec have most of their figures in common
 
 
 def possible(kind: str) -> str:
