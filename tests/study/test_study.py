@@ -426,3 +426,19 @@ def test_the_amounts_on_the_page_are_the_program_s():
         per_second = float(sets.replace(" ", "")) / (float(time) * {"ms": 1e-3, "s": 1.0}[unit])
         assert math.isclose(per_second, float(rate.replace(" ", "")), rel_tol=0.1)
     assert len(rows) == 3
+
+
+def test_a_row_hangs_on_no_variant_before_it(tmp_path):
+    """What is kept of one variant for the next changes nothing: in any order, and alone, the same rows."""
+    study = "spec: robot.yaml\nvary:\n  load.mass: [30 kg, 45 kg, -1 kg, 58 kg]\n  supply.nominal: [24 V, 36 V]\n"
+    plan = read_study(laid(tmp_path, study + "  select.motor.family: [RE 25, RE 30]\n", EXAMPLE))
+    every = plan.variants(0) if plan.chunks == 1 else [plan.variant(n) for n in range(1, plan.total + 1)]
+
+    def rows(variants):
+        found = rows_of(plan.job, variants, [plan.head(one) for one in variants]).rows
+        return {row[0]: row for row in found}
+
+    forward = rows(every)
+    assert len(forward) == 16 and {row[6] for row in forward.values()} >= {"pass", "error"}
+    assert rows(every[::-1]) == forward
+    assert {n: row for one in every for n, row in rows([one]).items()} == forward
