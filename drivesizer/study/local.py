@@ -107,13 +107,13 @@ def on_processes(plan: Plan, chunks: Sequence[int], pool: Pool) -> Iterator[tupl
     InputError
         When a process ended before its work was done.
     """
-    pending = tasks(plan, chunks)
+    pending, job = tasks(plan, chunks), plan.job.sent
     try:
-        running = {_submit(pool, plan.job, task): task[0] for task in islice(pending, _AHEAD * pool.processes)}
+        running = {_submit(pool, job, task): task[0] for task in islice(pending, _AHEAD * pool.processes)}
         while running:
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
-                running |= {_submit(pool, plan.job, task): task[0] for task in islice(pending, 1)}
+                running |= {_submit(pool, job, task): task[0] for task in islice(pending, 1)}
                 yield running.pop(future), future.result()
     except BrokenProcessPool:
         raise InputError(

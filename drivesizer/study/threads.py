@@ -31,7 +31,7 @@ def one_thread_each() -> Iterator[None]:
 def can_be_copied() -> bool:
     """Whether this process can be copied: it has one thread, and its system copies what it has loaded.
 
-    To be asked outside of ``one_thread_each``, or inside of one that was there before NumPy.
+    It is so inside of a ``one_thread_each`` that was there before NumPy.
     """
     single = all(os.environ.get(name) == "1" for name in _SINGLE)
     return sys.platform == "linux" and single and threading.active_count() == 1

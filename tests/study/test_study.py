@@ -1,6 +1,7 @@
 """Studies: what a study.yaml means, what it is refused for, and what a variant's row says."""
 
 import math
+import pickle
 import re
 from dataclasses import replace
 from itertools import product
@@ -442,3 +443,16 @@ def test_a_row_hangs_on_no_variant_before_it(tmp_path):
     assert len(forward) == 16 and {row[6] for row in forward.values()} >= {"pass", "error"}
     assert rows(every[::-1]) == forward
     assert {n: row for one in every for n, row in rows([one]).items()} == forward
+
+
+def test_a_task_grows_with_its_variants_alone(tmp_path):
+    """Processes get the values of their variants, not those of all; the rows are those of the whole job."""
+    sizes = []
+    for n, steps in enumerate((30_000, 300)):
+        study = f"spec: robot.yaml\nvary:\n  load.mass: {{from: 30 kg, to: 60 kg, steps: {steps}}}\n"
+        plan = read_study(laid(tmp_path, study, name=f"study{n}"))
+        few = [plan.variant(number) for number in (1, 2)]
+        heads = [plan.head(one) for one in few]
+        sizes.append(len(pickle.dumps((plan.job.sent, few, heads))))
+        assert rows_of(plan.job.sent, few, heads) == rows_of(plan.job, few, heads)
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.05) and sizes[0] < 10_000
