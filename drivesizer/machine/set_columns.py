@@ -47,7 +47,7 @@ def one_row(part: Any) -> OneRow:
 
 @lru_cache(maxsize=256)
 def own_coefficients(acts: tuple[bool, ...], motor: Any, gearhead: Any, encoder: Any, braking: float) -> Coefficients:
-    """What of a drive's demands hangs on it alone: of drives of late as it was.
+    """Coefficients of a drive's demands, which hang on it alone: of drives of late as they were.
 
     Parameters
     ----------
@@ -57,6 +57,11 @@ def own_coefficients(acts: tuple[bool, ...], motor: Any, gearhead: Any, encoder:
         Parts out of a catalogue.
     braking
         Inertia of a brake as the motor's shaft feels it [kg*m^2].
+
+    Returns
+    -------
+    Coefficients
+        Of one row, not to be changed.
     """
     found = coefficients(np.array(acts), one_row(motor), one_row(gearhead), one_row(encoder), np.float64(braking))
     for column in found:
@@ -74,5 +79,10 @@ def own_losses(motor: Any, ratio: float) -> tuple[NDArray[np.float64], NDArray[n
         Out of a catalogue.
     ratio
         Of the gearhead.
+
+    Returns
+    -------
+    tuple of arrays
+        Of one row, as ``stress.housing_loss`` gives them.
     """
     return housing_loss(one_row(motor), np.array([ratio]))

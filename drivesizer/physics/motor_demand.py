@@ -57,7 +57,7 @@ class Demands(NamedTuple):
 
 
 class Coefficients(NamedTuple):
-    """What of the demands hangs on the drives alone, and on which functions ever act: columns over candidates."""
+    """Part of the demands that hangs on the drives alone, and on which functions ever act: columns over candidates."""
 
     torque: Array  # (candidates, 6): motor torque from the functions, as far as it is known
     left_out: NDArray[np.bool_]  # (candidates, 6): of which a part is unknown
