@@ -86,7 +86,8 @@ def carry_out(
     if fresh or not (folder / "study.json").exists():
         note = refuse_if_all_invalid(plan)
         outcome.notes += [note] if note else []
-    with _workers(processes or cores(), scheduler) as compute:
+    most = processes or cores()
+    with _workers(most if plan.depth else min(most, plan.chunks), scheduler) as compute:  # rounds may have more chunks
         _made(folder)
         with locked(folder):
             store = opened(folder, plan, origin, fresh=fresh)
