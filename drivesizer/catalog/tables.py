@@ -33,6 +33,7 @@ __all__ = [
 ]
 
 _KEPT = 256  # results of a catalogue for specs of late
+_RECORDS = 256  # parts of late, by row
 
 Part = TypeVar("Part")
 CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the most to the least reliable; then ESTIMATED
@@ -119,8 +120,16 @@ class Table(Generic[Part]):
 
     def record(self, row: int) -> Part:
         """One part, as its record."""
-        kind: type[Part] = PARTS[self.section]
-        return kind(**{name: self.columns[name][row].item() for name in columns_of(self.section)})
+        if row not in self._records:
+            if len(self._records) == _RECORDS:
+                self._records.clear()
+            kind: type[Part] = PARTS[self.section]
+            self._records[row] = kind(**{name: self.columns[name][row].item() for name in columns_of(self.section)})
+        return self._records[row]
+
+    @cached_property
+    def _records(self) -> dict[int, Part]:
+        return {}
 
     @cached_property
     def rows(self) -> dict[str, int]:
@@ -193,13 +202,18 @@ class Catalog:
     def _kept(self) -> dict[Hashable, Any]:
         return {}
 
-    def once(self, key: Hashable, make: Callable[[], Any]) -> Any:
-        """Result that hangs on these parts and a key alone: made once for the keys of late, not to be changed."""
+    def once(self, key: Hashable, make: Callable[[], Any], of: tuple[Any, ...] = ()) -> Any:
+        """Result that hangs on these parts and a key alone: made once for the keys of late, not to be changed.
+
+        It may hang on further objects ``of`` that do not change and have no hash, such as sections of a spec: on the
+        very same ones.
+        """
+        key = (key, *map(id, of))  # what is kept holds the objects, so that no other one gets their places
         if key not in self._kept:
             if len(self._kept) == _KEPT:  # of a study that varies the supply
                 self._kept.clear()
-            self._kept[key] = make()
-        return self._kept[key]
+            self._kept[key] = make(), of
+        return self._kept[key][0]
 
     def with_tables(self, tables: Mapping[str, Any], pairs: Mapping[str, Any]) -> Catalog:
         """The catalogue with other tables and pairs, by their names."""

@@ -35,21 +35,25 @@ def study(
     maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,
 ) -> None:
     """Size every variant of a spec: tables and maps; the same command resumes after an interruption."""
-    from drivesizer.study.plan import read_study
-    from drivesizer.study.run import carry_out
+    from drivesizer.study.threads import one_thread_each
 
-    plan = read_study(path)
     target = Path(path.stem) if folder is None else folder
     names = tuple(name.strip() for name in over.split(",")) if over else ()
-    try:
-        with _bar() as advance:
-            found = carry_out(
-                plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
-                progress=advance,
-            )  # fmt: skip
-    except KeyboardInterrupt:
-        typer.echo(f"drivesizer: {target}: stopped; results so far are kept, and the same command resumes", err=True)
-        raise typer.Exit(STOPPED) from None
+    with one_thread_each():  # before NumPy is loaded
+        from drivesizer.study.plan import read_study
+        from drivesizer.study.run import carry_out
+
+        plan = read_study(path)
+        try:
+            with _bar() as advance:
+                found = carry_out(
+                    plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
+                    progress=advance,
+                )  # fmt: skip
+        except KeyboardInterrupt:
+            text = f"drivesizer: {target}: stopped; results so far are kept, and the same command resumes"
+            typer.echo(text, err=True)
+            raise typer.Exit(STOPPED) from None
     status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
     typer.echo(f"{found.variants.total()} variants: {status}; {found.examined} drives examined")
     for written in found.written:

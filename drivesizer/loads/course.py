@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 from math import fsum, nan
 
 import numpy as np
@@ -17,6 +18,8 @@ from drivesizer.files.frozen import dataclass
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points, places
 
 __all__ = ["Course", "Profile", "course"]
+
+_SHORT = 256  # breakpoints of a profile of which the course is kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +135,10 @@ def course(profile: Profile) -> Course:
     >>> moved.position[:, 1]
     array([ 3. , 12. , 13.5])
     """
+    return _course(profile) if len(profile.time) > _SHORT else _remembered(profile)
+
+
+def _course(profile: Profile) -> Course:
     time, speed = np.array(profile.time), np.array(profile.speed)
     duration, ends = np.diff(time), np.stack([speed[:-1], speed[1:]], axis=1)
     if profile.ends is not None:
@@ -145,3 +152,6 @@ def course(profile: Profile) -> Course:
     position = np.stack([np.concatenate([[0.0], travel[:-1]]), travel], axis=1)
     payload = 0.0 if profile.payload is None else np.array(profile.payload)[:, None]
     return Course(profile.name, duration, position, ends, acceleration, payload).split()
+
+
+_remembered = lru_cache(maxsize=16)(_course)  # of short profiles: variants of a spec mostly move as it does

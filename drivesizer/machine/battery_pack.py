@@ -135,6 +135,11 @@ def pack_of(section: Battery, catalog: Catalog) -> Pack:
     InputError
         When the catalogues have no such battery.
     """
+    pack: Pack = catalog.once("battery", lambda: _pack_of(section, catalog), (section,))
+    return pack
+
+
+def _pack_of(section: Battery, catalog: Catalog) -> Pack:
     row = _row(section, catalog)
     record = catalog.batteries.record(row) if row is not None else parts.Battery()
     one = {name: _first(getattr(section, name), getattr(record, name)) for name in _ONE}

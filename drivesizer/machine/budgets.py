@@ -7,6 +7,7 @@ cases the worst of them counts.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from math import isnan, nan
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,9 +16,9 @@ from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_pack import pack_of
 from drivesizer.machine.braking import braking_budget
-from drivesizer.machine.energy_budget import energy_budget
+from drivesizer.machine.energy_budget import checks_of_battery, energy_budget
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.machine.supply_power import drive_power, together
+from drivesizer.machine.supply_power import DrivePower, drive_power, together
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.drive_set import DriveParts
@@ -93,7 +94,9 @@ def of_the_platform(spec: RobotSpec) -> MechanicalBudget | None:
     return of_load_cases(spec)
 
 
-def machine_budget(problem: Problem, one: DriveParts, machine: MechanicalBudget | None = None) -> MachineBudget:
+def machine_budget(
+    problem: Problem, one: DriveParts, machine: MechanicalBudget | None = None, *, brief: bool = False
+) -> MachineBudget:
     """The machine with a drive in it, against its budgets.
 
     Parameters
@@ -104,6 +107,8 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MechanicalBudget 
         The drive.
     machine
         Room, footing and grip, which are the same for every drive, of ``of_the_platform``.
+    brief
+        Without consumers and figures of the battery: its checks alone.
 
     Returns
     -------
@@ -114,7 +119,9 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MechanicalBudget 
     if spec.budget:
         parts.insert(0, _mass(problem, spec.budget, one))
     checks, energy = [check for part in parts for check in part.checks], None
-    if spec.battery:
+    if spec.battery and brief:
+        checks += worst_of_cases(_checks_of_the_battery(problem, spec.battery, one))
+    elif spec.battery:
         found = _of_the_battery(problem, spec.battery, one)
         checks += worst_of_cases([(name, budget.checks) for name, budget in found])
         energy = min((budget for _, budget in found), key=_lasting)
@@ -144,13 +151,29 @@ def regeneration(problem: Problem, one: DriveParts) -> BrakingBudget | None:
 
 def _of_the_battery(problem: Problem, battery: Battery, one: DriveParts) -> list[tuple[str, EnergyBudget]]:
     """The battery's budget in each load case of the machine, by name."""
-    cases, equipment, found = problem.machine.load_cases, problem.spec.equipment, []
+    equipment, catalog = problem.spec.equipment, problem.catalog
+    return [
+        (name, energy_budget(spec, one, battery, equipment, catalog, power))
+        for name, spec, power in _powers(problem, one)
+    ]
+
+
+def _checks_of_the_battery(problem: Problem, battery: Battery, one: DriveParts) -> list[tuple[str, tuple[Check, ...]]]:
+    """The same, the checks alone."""
+    equipment, catalog = problem.spec.equipment, problem.catalog
+    return [
+        (name, checks_of_battery(spec, battery, equipment, catalog, power))
+        for name, spec, power in _powers(problem, one)
+    ]
+
+
+def _powers(problem: Problem, one: DriveParts) -> Iterator[tuple[str, RobotSpec, DrivePower]]:
+    """Each load case of the machine: its name, its spec, and the power that all drives draw in it."""
+    names = [name for name, _ in problem.machine.load_cases]
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
         power = together([drive_power(case.spec, one, case.at_belt) for case in some])
-        budget = energy_budget(some[0].spec, one, battery, equipment, problem.catalog, power)
-        found.append((cases[some[0].number][0], budget))
-    return found
+        yield names[some[0].number], some[0].spec, power
 
 
 def drive_mass(problem: Problem, one: DriveParts) -> float:

@@ -32,14 +32,14 @@ from drivesizer.physics.battery import current_of_power, polarised_voltage, stat
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.energy import Consumption, EnergyBudget
 from drivesizer.results.losses import loss_assumptions
-from drivesizer.results.sizing import Figure, verdict
+from drivesizer.results.sizing import Check, Figure, verdict
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
     from drivesizer.spec.battery import Battery, Consumer
 
-__all__ = ["budget_of_consumers", "charge_over_mission", "consumers_of", "energy_budget"]
+__all__ = ["budget_of_consumers", "charge_over_mission", "checks_of_battery", "consumers_of", "energy_budget"]
 
 Array = NDArray[np.float64]
 _POINTS = 2000  # of the state of charge over a mission
@@ -116,20 +116,13 @@ def budget_of_consumers(
     """
     pack = pack_of(battery, catalog)
     others = _of_the_equipment(spec, equipment)
-    consumers = (*drawing, *others)
-    power = _at_the_battery(spec, drive, sum(c.mean for c in others))
-    load = _load(spec, drive, others, power)
-    load = _lasting(spec, battery, pack, load)
-    off = _at_the_battery(spec, drive, 0.0, accepted(spec))
-    load = load._replace(
-        lowest=_lowest(pack, drive.duration, power, load), highest=_highest(pack, drive.duration, off, load)
-    )
+    load, power = _of_the_battery(spec, battery, pack, others, drive)
     checks = battery_checks(spec, battery, pack, load)
     return EnergyBudget(
         battery=pack.name,
         start=pack.start,
         usable=pack.usable,
-        consumers=consumers,
+        consumers=(*drawing, *others),
         duration=drive.duration,
         power=power,
         mean_power=load.mean,
@@ -143,6 +136,31 @@ def budget_of_consumers(
         figures=_figures(spec, battery, pack, load, _worn(drive.duration, run_time(pack, power)) * pack.available),
         assumptions=_assumptions(spec, pack, equipment, assumed),
     )
+
+
+def checks_of_battery(
+    spec: RobotSpec, battery: Battery, equipment: Sequence[Consumer], catalog: Catalog, drive: DrivePower
+) -> tuple[Check, ...]:
+    """The checks alone of ``energy_budget``.
+
+    Parameters
+    ----------
+    spec, battery, equipment, catalog, drive
+        As for ``energy_budget``.
+
+    Returns
+    -------
+    tuple[Check, ...]
+        One record for each limit that applies.
+
+    Raises
+    ------
+    InputError
+        As of ``energy_budget``.
+    """
+    pack = pack_of(battery, catalog)
+    load, _ = _of_the_battery(spec, battery, pack, _of_the_equipment(spec, equipment), drive)
+    return battery_checks(spec, battery, pack, load)
 
 
 # --- consumers -------------------------------------------------------------------------------------------------------
@@ -206,6 +224,17 @@ def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[C
 
 
 # --- load of the battery --------------------------------------------------------------------------------------------
+
+
+def _of_the_battery(
+    spec: RobotSpec, battery: Battery, pack: Pack, others: Sequence[Consumption], drive: DrivePower
+) -> tuple[Load, Array]:
+    """Load of a battery, and mean power from it in each piece [W]."""
+    power = _at_the_battery(spec, drive, sum(c.mean for c in others))
+    load = _lasting(spec, battery, pack, _load(spec, drive, others, power))
+    off = _at_the_battery(spec, drive, 0.0, accepted(spec))
+    lowest, highest = _lowest(pack, drive.duration, power, load), _highest(pack, drive.duration, off, load)
+    return load._replace(lowest=lowest, highest=highest), power
 
 
 def _load(spec: RobotSpec, drive: DrivePower, others: Sequence[Consumption], power: Array) -> Load:

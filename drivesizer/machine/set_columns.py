@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["OneRow"]
+from drivesizer.physics.motor_demand import Coefficients, coefficients
+from drivesizer.physics.stress import housing_loss
+
+__all__ = ["OneRow", "one_row", "own_coefficients", "own_losses"]
 
 
 class OneRow:
@@ -20,6 +24,65 @@ class OneRow:
 
     def __init__(self, part: Any) -> None:
         self.part = part
+        self.taken: dict[str, NDArray[Any]] = {}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        return np.array([np.nan if self.part is None else getattr(self.part, name)])
+        if name not in self.taken:
+            self.taken[name] = np.array([np.nan if self.part is None else getattr(self.part, name)])
+            self.taken[name].flags.writeable = False  # others take it as well
+        return self.taken[name]
+
+
+@lru_cache(maxsize=256)
+def one_row(part: Any) -> OneRow:
+    """A part's figures as columns of one; of parts of late with those that were taken before.
+
+    Parameters
+    ----------
+    part
+        Out of a catalogue; None where there is none.
+    """
+    return OneRow(part)
+
+
+@lru_cache(maxsize=256)
+def own_coefficients(acts: tuple[bool, ...], motor: Any, gearhead: Any, encoder: Any, braking: float) -> Coefficients:
+    """Coefficients of a drive's demands, which hang on it alone: of drives of late as they were.
+
+    Parameters
+    ----------
+    acts
+        Which of the six functions of the cycle are ever not 0.
+    motor, gearhead, encoder
+        Parts out of a catalogue.
+    braking
+        Inertia of a brake as the motor's shaft feels it [kg*m^2].
+
+    Returns
+    -------
+    Coefficients
+        Of one row, not to be changed.
+    """
+    found = coefficients(np.array(acts), one_row(motor), one_row(gearhead), one_row(encoder), np.float64(braking))
+    for column in found:
+        column.flags.writeable = False
+    return found
+
+
+@lru_cache(maxsize=256)
+def own_losses(motor: Any, ratio: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Losses of friction and iron of a motor behind a gearhead (``stress.housing_loss``): of drives of late as before.
+
+    Parameters
+    ----------
+    motor
+        Out of a catalogue.
+    ratio
+        Of the gearhead.
+
+    Returns
+    -------
+    tuple of arrays
+        Of one row, as ``stress.housing_loss`` gives them.
+    """
+    return housing_loss(one_row(motor), np.array([ratio]))

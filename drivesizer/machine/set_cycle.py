@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.load_cases import load_cycle
-from drivesizer.machine.set_columns import OneRow
+from drivesizer.machine.set_columns import OneRow, one_row, own_coefficients, own_losses
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, at_gearhead
 from drivesizer.physics.load_cycle import mean_product
 from drivesizer.physics.motor_demand import Demands, demands
@@ -42,7 +42,6 @@ class SetCycle(NamedTuple):
     cycle: AtGearhead
     demands: Demands
     heat: Heat
-    stress: Stress
     flows: Wave  # current, and the voltage that the motion induces, over the pieces that a winding feels
     course: WindingCourse  # how warm the winding is over these
     released: float = 0.0  # W, that keeps its brake released
@@ -51,6 +50,11 @@ class SetCycle(NamedTuple):
     def known(self) -> bool:
         """Whether the motor's current is known, and not only a least one."""
         return bool(self.demands.complete.all() and np.isfinite(self.demands.rms_current).all())
+
+    @property
+    def stress(self) -> Stress:
+        """Largest torque and current, and largest voltage while the winding is cold."""
+        return stress(self.spec.environment.ambient, self.cycle, self.demands, self.motor, self.feed.leads)
 
     @property
     def hot(self) -> Array:
@@ -100,10 +104,10 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    motor, gearhead = OneRow(drive_set.motor), OneRow(drive_set.gearhead)
+    motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
     cycle, demand = turned(spec, drive_set, base)
-    at_flange = loss_at_flange(spec, cycle, gearhead)
-    heating = heat(spec.environment.ambient, cycle, demand, motor, from_gearhead=at_flange)
+    losses, at_flange = own_losses(drive_set.motor, drive_set.gearhead.ratio), loss_at_flange(spec, cycle, gearhead)
+    heating = heat(spec.environment.ambient, cycle, demand, motor, losses, at_flange)
     flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
     feed = spec.feed_of(drive_set.controller, drive_set.brake)
     return SetCycle(
@@ -114,7 +118,6 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
         cycle,
         demand,
         heating,
-        stress(spec.environment.ambient, cycle, demand, motor, feed.leads),
         flows,
         course,
         drive_set.released_power,
@@ -137,11 +140,12 @@ def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[At
     turning = drive_set.motor
     if drive_set.steps:
         turning = replace(turning, friction_torque=0.0, viscous_friction=0.0)
-    motor, gearhead, encoder = (OneRow(part) for part in (turning, drive_set.gearhead, drive_set.encoder))
     if base is None:  # cut as the search cut it
         base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
     cycle = base.behind(drive_set.belt_ratio)
-    return cycle, demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia)
+    gearhead, encoder, braking = drive_set.gearhead, drive_set.encoder, drive_set.brake_inertia
+    known = own_coefficients(tuple(cycle.acts.tolist()), turning, gearhead, encoder, braking)
+    return cycle, demands(cycle, one_row(turning), one_row(gearhead), one_row(encoder), braking, known)
 
 
 def waveform(found: SetCycle, *, mean: bool = False) -> Wave:

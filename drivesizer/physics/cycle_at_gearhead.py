@@ -11,7 +11,7 @@ Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field, replace
+from dataclasses import field
 from functools import cached_property, partial
 from math import inf
 from typing import Any, NamedTuple
@@ -47,7 +47,6 @@ class Scalars(NamedTuple):
     peak_torque: Figure  # N*m
     held: Figure  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
     load_torque: Figure  # N*m, largest at the load
-    peak_speed: Figure  # rad/s
     mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
     sustained_speed: Figure  # rad/s, what it exceeds for longer than shortly
     mean_power: Figure  # W, transmitted in either direction while running
@@ -61,7 +60,6 @@ class CycleAtBelt:
     load_cycle: Any  # at the load: a LoadCycle, or several with the same fields as columns
     acts: NDArray[np.bool_]  # which of them are ever not 0
     moments: Array  # means of their products over the cycle: (6, 6) or (6, 6, cycles)
-    scalars: Scalars
     quickest: float  # s, shortest time constant of the windings
     efficiency: Figure = 1.0  # of the belt, that is in the functions
     census: Census | None = None  # of a long cycle what it is made of
@@ -73,6 +71,21 @@ class CycleAtBelt:
         return end_times(self.load_cycle.duration)
 
     @cached_property
+    def scalars(self) -> Scalars:
+        """Single figures of it, computed on first use; of several cycles columns."""
+        if self.census is not None:
+            return _scalars_by_census(self, self.census)
+        return _scalars(self.load_cycle, self.torque, self.efficiency)
+
+    @cached_property
+    def peak_speed(self) -> Figure:
+        """Highest speed [rad/s]."""
+        if self.census is not None:
+            return float(self.census.of(at.MOST_W).max())
+        found = np.abs(self.load_cycle.speed).max(axis=(0, 1))
+        return float(found) if self.load_cycle.speed.ndim == 2 else found
+
+    @cached_property
     def functions(self) -> Array:
         """The six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)."""
         return np.stack(_six(self.load_cycle, self.efficiency), axis=2 if self.load_cycle.torque.ndim == 2 else 0)
@@ -80,7 +93,7 @@ class CycleAtBelt:
     @property
     def factors(self) -> Array:
         """Factors by which the belt changes torques that drive, brake and hold [1]."""
-        return np.array([1.0 / self.efficiency, self.efficiency, 1.0])
+        return _factors(self.efficiency)
 
     @cached_property
     def extremes(self) -> Extremes:
@@ -159,16 +172,60 @@ class AtGearhead:
     """A load cycle at the gearhead's output, behind one belt."""
 
     def __init__(self, base: CycleAtBelt, ratio: Figure) -> None:
-        self.base, self.belt, one = base, ratio, base.scalars
+        self.base, self.belt = base, ratio
         self.scale = np.array([1 / ratio, 1 / ratio, 1 / ratio, ratio, 1.0, ratio])  # of the functions
         by_pairs = np.outer(self.scale, self.scale).reshape(6, 6, *[1] * (base.moments.ndim - 2))
         self.moments = base.moments * by_pairs  # means of products over the cycle
-        self.rms_torque, self.peak_torque = one.rms_torque / ratio, one.peak_torque / ratio
-        self.held = one.held / ratio
-        self.peak_speed, self.mean_speed = one.peak_speed * ratio, one.mean_speed * ratio
-        self.sustained_speed = one.sustained_speed * ratio
-        self.mean_power, self.peak_power = one.mean_power, one.peak_power
-        self.load_torque, self.load_speed = one.load_torque, one.peak_speed  # N*m, rad/s, largest at the load
+
+    @cached_property
+    def peak_speed(self) -> Any:
+        """Highest speed at the output [rad/s]."""
+        return self.base.peak_speed * self.belt
+
+    @property
+    def load_speed(self) -> Figure:
+        """Highest speed at the load [rad/s]."""
+        return self.base.peak_speed
+
+    @property
+    def load_torque(self) -> Figure:
+        """Largest torque at the load [N*m]."""
+        return self.base.scalars.load_torque
+
+    @property
+    def rms_torque(self) -> Figure:
+        """Torque at the output, RMS while running [N*m]."""
+        return self.base.scalars.rms_torque / self.belt
+
+    @property
+    def peak_torque(self) -> Figure:
+        """Largest torque at the output [N*m]."""
+        return self.base.scalars.peak_torque / self.belt
+
+    @property
+    def held(self) -> Figure:
+        """Largest torque at the output that holds the load at rest [N*m]."""
+        return self.base.scalars.held / self.belt
+
+    @property
+    def mean_speed(self) -> Figure:
+        """Mean speed of the output while running, or what it exceeds for long [rad/s]."""
+        return self.base.scalars.mean_speed * self.belt
+
+    @property
+    def sustained_speed(self) -> Figure:
+        """Speed that the output exceeds for longer than shortly [rad/s]."""
+        return self.base.scalars.sustained_speed * self.belt
+
+    @property
+    def mean_power(self) -> Figure:
+        """Power that is transmitted in either direction, mean while running [W]."""
+        return self.base.scalars.mean_power
+
+    @property
+    def peak_power(self) -> Figure:
+        """Largest power that is transmitted [W]."""
+        return self.base.scalars.peak_power
 
     @property
     def load_cycle(self) -> Any:
@@ -310,11 +367,7 @@ def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleA
     six = _six(cycle, efficiency)
     duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
     acts = np.array([function.any() for function in six])
-    torque, running = six[DRIVING] + six[BRAKING] + six[AT_REST], np.any(cycle.speed != 0.0, axis=1)
-    found = CycleAtBelt(
-        cycle, acts, _moments(duration, total, six, acts), _scalars(cycle, torque, running, efficiency), quickest,
-        efficiency,
-    )  # fmt: skip
+    found = CycleAtBelt(cycle, acts, _moments(duration, total, six, acts), quickest, efficiency)
     found.__dict__["functions"] = np.stack(six, axis=2 if one else 0)  # at hand
     return found
 
@@ -341,18 +394,27 @@ def _kinds(cycle: Any, efficiency: Figure) -> tuple[Array, NDArray[np.bool_], Ar
 
 def _by_census(cycle: Any, looked: Census, efficiency: float, quickest: float) -> CycleAtBelt:
     """A long load cycle through a belt, by its groups of segments: nothing is made of each segment."""
-    found = CycleAtBelt(cycle, np.ones(6, bool), np.zeros((6, 6)), Scalars(*[0.0] * 9), quickest, efficiency, looked)
-    factors, ends = found.factors, np.array([float(np.abs(cycle.speed).min()), float(looked.of(at.MOST_W).max())])
+    moments = looked.moments(_factors(efficiency)) / cycle.total
+    return CycleAtBelt(cycle, looked.acts(), moments, quickest, efficiency, looked)
+
+
+def _factors(efficiency: Figure) -> Array:
+    """Factors by which a belt changes torques that drive, brake and hold [1]."""
+    return np.array([1.0 / efficiency, efficiency, 1.0])
+
+
+def _scalars_by_census(at_belt: CycleAtBelt, looked: Census) -> Scalars:
+    """Single figures of a long cycle, by its groups of segments."""
+    cycle, ends = at_belt.load_cycle, np.array([float(np.abs(at_belt.load_cycle.speed).min()), at_belt.peak_speed])
     faster = partial(times_above, cycle.duration, cycle.speed)
-    speeds = lasting_speeds_by(faster, ends, cycle.total, looked.mean_running())
-    one = looked.figures(factors)
+    one = looked.figures(at_belt.factors)
     held = cycle.held if not np.isnan(cycle.held) else one.at_rest
-    scalars = Scalars(
-        rms_torque=one.rms_torque, peak_torque=one.peak_torque, held=float(efficiency * held),
-        load_torque=float(looked.of(at.MOST_LOAD).max()), peak_speed=float(ends[1]), **speeds,
+    return Scalars(
+        rms_torque=one.rms_torque, peak_torque=one.peak_torque, held=float(at_belt.efficiency * held),
+        load_torque=float(looked.of(at.MOST_LOAD).max()),
+        **lasting_speeds_by(faster, ends, cycle.total, looked.mean_running()),
         mean_power=one.mean_power, peak_power=one.peak_power,
     )  # fmt: skip
-    return replace(found, acts=looked.acts(), moments=looked.moments(factors) / cycle.total, scalars=scalars)
 
 
 def piece_counts(duration: Array, time_constant: Array, error: float) -> NDArray[np.int64]:
@@ -390,9 +452,11 @@ def _moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[
     return found
 
 
-def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_], efficiency: Figure) -> Scalars:
+def _scalars(cycle: Any, torque: Array, efficiency: Figure) -> Scalars:
     """Single figures of cycles; of one from the segments in which it runs, of several with the others as of no time."""
-    duration, speed, alone = cycle.duration, cycle.speed, running.ndim == 1
+    duration, speed = cycle.duration, cycle.speed
+    running = np.any(speed != 0.0, axis=1)
+    alone = running.ndim == 1
     held = running | ~running.any(axis=0)  # a cycle that never runs loads gears at rest
     time, some = (duration[held], held) if alone else (np.where(held, duration, 0.0), slice(None))
     total = time.sum(axis=0)
@@ -404,7 +468,6 @@ def _scalars(cycle: Any, torque: Array, running: NDArray[np.bool_], efficiency: 
         peak_torque=np.abs(torque).max(axis=(0, 1)),
         held=efficiency * np.where(np.isnan(cycle.held), np.where(at_rest >= 0.0, at_rest, np.nan), cycle.held),
         load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
-        peak_speed=np.abs(speed).max(axis=(0, 1)),
         **lasting_speeds(duration, speed),
         mean_power=(time * power).sum(axis=0) / np.where(total > 0.0, total, 1.0),
         peak_power=np.abs(torque * speed).max(axis=(0, 1)),

@@ -65,7 +65,8 @@ class Equation:
         InputError
             When a quantity has the wrong dimension, or a plain number stands where a unit is needed.
         """
-        if not any(hasattr(value, "dimensionality") for value in (*args, *kwargs.values())):
+        given_ = (*args, *kwargs.values())
+        if _PLAIN.issuperset(map(type, given_)) or not any(hasattr(value, "dimensionality") for value in given_):
             return self.formula(*args, **kwargs)
         given = inspect.signature(self.formula).bind(*args, **kwargs).arguments
         units = {term.name: term for term in self.terms}
@@ -88,6 +89,7 @@ class Equation:
         return f"equation ({self.number})" if self.number else self.title
 
 
+_PLAIN = {float, int, np.float64, np.ndarray}
 _SECTION = re.compile(r"(Parameters|Returns)\n\s*-+\n(.*?)(?=\n\s*\n|\Z)", re.DOTALL)
 _TERM = re.compile(r"\s*(\w+): (.*) \[([^\]]+)\]\s*")
 

@@ -251,7 +251,9 @@ def _turned(found: Periodic, values: Array, slopes: Array, pulls: Array, top: Ar
     t = np.broadcast_to(found.t, slopes.shape)
     inner = np.nonzero((slopes > 0.0) & (pulls < 0.0) & (values[:-1] + t * slopes > top))
     columns = (found.span.fast, found.span.slow, t, values[:-1], slopes, pulls)
-    fast, slow, t, start, slope, pull = (np.broadcast_to(x, slopes.shape)[inner] for x in columns)
+    fast, slow, t, start, slope, pull = (
+        (x if x.shape == slopes.shape else np.broadcast_to(x, slopes.shape))[inner] for x in columns
+    )
     turn = np.minimum(turning_time(slow - fast, slope, pull), t)
     weight = weights(fast, slow, turn)
     return inner, turn, start + weight.slope * slope + weight.pull * pull

@@ -92,7 +92,10 @@ class LoadCycle:
         return cycle
 
     def _cut(self, name: str) -> LoadCycle:
-        pieces, shares, column = cut_points(getattr(self, name))
+        ends = getattr(self, name)
+        if not (ends[:, 0] * ends[:, 1] < 0.0).any():
+            return self
+        pieces, shares, column = cut_points(ends)
         first = np.cumsum(pieces) - pieces  # place of each segment's first piece
         crosses = pieces == 2
         second = (first + 1)[crosses]

@@ -26,16 +26,9 @@ from drivesizer.physics.cycle_at_gearhead import (
 from drivesizer.physics.products import once_per_part
 
 __all__ = [
-    "DRY_SHARE",
-    "SLOTLESS",
-    "Demands",
-    "demands",
-    "flange_loss",
-    "friction",
-    "gear_loss",
-    "mean_gear_loss",
-    "nominal_friction",
-]
+    "DRY_SHARE", "SLOTLESS", "Coefficients", "Demands", "coefficients", "demands", "flange_loss", "friction",
+    "gear_loss", "mean_gear_loss", "nominal_friction",
+]  # fmt: skip
 
 SLOTLESS = "slotless"  # a winding without iron teeth
 DRY_SHARE = {SLOTLESS: 0.37, "": 0.55}  # of a brushless motor's no-load torque, by its winding; sources: ``friction``
@@ -64,7 +57,22 @@ class Demands(NamedTuple):
         return found
 
 
-def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any, braking: Any = 0.0) -> Demands:
+class Coefficients(NamedTuple):
+    """Part of the demands that hangs on the drives alone, and on which functions ever act: columns over candidates."""
+
+    torque: Array  # (candidates, 6): motor torque from the functions, as far as it is known
+    left_out: NDArray[np.bool_]  # (candidates, 6): of which a part is unknown
+    back_emf: Array  # V*s/rad, of the motor
+
+
+def demands(
+    at: AtGearhead,
+    motor: Any,
+    gearhead: Any,
+    encoder: Any,
+    braking: Any = 0.0,
+    known: Coefficients | None = None,
+) -> Demands:
     r"""Torque and current of every candidate's motor.
 
     .. math:: \tau = \frac{T}{i e} \text{ or } \frac{T e}{i} + (J_m + J_g + J_e) i a + (k_t I_0 + T_0)\, \mathrm{sgn} w
@@ -80,6 +88,8 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any, braking: An
         and need not be known. The inertia of an encoder, thousands of times smaller than the load's, is left out.
     braking
         Inertia of a brake as the motor's shaft feels it [kg*m^2]; as a rotor's where it is unknown.
+    known
+        What ``coefficients`` gives of the same parts, where it is at hand.
 
     Returns
     -------
@@ -91,13 +101,39 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any, braking: An
     Friction is that of ``friction``, e and T_0 are those of ``gear_loss``.
     """
     i, k_t = gearhead["ratio"], motor["torque_constant"]
+    c, left_out, back_emf = known or coefficients(at.acts, motor, gearhead, encoder, braking)
+    slope = at.slope(c)
+    if left_out.any():
+        c = c.copy()
+        for place in (ACCELERATION, DIRECTION, SPEED):
+            c[left_out[:, place] & (slope[:, place] < 0.0), place] = np.nan
+    rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
+    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf, left_out)
+
+
+def coefficients(acts: NDArray[np.bool_], motor: Any, gearhead: Any, encoder: Any, braking: Any = 0.0) -> Coefficients:
+    """Torque of every candidate's motor by the six functions, whatever the load cycle.
+
+    Parameters
+    ----------
+    acts
+        Which of the functions are ever not 0, shape (6,).
+    motor, gearhead, encoder, braking
+        As for ``demands``.
+
+    Returns
+    -------
+    Coefficients
+        Columns over candidates.
+    """
+    i = gearhead["ratio"]
     e, idle = gear_loss(gearhead)
     coulomb, viscous = nominal_friction(motor)
     c = np.empty((len(i), 6))
     left_out = np.zeros(c.shape, np.bool_)
     unknown = {ACCELERATION: gearhead["inertia"] + motor["rotor_inertia"] + braking, DIRECTION: coulomb, SPEED: viscous}
     for place, figure in unknown.items():
-        left_out[:, place] = np.isnan(figure) & at.acts[place]
+        left_out[:, place] = np.isnan(figure) & acts[place]
     c[:, DRIVING] = 1 / (i * e)
     c[:, BRAKING] = e / i
     c[:, AT_REST] = 1 / i
@@ -107,13 +143,9 @@ def demands(at: AtGearhead, motor: Any, gearhead: Any, encoder: Any, braking: An
         c[:, ACCELERATION] += np.nan_to_num(braking) * i
     c[:, DIRECTION] = np.nan_to_num(coulomb) + idle
     c[:, SPEED] = np.nan_to_num(viscous) * i
-    for place in np.flatnonzero(~at.acts).tolist():
+    for place in np.flatnonzero(~acts).tolist():
         c[np.isnan(c[:, place]), place] = 0.0
-    slope = at.slope(c)
-    for place in (ACCELERATION, DIRECTION, SPEED):
-        c[left_out[:, place] & (slope[:, place] < 0.0), place] = np.nan
-    rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
-    return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf_constant(motor), left_out)
+    return Coefficients(c, left_out, back_emf_constant(motor))
 
 
 @once_per_part

@@ -144,7 +144,7 @@ def worst_of_cases(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Chec
     alike: dict[tuple[str, str], list[Check]] = {}
     for name, checks in by_case:
         for check in checks:
-            one = check if check.case else replace(check, case=name)
+            one = check if check.case or not name else replace(check, case=name)
             alike.setdefault((check.name, check.case), []).append(one)
     return tuple(min(several, key=_how_bad) for several in alike.values())
 

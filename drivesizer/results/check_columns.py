@@ -7,9 +7,10 @@ kind of quantity and unit are those that ``check_kinds`` declares.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
-from math import isclose, isnan, nan
+from math import isclose, isinf, isnan, nan
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -119,7 +120,7 @@ class CheckColumn:
             limit=float(self.limit[index]),
             kind=kind,
             unit=unit,
-            margin=float(self.margin[index]),
+            margin=self._margin_at(index),
             needed=self.needed,
             status=status,
             at_time=None if time is None or time != time else time,
@@ -133,9 +134,19 @@ class CheckColumn:
         if self.low is None or self.high is None or self.least_margin is None:
             return None
         band = Band(float(self.low[index]), float(self.high[index]), float(self.least_margin[index]))
-        ends = (band.low, band.high), (band.least_margin, float(self.margin[index]))
+        ends = (band.low, band.high), (band.least_margin, self._margin_at(index))
         apart = (low < high and not isclose(low, high) for low, high in ends)  # but for rounding
         return band if any(apart) else None
+
+    def _margin_at(self, index: int | tuple[()]) -> float:
+        """The margin of one candidate."""
+        decided = self.passed[index] or self.failed[index] or (self.opened is not None and self.opened[index])
+        zero = self.zero[index] if isinstance(self.zero, np.ndarray) else self.zero
+        demand, limit = float(self.demand[index] - zero), float(self.limit[index] - zero)
+        if not decided or demand == 0.0:
+            return nan
+        found = limit / demand - 1.0
+        return nan if isinf(found) else found
 
     def _lacking(self, index: int | tuple[()]) -> str:
         open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))
@@ -146,11 +157,11 @@ class CheckColumn:
         if isinstance(rows, np.ndarray) and rows.dtype == bool:
             rows = np.flatnonzero(rows)
         taken = object.__new__(CheckColumn)  # quicker than ``replace``: a search takes some rows of many columns
-        for name in _FIELDS:
-            value = getattr(self, name)
-            if isinstance(value, np.ndarray):
-                value = value[rows] if isinstance(rows, slice) else value.take(rows)
-            object.__setattr__(taken, name, value)
+        for put, value in zip(_PUT, _ALL(self), strict=True):
+            put(taken, value)
+        for put, column in zip(_PUT_COLUMNS, _ALL_COLUMNS(self), strict=True):
+            if isinstance(column, np.ndarray):
+                put(taken, column[rows] if isinstance(rows, slice) else column.take(rows))
         return taken
 
     def with_rows(self, rows: NDArray[Any], some: CheckColumn) -> CheckColumn:
@@ -169,7 +180,13 @@ class CheckColumn:
         return replace(self, **alike)  # type: ignore[arg-type]
 
 
-_FIELDS = tuple(field.name for field in fields(CheckColumn))
+def _access(names: Sequence[str]) -> tuple[Callable[[CheckColumn], tuple[Any, ...]], list[Callable[..., None]]]:
+    """Functions that read some fields at once, and put each past the guard of a frozen record."""
+    return attrgetter(*names), [getattr(CheckColumn, name).__set__ for name in names]
+
+
+_ALL, _PUT = _access([field.name for field in fields(CheckColumn)])
+_ALL_COLUMNS, _PUT_COLUMNS = _access([*_COLUMNS, "zero"])
 
 
 def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:

@@ -178,7 +178,8 @@ class DriveSet(DriveParts):
     @property
     def price(self) -> float:
         """Sum of the known prices of its parts [EUR]; NaN where none is known."""
-        known = [self.parts[role].price for role in self.price_of]
+        every = self.parts
+        known = [every[role].price for role in self.price_of]
         return sum(known) if known else nan
 
     @property

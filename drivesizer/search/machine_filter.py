@@ -40,11 +40,12 @@ __all__ = [
 
 _FIRST = 4  # times as many drives as are wanted are computed in full at first
 _FEWEST, _MORE, _MOST = 8, 8, 1 << 16  # at first at least, times as many each time, at most
+_FEW = 4  # whose records cost less than columns of what the paper's method does not compute
 _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long one each row costs
 Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
 
-def weighing(problem: Problem, machine: MechanicalBudget | None) -> Weigh:
+def weighing(problem: Problem, machine: MechanicalBudget | None, *, brief: bool = False) -> Weigh:
     """A function that gives the budgets of the machine with a drive in it, of each drive once.
 
     Parameters
@@ -53,6 +54,8 @@ def weighing(problem: Problem, machine: MechanicalBudget | None) -> Weigh:
         The machine with its load cycles.
     machine
         Checks that are the same for every drive, of ``budgets.of_the_platform``.
+    brief
+        As ``budgets.machine_budget`` takes it.
 
     Returns
     -------
@@ -65,7 +68,7 @@ def weighing(problem: Problem, machine: MechanicalBudget | None) -> Weigh:
         candidates = sets.candidates
         key = int(candidates.motor[row]), int(candidates.gearhead[row]), float(candidates.belt[row])
         if key not in made:
-            made[key] = machine_budget(problem, drive_parts(sets, row), machine)
+            made[key] = machine_budget(problem, drive_parts(sets, row), machine, brief=brief)
         return made[key]
 
     return weigh
@@ -76,6 +79,8 @@ def in_machine(
     machine: MechanicalBudget | None,
     weigh: Weigh,
     aside: frozenset[str] = frozenset(),
+    *,
+    counted: bool = True,
 ) -> Judge | None:
     """A function that separates drives that pass the machine's budgets from those that fail; None without budgets.
 
@@ -87,6 +92,8 @@ def in_machine(
         Of ``weighing``.
     aside
         Names of budgets that are not looked at.
+    counted
+        Count how many drives fail on which budget; else few drives are weighed one by one, without columns.
 
     Returns
     -------
@@ -104,8 +111,9 @@ def in_machine(
         early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
         rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
         most = max(_FEWEST, _CELLS // max(case.at_belt.pieces for case in problem.cases))
-        for rows in _pieces(np.flatnonzero(~rejected), _FIRST * wanted, min(most, _MOST)):
-            found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best))
+        alone = 0 if counted else wanted  # these first: they are at hand, and mostly pass
+        for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * wanted, min(most, _MOST)):
+            found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best), counted)
             rejected[rows[found.rejected]] = True
             best += rows[found.best].tolist()
             by.update(found.by)
@@ -118,7 +126,7 @@ def in_machine(
     return judge
 
 
-def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int) -> Kept:
+def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int, counted: bool) -> Kept:
     """Of evaluated drives those that pass: by columns where these decide, else one by one."""
 
     def budget(row: int) -> tuple[Check, ...]:
@@ -127,7 +135,8 @@ def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted:
     count = len(sets.candidates.motor)
     if wanted <= count and not any(_fails(sets.problem, budget(row)) for row in range(wanted)):
         return Kept(np.arange(wanted), np.arange(0), wanted, Counter())  # in most machines: no need of the columns
-    certain = _looked_at(certain_failures(sets), aside)
+    few = not counted and not sets.figures and count <= _FEW  # columns are to be computed, and cost more than so many
+    certain = _looked_at({} if few else certain_failures(sets), aside)
     rejected, best, by = _any_of(certain, count), list[int](), Counter[str]()
     for row in np.flatnonzero(~rejected).tolist():
         checks = budget(row)
@@ -152,8 +161,11 @@ def _any_of(found: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.bool_
     return rows
 
 
-def _pieces(rows: NDArray[np.int64], first: int, most: int) -> Iterator[NDArray[np.int64]]:
-    """Rows a piece at a time, each larger than the one before: a piece costs much more than a row of it."""
+def _pieces(rows: NDArray[np.int64], alone: int, first: int, most: int) -> Iterator[NDArray[np.int64]]:
+    """Some rows alone, then a piece at a time, each larger than the one before: a piece costs much more than a row."""
+    if alone and len(rows):
+        yield rows[:alone]
+        rows = rows[alone:]
     size = min(max(first, _FEWEST), most)
     while len(rows):
         yield rows[:size]

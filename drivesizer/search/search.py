@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -128,10 +129,17 @@ def search(
     precedence = _precedence(problem, kept, *value, top)
     order = ranking.order(catalog, kept.sets, *value, before=[precedence])
     head = order[: _tied(problem, precedence, order, *value, top)]
-    closest = rejected.on(slice(0) if misses is None else _nearest(problem, rejected))
-    nearest = closest.on(slice(misses if len(head) else top))
+    closest = cache(lambda: rejected.on(_nearest(problem, rejected)))
+
+    def few_of_closest(found: NDArray[np.int64]) -> Candidates:
+        wanted = 0 if misses is None else misses if len(found) else top
+        return closest().on(slice(wanted)) if wanted else rejected.on(slice(0))
+
+    nearest = few_of_closest(head)
     looked_at = by_physics(problem, joined([kept.sets.on(head), nearest]), True)
     order = np.concatenate([head[_by_margin(looked_at, precedence, head, *value)], order[len(head) :]])
+
+    place = {int(row): n for n, row in enumerate(head)}
 
     def in_full(rows: NDArray[np.int64]) -> Evaluation:
         return by_physics(problem, kept.sets.on(rows), True)
@@ -140,9 +148,14 @@ def search(
         return by_physics(problem, kept.sets.on(rows), False)
 
     bounded = None if _in_cells(problem) else by_bounds
-    kept_in_machine = _passing(judge, kept.sets, in_full, order, len(order) if pareto else top)
+
+    def at_hand(rows: NDArray[np.int64]) -> Evaluation:  # budgets of the machine look at the parts of a drive alone
+        known = [place.get(int(row), -1) for row in rows] if len(rows) <= len(place) else [-1]
+        return looked_at.on(np.array(known)) if min(known) >= 0 else in_full(rows)
+
+    kept_in_machine = _passing(judge, kept.sets, at_hand, order, len(order) if pareto else top)
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
-    nearest = closest.on(slice(misses if len(best) else top))  # a budget of the machine may reject all
+    nearest = few_of_closest(best)  # a budget of the machine may reject all
     on_front = best[:0]
     if pareto:
         figures = {name: column[kept_in_machine.best] for name, column in kept.figures.items()}
@@ -399,7 +412,8 @@ def _by_the_paper(
     counts = Counts(considered=len(passes), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
     passing, rejected = order[passes[order]], order[~passes[order]]
     sets = found.candidates
-    kept_in_machine = _passing(judge, sets, found.on, passing, len(order) if pareto else top)
+    of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
+    kept_in_machine = _passing(judge, sets, of_parts.on, passing, len(order) if pareto else top)
     best, short = kept_in_machine.best[:top], kept_in_machine.rejected[:top]
     near = rejected[: 0 if misses is None else min(misses, max(top - len(best), 0)) if counts.feasible else top]
     on_front = best[:0]

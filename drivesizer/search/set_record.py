@@ -21,7 +21,7 @@ from drivesizer.physics.one_pass.torque import torque_above
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.results.braking import BrakingBudget
-from drivesizer.results.check import Check, Figure, verdict
+from drivesizer.results.check import Check, Figure, Status, verdict
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
 from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.reliability import Reliability
@@ -37,7 +37,7 @@ from drivesizer.search.search import smallest_margin
 from drivesizer.search.stepper_figures import stepper_figures
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["drive_parts", "drive_set"]
+__all__ = ["drive_in_brief", "drive_parts", "drive_set"]
 
 _NO_BUDGET = MachineBudget()
 
@@ -115,17 +115,11 @@ def drive_set(
         With its checks, requirements and figures.
     """
     parts = drive_parts(evaluation, index)
-    mass, mass_of = _summed(parts, "mass", ("motor", "gearhead"))
-    value, value_of = _objective(evaluation, index, objective, parts)
     checks, probability = decided(evaluation, index)
     return DriveSet(
-        **{field.name: getattr(parts, field.name) for field in fields(parts)},
+        **_sums(evaluation, index, objective, parts),
         rank=rank,
-        status=verdict((*checks, *budget.checks)) if budget.checks else evaluation.status(index),
-        mass=mass,
-        mass_of=mass_of,
-        objective=value,
-        objective_of=value_of,
+        status=_status(evaluation, index, checks, budget),
         requirements=tuple(r.at(index) for r in evaluation.shaft.values()),
         checks=checks,
         figures=_figures(evaluation, index, parts) if evaluation.figures else (),
@@ -142,6 +136,62 @@ def drive_set(
         pieces=_pieces(evaluation, parts),
         probability=probability,
     )
+
+
+def drive_in_brief(
+    evaluation: Evaluation,
+    index: int,
+    rank: int,
+    objective: Ranking,
+    *,
+    budget: MachineBudget = _NO_BUDGET,
+    reliability: Reliability | None = None,
+) -> DriveSet:
+    """The same with its sums, its checks and the figures of one cycle alone: what a table of many drives shows.
+
+    Parameters
+    ----------
+    evaluation, index, rank, objective, budget, reliability
+        As for ``drive_set``.
+
+    Returns
+    -------
+    DriveSet
+        Without requirements, settings, estimated figures and what open checks hang on.
+    """
+    checks = evaluation.checks_of(index)
+    return DriveSet(
+        **_sums(evaluation, index, objective, drive_parts(evaluation, index)),
+        rank=rank,
+        status=_status(evaluation, index, checks, budget),
+        checks=checks,
+        figures=tuple(_of_the_cycle(evaluation, index)) if evaluation.figures else (),
+        budget=budget.checks,
+        reliability=reliability,
+        **_NOT_IN_BRIEF,
+    )
+
+
+_NOT_IN_BRIEF: dict[str, Any] = {
+    **dict.fromkeys(("requirements", "beside", "machine", "masses", "comparison", "changes"), ()),
+    **dict.fromkeys(("energy", "braking")),
+}
+
+
+def _sums(evaluation: Evaluation, index: int, objective: Ranking, parts: DriveParts) -> dict[str, Any]:
+    """Fields of a drive's record: its parts, its mass and its objective."""
+    mass, mass_of = _summed(parts, "mass", ("motor", "gearhead"))
+    value, value_of = _objective(evaluation, index, objective, parts)
+    return {field.name: getattr(parts, field.name) for field in fields(parts)} | {
+        "mass": mass,
+        "mass_of": mass_of,
+        "objective": value,
+        "objective_of": value_of,
+    }
+
+
+def _status(evaluation: Evaluation, index: int, checks: tuple[Check, ...], budget: MachineBudget) -> Status:
+    return verdict((*checks, *budget.checks)) if budget.checks else evaluation.status(index)
 
 
 def _regenerated(evaluation: Evaluation, index: int, parts: DriveParts) -> BrakingBudget | None:
@@ -208,12 +258,18 @@ _TABLE = (
 )
 
 
+def _of_the_cycle(evaluation: Evaluation, index: int) -> list[Figure]:
+    """Figures of a drive over one cycle that are computed of every candidate."""
+    values = evaluation.figures
+    return [Figure(name=n, title=t, value=float(values[n][index]), kind=k, unit=u) for n, t, k, u in _TABLE]
+
+
 def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Figure, ...]:
     """Figures of a drive without a limit, and the settings of its controller."""
     values = {name: float(column[index]) for name, column in evaluation.figures.items()}
     if parts.steps:
         return stepper_figures(evaluation.problem, parts, values)
-    found = [Figure(name=n, title=t, value=values[n], kind=k, unit=u) for n, t, k, u in _TABLE]
+    found = _of_the_cycle(evaluation, index)
     found += [*_held(evaluation, parts), *_braking(evaluation, index, parts)]
     found += _gearhead_life(evaluation, index, parts.gearhead)
     found += _on_the_shaft(evaluation, parts)

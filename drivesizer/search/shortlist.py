@@ -25,7 +25,7 @@ from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighin
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.ranking import COUNTED, Ranking, names_of
 from drivesizer.search.search import Found, Judge, search
-from drivesizer.search.set_record import drive_parts, drive_set
+from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set
 from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
@@ -52,6 +52,7 @@ class Shortlist:
     weighed: tuple[str, ...]  # how the machine's own mass was found
     others: list[int]  # the best of other motor families than the first one's, in order
     choices: Choices | None = None  # to choose from by weights
+    checks_alone: bool = False  # drives are given with their sums and checks, without what else is known of them
 
     @property
     def short(self) -> list[int]:
@@ -71,7 +72,8 @@ class Shortlist:
         evaluation = self.found.evaluation
         if not evaluation.failed[row]:
             known["budget"] = self.weigh(evaluation, row)
-        return drive_set(evaluation, row, rank, self.objective, **known)
+        made = drive_in_brief if self.checks_alone else drive_set
+        return made(evaluation, row, rank, self.objective, **known)
 
 
 def shortlist(
@@ -87,6 +89,7 @@ def shortlist(
     brief: bool = False,
     others: int = 0,
     choices: int = 0,
+    checks_alone: bool = False,
 ) -> Shortlist:
     """The best drives of a spec, and the closest rejected.
 
@@ -114,6 +117,8 @@ def shortlist(
         How many drives of other motor families to give as well, the best of each.
     choices
         How many drives to give as well, about, to choose from by weights; none where a confidence is required.
+    checks_alone
+        Of the drives and of the machine's budgets sums and checks alone, and no count of drives that fail on each.
 
     Returns
     -------
@@ -133,8 +138,8 @@ def shortlist(
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
     machine = of_the_platform(problem.machine)
-    weigh = weighing(problem, machine)
-    judge = in_machine(problem, machine, weigh)
+    weigh = weighing(problem, machine, brief=checks_alone)
+    judge = in_machine(problem, machine, weigh, counted=not checks_alone)
     found = search(
         problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge,
         others=0 if pool else others, margins=choices > 0,
@@ -159,6 +164,7 @@ def shortlist(
         weighed=weighed,
         others=_of_other_families(found, best)[:others] if pool else list(found.others),
         choices=_choices(problem, found, objective, 0 if pool else choices, judge, weigh),
+        checks_alone=checks_alone,
     )
 
 
@@ -218,6 +224,11 @@ def _known_to(spec: RobotSpec, names: set[str]) -> None:
 
 
 def _known_choices(spec: RobotSpec, catalog: Catalog) -> None:
+    """Refuse a family or part that no catalogue has, in this section and before this first stage once."""
+    catalog.once(("known choices", spec.is_direct), lambda: _refuse_unknown_choices(spec, catalog), (spec.select,))
+
+
+def _refuse_unknown_choices(spec: RobotSpec, catalog: Catalog) -> None:
     """Refuse a family or part that no catalogue has: a misspelling would silently find nothing."""
     none = catalog.gearheads.rows[DIRECT]
     unlisted = not spec.is_direct and not np.any(catalog.motor_gearhead.right == none)

@@ -19,8 +19,9 @@ from pydantic import Field, PrivateAttr, ValidationError, field_validator, model
 
 from drivesizer.catalog import Brake, Controller
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.fields import Section, default
+from drivesizer.files.fields import default
 from drivesizer.files.later import HasLater, Later
+from drivesizer.files.read_before import read_before
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES, MODULES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -525,7 +526,7 @@ def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
     """
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
-    data, toleranced = taken(source)
+    data, toleranced = taken(source, None if before is None or before._toleranced else before._source)
     spec = _read(source, data, before)
     spec._toleranced = toleranced
     for one in toleranced:  # both ends must be values that the field may have
@@ -567,19 +568,17 @@ def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before:
     return spec
 
 
+def _unchanged(data: dict[str, Any], axis: str, before: RobotSpec | None) -> dict[str, Any]:
+    """Sections of a spec that was read before where their data are the very same."""
+    if before is None or before._source is None or _axis(before._source.data) != axis:
+        return {}
+    return read_before(data, before._source.data, before)
+
+
 def _axis(data: Mapping[str, Any]) -> str:
     """Whether the load turns or travels, which decides in which units its motion is given."""
     kind = data["load"].get("kind") if isinstance(data.get("load"), dict) else None
     return AXES.get(str(kind), "linear")
-
-
-def _unchanged(data: dict[str, Any], axis: str, before: RobotSpec | None) -> dict[str, Any]:
-    """Sections of a spec that was read before whose data are the very same."""
-    if before is None or before._source is None or _axis(before._source.data) != axis:
-        return {}
-    known = before._source.data
-    same = (name for name, value in data.items() if isinstance(value, dict) and known.get(name) is value)
-    return {name: getattr(before, name) for name in same if isinstance(getattr(before, name, None), Section)}
 
 
 def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:

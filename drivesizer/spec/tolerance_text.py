@@ -79,15 +79,29 @@ def has_tolerance(text: str) -> bool:
     )
 
 
-def taken(source: YamlSource) -> tuple[Any, tuple[Toleranced, ...]]:
+def taken(source: YamlSource, without: YamlSource | None = None) -> tuple[Any, tuple[Toleranced, ...]]:
     """Split a spec's data into nominal values and the figures with tolerances.
+
+    Parameters
+    ----------
+    source
+        The spec.
+    without
+        One whose figures have no tolerance: where the very same data stand in both nobody looks for one.
+
+    Returns
+    -------
+    tuple
+        The data, and the figures with tolerances in the order of the file.
 
     Raises
     ------
     InputError
         One line with file, line and field, where a tolerance is malformed, or on a figure that takes none.
     """
-    places = [(path, text) for path, text in _texts(source.data, ()) if has_tolerance(text)]
+    places = [
+        (path, text) for path, text in _texts(source.data, (), without.data if without else None) if has_tolerance(text)
+    ]
     if not places:
         return source.data, ()
     data, found = deepcopy(source.data), []
@@ -122,12 +136,13 @@ def _refused(path: Path_, data: Any) -> str:
     return "ratios of a belt are searched as they are" if of_belt or rest[1] == "ratios" else ""
 
 
-def _texts(data: Any, path: Path_) -> Iterator[tuple[Path_, str]]:
-    """Every text of a spec that may be a figure, with its place."""
+def _texts(data: Any, path: Path_, without: Any = None) -> Iterator[tuple[Path_, str]]:
+    """Every text of a spec that may be a figure, with its place; what is the same in ``without`` is left out."""
     if isinstance(data, dict):
+        others = without if isinstance(without, dict) else {}
         for key, value in data.items():
-            if key not in _NAMES and (path or key not in ("select", "tolerances")):
-                yield from _texts(value, (*path, key))
+            if key not in _NAMES and (path or key not in ("select", "tolerances")) and value is not others.get(key):
+                yield from _texts(value, (*path, key), others.get(key))
     elif isinstance(data, list):
         for number_, value in enumerate(data):
             yield from _texts(value, (*path, number_))

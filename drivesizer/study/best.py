@@ -53,7 +53,7 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None,
         As :func:`drivesizer.sizing.size` does.
     """
     objective = objective or spec.select.objective
-    found = shortlist(spec, catalog, objective, top, misses=0, brief=True)
+    found = shortlist(spec, catalog, objective, top, misses=0, brief=True, checks_alone=True)
     first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]
     shown = tuple(found.record(row, rank, reliability=found.reliability.get(row)) for rank, row in enumerate(first, 1))
     sets = shown if found.best else ()

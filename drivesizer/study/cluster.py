@@ -102,11 +102,11 @@ def on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple
     InputError
         When the scheduler is lost, the workers of one chunk repeatedly, or they cannot compute a variant.
     """
-    pending = tasks(plan, chunks)
+    pending, job = tasks(plan, chunks), plan.job.sent
 
     def submit(count: int) -> dict[Any, int]:
         return {
-            client.submit(rows_of, plan.job, variants, heads, pure=False, retries=3): chunk
+            client.submit(rows_of, job, variants, heads, pure=False, retries=3): chunk
             for chunk, variants, heads in islice(pending, count)
         }
 

@@ -11,18 +11,18 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 from drivesizer.errors import InputError
 from drivesizer.study.column import Row
 from drivesizer.study.plan import Job, Plan, Variant
+from drivesizer.study.threads import can_be_copied, one_thread_each
 from drivesizer.study.variant import Part, rows_of
 
-__all__ = ["Task", "cores", "on_processes", "tasks"]
+__all__ = ["Pool", "Task", "cores", "on_processes", "started", "tasks"]
 
 Task = tuple[int, list[Variant], list[Row]]  # chunk, its variants, and the first cells of their rows
 _AHEAD = 2  # pending chunks for each process
-_SINGLE = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 def tasks(plan: Plan, chunks: Iterable[int]) -> Iterator[Task]:
@@ -52,7 +52,40 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def on_processes(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[tuple[int, Part]]:
+class Pool(NamedTuple):
+    """Processes that compute variants."""
+
+    executor: ProcessPoolExecutor
+    processes: int
+
+
+@contextmanager
+def started(processes: int) -> Iterator[Pool]:
+    """Processes to compute on, where they can be copies of this one started at once.
+
+    That is to be before this process takes the study's lock, which its copies would hold as well.
+
+    Parameters
+    ----------
+    processes
+        Their number.
+    """
+    copied, others = can_be_copied(), multiprocessing.active_children()
+    context = multiprocessing.get_context("fork") if copied else _context()
+    with one_thread_each(), ProcessPoolExecutor(processes, context, _initialise) as pool:
+        if copied:
+            with _uninterrupted():
+                pool.submit(int)  # the first task starts all of them
+        try:
+            yield Pool(pool, processes)
+        except BaseException:
+            for child in multiprocessing.active_children():
+                if child not in others:
+                    child.terminate()  # interrupted: their results are not awaited
+            raise
+
+
+def on_processes(plan: Plan, chunks: Sequence[int], pool: Pool) -> Iterator[tuple[int, Part]]:
     """Compute chunks; they are yielded in the order of completion.
 
     Parameters
@@ -61,8 +94,8 @@ def on_processes(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[
         The study.
     chunks
         Numbers of the chunks to compute.
-    processes
-        Number of processes.
+    pool
+        Of ``started``.
 
     Returns
     -------
@@ -74,30 +107,25 @@ def on_processes(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[
     InputError
         When a process ended before its work was done.
     """
-    pending, others = tasks(plan, chunks), multiprocessing.active_children()
-    with _one_thread_each(), ProcessPoolExecutor(processes, _context(), _initialise) as pool:
-        running = {_submit(pool, plan.job, task): task[0] for task in islice(pending, _AHEAD * processes)}
-        try:
-            while running:
-                done, _ = wait(running, return_when=FIRST_COMPLETED)
-                for future in done:
-                    running |= {_submit(pool, plan.job, task): task[0] for task in islice(pending, 1)}
-                    yield running.pop(future), future.result()
-        except BrokenProcessPool:
-            raise InputError(
-                "a process that computes variants was ended from outside, such as for want of memory; results so "
-                "far are kept: the same command resumes, --processes sets their number"
-            ) from None
-        finally:
-            for child in multiprocessing.active_children() if running else ():
-                if child not in others:
-                    child.terminate()  # interrupted: their results are not awaited
+    pending, job = tasks(plan, chunks), plan.job.sent
+    try:
+        running = {_submit(pool, job, task): task[0] for task in islice(pending, _AHEAD * pool.processes)}
+        while running:
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                running |= {_submit(pool, job, task): task[0] for task in islice(pending, 1)}
+                yield running.pop(future), future.result()
+    except BrokenProcessPool:
+        raise InputError(
+            "a process that computes variants was ended from outside, such as for want of memory; results so "
+            "far are kept: the same command resumes, --processes sets their number"
+        ) from None
 
 
 def _context() -> Any:
     """Start of processes: as copies of one that has the program loaded; where a system has no copies, each anew.
 
-    A copy of this process would hold the study's lock, and its threads' locks as they are.
+    A copy of this process would have its threads' locks as they are.
     """
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
@@ -106,20 +134,18 @@ def _context() -> Any:
     return context
 
 
-def _submit(pool: ProcessPoolExecutor, job: Job, task: Task) -> Future[Part]:
-    return pool.submit(rows_of, job, *task[1:])
-
-
 @contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Let processes that start inside compute on one thread each: there is one process for each core."""
-    before = {name: os.environ.get(name) for name in _SINGLE}
-    os.environ.update(dict.fromkeys(_SINGLE, "1"))
+def _uninterrupted() -> Iterator[None]:
+    """Keep Ctrl-C until processes have started, of which each leaves it to its parent from its first moment."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        for name, value in before.items():
-            os.environ.pop(name) if value is None else os.environ.update({name: value})
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _submit(pool: Pool, job: Job, task: Task) -> Future[Part]:
+    return pool.executor.submit(rows_of, job, *task[1:])
 
 
 def _initialise() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import accumulate
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -57,6 +58,11 @@ class Job:
     machine: bool = False  # whether the specs are machines of several axes
     axis: str | None = None  # of a machine that is tabled; None: the whole machine
     members: tuple[str, ...] = ()  # axes of a machine that is tabled as a whole
+
+    @property
+    def sent(self) -> Job:
+        """The job for other processes: a variant brings its values, so that no axis need bring all of its own."""
+        return replace(self, axes=tuple(replace(axis, values=()) for axis in self.axes))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ from drivesizer.files.writing import remove_all
 from drivesizer.output.report.figure_files import figures_into
 from drivesizer.study.column import Column, Row
 from drivesizer.study.columns import columns_of
-from drivesizer.study.local import cores, on_processes
+from drivesizer.study.local import cores, on_processes, started
 from drivesizer.study.lock import locked
 from drivesizer.study.maps import MOST_POINTS, Chosen, chosen, drawings, points
 from drivesizer.study.plan import Plan
@@ -86,7 +86,8 @@ def carry_out(
     if fresh or not (folder / "study.json").exists():
         note = refuse_if_all_invalid(plan)
         outcome.notes += [note] if note else []
-    with _workers(processes or cores(), scheduler) as compute:
+    most = processes or cores()
+    with _workers(most if plan.depth else min(most, plan.chunks), scheduler) as compute:  # rounds may have more chunks
         _made(folder)
         with locked(folder):
             store = opened(folder, plan, origin, fresh=fresh)
@@ -128,7 +129,8 @@ def _made(folder: Path) -> None:
 def _workers(processes: int, scheduler: str | None) -> Iterator[Compute]:
     """Function that computes chunks; a scheduler is reached before anything is written."""
     if scheduler is None:
-        yield lambda plan, chunks: on_processes(plan, chunks, processes)
+        with started(processes) as pool:
+            yield lambda plan, chunks: on_processes(plan, chunks, pool)
         return
     from drivesizer.study.cluster import connected, on_cluster
 

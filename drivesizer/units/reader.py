@@ -129,6 +129,10 @@ def to_si(text: object, kind: str) -> float:
     >>> to_si("142 gcm2", "inertia"), to_si("25 °C", "temperature")
     (1.42e-05, 298.15)
     """
+    return _remembered(text, kind) if isinstance(text, str | int | float) else _in_si(text, kind)
+
+
+def _in_si(text: object, kind: str) -> float:
     expected = KINDS[kind]
     hint = f"expected {noun(kind)}, e.g. {expected.example}"
     if isinstance(text, bool) or not isinstance(text, str | int | float):
@@ -151,6 +155,9 @@ def to_si(text: object, kind: str) -> float:
     if outside(result, kind):
         raise InputError(f"{quoted(text)} is no {noun(kind)} of a machine; {possible(kind)}")
     return result
+
+
+_remembered = lru_cache(maxsize=4096, typed=True)(_in_si)  # variants of a spec have most of their figures in common
 
 
 def possible(kind: str) -> str:

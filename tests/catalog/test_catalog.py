@@ -529,3 +529,23 @@ def test_a_clamping_hub_takes_the_shafts_that_it_holds(guest: Path) -> None:
     """A 9 mm shaft: the 11 mm hub with a bushing; not the 8 mm one, not the 19 mm one; unknown shafts with none."""
     found = named(search_view(load(["maxon", "guest.yaml"], beside=guest)))
     assert {pair for pair in found if pair[1].startswith("GH")} == {("GM-1", "GH-5"), ("118752", "GH-5")}
+
+
+def test_results_that_hang_on_an_object_are_kept_for_the_very_same_one(catalog):
+    """Two that are equal are two: what hangs on an object without a hash is known by the object itself."""
+    one, other, made = ["RE 25"], ["RE 25"], []
+
+    def make():
+        made.append(len(made))
+        return made[-1]
+
+    found = [catalog.once("test of kept results", make, (of,)) for of in (one, other, one, other, one)]
+    assert found == [0, 1, 0, 1, 0]
+    assert [catalog.once("test of kept results", make) for _ in range(2)] == [2, 2]
+
+
+def test_a_part_that_is_looked_up_again_is_the_same_record(catalog):
+    rows = [*range(300), 0, 299]  # more than are kept
+    found = [catalog.motors.record(row) for row in rows]
+    assert [one.part for one in found] == catalog.motors["part"][rows].tolist()
+    assert catalog.motors.record(299) is found[-1]

@@ -160,6 +160,28 @@ def test_ctrl_c_stops_the_study_and_its_processes(tmp_path):
     assert len(chunks(tmp_path)) == 2
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files of a process are listed by Linux alone")
+def test_processes_that_compute_hold_no_lock(tmp_path):
+    """They are copies of the process that holds it, made before it did: it ends with that one alone."""
+    laid(tmp_path, MANY)
+    first = subprocess.Popen(command("--processes", 2), cwd=tmp_path, env=surroundings(), start_new_session=True)
+    until(lambda: len(chunks(tmp_path)) >= 2)
+    lock = str(tmp_path / "study" / "lock")
+    alive = [path.parent for path in _group(first.pid)]
+    holders = [path.name for path in alive if lock in map(_opened, (path / "fd").iterdir())]
+    first.terminate()
+    first.wait()
+    assert holders == [str(first.pid)] and len(alive) >= 3
+
+
+def _opened(link):
+    try:
+        return str(link.readlink())
+    except OSError:  # closed meanwhile
+        return ""
+
+
 def _group(leader):
     """The processes of a group that still are, those aside that have ended."""
     found = []

@@ -123,6 +123,14 @@ def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
     Candidates
         With a belt ratio of 1.
     """
+    if also is None:  # variants of a spec mostly have the same
+        of = (problem.spec.select,)
+        found: Candidates = problem.catalog.once(("pairs", problem.spec.is_direct), lambda: _pairs(problem, None), of)
+        return found
+    return _pairs(problem, also)
+
+
+def _pairs(problem: Problem, also: tuple[int, int] | None) -> Candidates:
     spec, catalog = problem.spec, problem.catalog
     left, right = _alone(catalog) if spec.is_direct else catalog.motor_gearhead[:2]
     keep = selected(catalog.motors, spec.select.motor)[left]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -27,13 +27,29 @@ from drivesizer.spec.robot import RobotSpec
 __all__ = ["Evaluation", "at_figures", "by_physics", "evaluate", "figures_by_physics"]
 
 
+class _Some(Mapping[str, Requirement]):
+    """Requirements of some of the candidates, taken when they are looked at."""
+
+    def __init__(self, every: Mapping[str, Requirement], rows: NDArray[np.int64]) -> None:
+        self.every, self.rows = every, rows
+
+    def __getitem__(self, name: str) -> Requirement:
+        return self.every[name].on(self.rows)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.every)
+
+    def __len__(self) -> int:
+        return len(self.every)
+
+
 class Evaluation(NamedTuple):
     """Everything that was computed over the candidates."""
 
     problem: Problem
     candidates: Candidates
-    wheel: dict[str, Requirement]  # (1)-(16), columns where they depend on the motor; by the paper's method
-    shaft: dict[str, Requirement]  # (17)-(20)
+    wheel: Mapping[str, Requirement]  # (1)-(16), columns where they depend on the motor; by the paper's method
+    shaft: Mapping[str, Requirement]  # (17)-(20)
     checks: list[CheckColumn]
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
@@ -67,8 +83,8 @@ class Evaluation(NamedTuple):
         """Of some of the candidates."""
         return self._replace(
             candidates=self.candidates.on(rows),
-            wheel={name: r.on(rows) for name, r in self.wheel.items()},
-            shaft={name: r.on(rows) for name, r in self.shaft.items()},
+            wheel=_Some(self.wheel, rows),
+            shaft=_Some(self.shaft, rows),
             checks=[check.on(rows) for check in self.checks],
             encoder=self.encoder[rows],
             brake=self.brake[rows],

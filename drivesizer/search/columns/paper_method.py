@@ -272,7 +272,7 @@ def largest_allowed(
     """
     allowed = np.logical_and.reduce([check.passed for check in gear])
     possible = ~np.logical_or.reduce([check.failed for check in gear])
-    families = np.unique(catalog.gearheads["family"], return_inverse=True)[1]
+    families = catalog.once("families", lambda: np.unique(catalog.gearheads["family"], return_inverse=True)[1])
     group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
     _, group = np.unique(group, return_inverse=True)
     largest = np.full(group.max(initial=-1) + 1, -np.inf)

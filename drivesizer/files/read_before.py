@@ -1,0 +1,48 @@
+"""Sections of a spec that was read before, in place of data that are the very same: nobody reads them once more.
+
+A variant of a spec shares with it all data that it leaves as they are (``study.fields.changed``).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drivesizer.files.fields import Section
+
+__all__ = ["read_before"]
+
+_NAMING = ("kind", "profile")  # what sort of section it is
+
+
+def read_before(data: dict[str, Any], known: dict[str, Any], before: Section) -> dict[str, Any]:
+    """Groups of a section, and lists of groups, as they were read before where their data are the very same.
+
+    Parameters
+    ----------
+    data
+        Of the section.
+    known
+        Of the section that was read before.
+    before
+        That section.
+
+    Returns
+    -------
+    dict
+        Fields to put in place of those of ``data``: sections, lists of them, or data of which a part is a section.
+    """
+    inside = {name: value for name, value in data.items() if isinstance(value, dict | list) and name in known}
+    return {name: _kept(value, known[name], getattr(before, name, None)) for name, value in inside.items()}
+
+
+def _kept(data: Any, known: Any, before: Any) -> Any:
+    if isinstance(before, list):
+        return before if data is known and all(isinstance(one, Section) for one in before) else data
+    if not isinstance(before, Section):
+        return data
+    if data is known:
+        return before
+    alike = isinstance(data, dict) and isinstance(known, dict)
+    if not alike or any(data.get(name) != known.get(name) for name in _NAMING):
+        return data
+    return data | read_before(data, known, before)
