@@ -153,7 +153,7 @@ class CycleAtBelt:
     @cached_property
     def speed(self) -> Array:
         """Speed at the output, at both ends of each segment [rad/s]."""
-        found: Array = self.load_cycle.speed
+        found: Array = np.broadcast_to(self.load_cycle.speed, self.load_cycle.torque.shape)
         return found
 
     def turned(self, exponent: float) -> Figure:
@@ -246,7 +246,11 @@ class AtGearhead:
     @cached_property
     def functions(self) -> Array:
         """The six functions at both ends of each segment: shape (segments, 2, 6)."""
-        scaled: Array = self.base.functions * self.scale
+        return self._scaled(self.base.functions)
+
+    def _scaled(self, functions: Array) -> Array:
+        """Functions behind the belt; the same array where it changes nothing, for a long cycle's takes much room."""
+        scaled: Array = functions if (self.scale == 1.0).all() else functions * self.scale
         return scaled
 
     def turned(self, exponent: float) -> Figure:
@@ -306,7 +310,7 @@ class AtGearhead:
     def warming(self) -> Pieces:
         """The cycle in pieces of which a winding follows the mean."""
         pieces = self.base.warming
-        return Pieces(pieces.duration, pieces.functions * self.scale)
+        return Pieces(pieces.duration, self._scaled(pieces.functions))
 
     @cached_property
     def turning(self) -> Turning:
