@@ -47,7 +47,6 @@ def predict(
     ] = None,
 ) -> None:
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""
-    from drivesizer.files.writing import put
     from drivesizer.prediction.predict import completed
     from drivesizer.prediction.predict import predict as predicted
     from drivesizer.results.prediction import Conditions
@@ -67,9 +66,19 @@ def predict(
     given = completed(given, sold, gear)
     with working("predicting"):
         found = predicted(sold, gear, drive, given)
-    drawn = _drawn(found, figure, form)
-    _say(found, json)
-    sys.stdout.flush()  # an answer that cannot be given leaves no file behind
+    _told(found, json, _drawn(found, figure, form))
+
+
+def _told(found: Prediction, json: bool, drawn: dict[Path, bytes]) -> None:
+    """Print the answer, and write its figure: none where the answer cannot be given, but to a reader who has enough."""
+    from drivesizer.files.writing import put
+
+    try:
+        _say(found, json)
+        sys.stdout.flush()
+    except (BrokenPipeError, SystemExit):  # rich makes the second of the first
+        put(drawn)
+        raise
     for path in put(drawn):
         typer.echo(f"{path} written", err=True)
 
