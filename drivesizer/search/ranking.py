@@ -14,6 +14,7 @@ from drivesizer.physics.extremes import undominated
 from drivesizer.results.weights import multiples, used_share
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.spec.select import OBJECTIVES, Weighted
+from drivesizer.units.ranges import RANGES
 
 __all__ = [
     "BRAKE", "BRAKE_FIGURES", "COUNTED", "Ranking", "front", "names_of", "objective_of", "order", "rounded", "title_of",
@@ -42,14 +43,15 @@ def objective_of(text: str) -> Ranking:
             raise InputError(f"objective {quoted(name.strip())} is not known; expected {', '.join(OBJECTIVES)}")
     if len(parts) == 1 and not parts[0][1]:
         return parts[0][0].strip()
-    found = []
+    found, (least, most) = [], RANGES["dimensionless"]
     for name, equals, weight in parts:
         try:
             value = float(weight) if equals else 1.0
         except ValueError:
             value = np.nan
-        if not 0.0 < value < np.inf:
-            raise InputError(f"objective {quoted(name)}: weight {quoted(weight)} is not a number above 0, e.g. mass=2")
+        if not least <= value <= most:  # written so that NaN fails too
+            said = f"weight {quoted(weight)} is not a number above 0 ({least:g} to {most:g})"
+            raise InputError(f"objective {quoted(name)}: {said}, e.g. mass=2")
         found.append(Weighted.model_validate({"objective": name.strip(), "weight": value}))
     return found
 

@@ -37,6 +37,7 @@ MANY = ", ".join(f"{{name: c{n}}}" for n in range(101))
         ("name: once", f"{'x' * 900}: 1", SIZE, f"robot.yaml:1: {'x' * 59}…: unknown key; expected one of name"),
         ("name: once", "name: ''", SIZE, "robot.yaml:1: name: is empty; expected text"),
         ("name: once", f"name: {'x' * 300}", SIZE, '…" is too long; expected at most 200 characters'),
+        ("name: once", "name: once", [*SIZE, "--objective", "mass=1e308"], '"1e308" is not a number above 0 (1e-12'),
         ("name: once", f"cases: [{MANY}]", SIZE, 'cases: "a list of 101" is too long; expected at most 100 entries'),
     ],
 )  # fmt: skip
