@@ -41,8 +41,11 @@ def objective_of(text: str) -> Ranking:
     for name, _, _ in parts:
         if name.strip() not in OBJECTIVES:
             raise InputError(f"objective {quoted(name.strip())} is not known; expected {', '.join(OBJECTIVES)}")
+    names = [name.strip() for name, _, _ in parts]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise InputError(f"objective {quoted(twice[0])} is given twice; expected each once, e.g. mass=2,price=1")
     if len(parts) == 1 and not parts[0][1]:
-        return parts[0][0].strip()
+        return names[0]
     found, (least, most) = [], RANGES["dimensionless"]
     for name, equals, weight in parts:
         try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from drivesizer.files.fields import Names, Ratio, Section
 from drivesizer.files.frozen import dataclass
@@ -111,6 +111,14 @@ class Select(Section):
     estimates: Literal["on", "off"] = Field(
         default="on", description="figures that data sheets leave out, from those of their peers"
     )
+
+    @field_validator("objective")
+    @classmethod
+    def _each_once(cls, given: Objective | list[Weighted]) -> Objective | list[Weighted]:
+        names = [one.objective for one in given] if isinstance(given, list) else []
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise ValueError(f"expected each objective once; {twice[0]} is given twice")
+        return given
 
     @property
     def is_restricted(self) -> bool:

@@ -21,6 +21,7 @@ supply: {nominal: 24 V}
 select: {catalogs: [own.yaml]}
 """
 SIZE = ["size", "robot.yaml"]
+TWICE = "{objective: mass, weight: 1}, {objective: mass, weight: 2}"
 MANY = ", ".join(f"{{name: c{n}}}" for n in range(101))
 
 
@@ -38,6 +39,8 @@ MANY = ", ".join(f"{{name: c{n}}}" for n in range(101))
         ("name: once", "name: ''", SIZE, "robot.yaml:1: name: is empty; expected text"),
         ("name: once", f"name: {'x' * 300}", SIZE, '…" is too long; expected at most 200 characters'),
         ("name: once", "name: once", [*SIZE, "--objective", "mass=1e308"], '"1e308" is not a number above 0 (1e-12'),
+        ("name: once", "name: once", [*SIZE, "--objective", "mass=1,mass=2"], 'objective "mass" is given twice'),
+        ("own.yaml]", f"own.yaml], objective: [{TWICE}]", SIZE, "select.objective: expected each objective once; mass"),
         ("name: once", f"cases: [{MANY}]", SIZE, 'cases: "a list of 101" is too long; expected at most 100 entries'),
     ],
 )  # fmt: skip
