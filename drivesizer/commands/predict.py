@@ -66,10 +66,10 @@ def predict(
     given = completed(given, sold, gear)
     with working("predicting"):
         found = predicted(sold, gear, drive, given)
-    _told(found, json, _drawn(found, figure, form))
+    _answered(found, json, _drawn(found, figure, form))
 
 
-def _told(found: Prediction, json: bool, drawn: dict[Path, bytes]) -> None:
+def _answered(found: Prediction, json: bool, drawn: dict[Path, bytes]) -> None:
     """Print the answer, and write its figure: none where the answer cannot be given, but to a reader who has enough."""
     from drivesizer.files.writing import put
 
