@@ -10,9 +10,8 @@ Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import field
-from functools import cached_property, partial
+from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple
 
@@ -20,37 +19,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.files.frozen import dataclass
+from drivesizer.physics.cycle_figures import (
+    Scalars,
+    belt_factors,
+    directed_torque,
+    moments,
+    piece_counts,
+    scalars,
+    scalars_by_census,
+    six_functions,
+)
 from drivesizer.physics.elements.gear_life import turned_load
 from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, extremes_of, first_largest
 from drivesizer.physics.groups import layout as at
-from drivesizer.physics.groups.census import SHORT, Census, census, times_above
-from drivesizer.physics.lasting_speed import lasting_speeds, lasting_speeds_by
-from drivesizer.physics.load_cycle import Figure, end_times, integral, mean_product, places, rms
+from drivesizer.physics.groups.census import SHORT, Census, census
+from drivesizer.physics.load_cycle import Figure, end_times, mean_product, places
 from drivesizer.physics.products import product
 from drivesizer.physics.waveform import Wave, energy
 
 __all__ = [
     "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "SPEED", "AtGearhead", "CycleAtBelt", "Peak",
-    "Pieces", "Turning", "at_gearhead", "bounded", "lacking", "piece_counts",
+    "Pieces", "Turning", "at_gearhead", "bounded", "lacking",
 ]  # fmt: skip
 
 _FEW = 16  # points, of which the largest of each is found quicker column by column
 _FINEST = 200  # pieces of a segment at most
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 Array = NDArray[np.float64]
-
-
-class Scalars(NamedTuple):
-    """Single figures of a load cycle at the gearhead's output; of several cycles columns."""
-
-    rms_torque: Figure  # N*m, while running; of a cycle that never runs over all of it
-    peak_torque: Figure  # N*m
-    held: Figure  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
-    load_torque: Figure  # N*m, largest at the load
-    mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
-    sustained_speed: Figure  # rad/s, what it exceeds for longer than shortly
-    mean_power: Figure  # W, transmitted in either direction while running
-    peak_power: Figure  # W
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +69,8 @@ class CycleAtBelt:
     def scalars(self) -> Scalars:
         """Single figures of it, computed on first use; of several cycles columns."""
         if self.census is not None:
-            return _scalars_by_census(self, self.census)
-        return _scalars(self.load_cycle, self.torque, self.efficiency)
+            return scalars_by_census(self.load_cycle, self.census, float(self.efficiency), float(self.peak_speed))
+        return scalars(self.load_cycle, self.torque, self.efficiency)
 
     @cached_property
     def peak_speed(self) -> Figure:
@@ -88,12 +83,14 @@ class CycleAtBelt:
     @cached_property
     def functions(self) -> Array:
         """The six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)."""
-        return np.stack(_six(self.load_cycle, self.efficiency), axis=2 if self.load_cycle.torque.ndim == 2 else 0)
+        return np.stack(
+            six_functions(self.load_cycle, self.efficiency), axis=2 if self.load_cycle.torque.ndim == 2 else 0
+        )
 
     @property
     def factors(self) -> Array:
         """Factors by which the belt changes torques that drive, brake and hold [1]."""
-        return _factors(self.efficiency)
+        return belt_factors(self.efficiency)
 
     @cached_property
     def extremes(self) -> Extremes:
@@ -148,7 +145,7 @@ class CycleAtBelt:
     @cached_property
     def torque(self) -> Array:
         """Torque at the output, driving, braking and at rest, at both ends of each segment [N*m]."""
-        return _kinds(self.load_cycle, self.efficiency)[0]
+        return directed_torque(self.load_cycle, self.efficiency)[0]
 
     @cached_property
     def speed(self) -> Array:
@@ -368,115 +365,18 @@ def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleA
     one = cycle.torque.ndim == 2
     if one and (looked := census(cycle)) is not None:
         return _by_census(cycle, looked, efficiency, quickest)
-    six = _six(cycle, efficiency)
+    six = six_functions(cycle, efficiency)
     duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
     acts = np.array([function.any() for function in six])
-    found = CycleAtBelt(cycle, acts, _moments(duration, total, six, acts), quickest, efficiency)
+    found = CycleAtBelt(cycle, acts, moments(duration, total, six, acts), quickest, efficiency)
     found.__dict__["functions"] = np.stack(six, axis=2 if one else 0)  # at hand
     return found
 
 
-def _six(cycle: Any, efficiency: Figure) -> list[Array]:
-    """The six functions behind a belt of ratio 1, at both ends of each segment."""
-    torque, running, power = _kinds(cycle, efficiency)
-    direction = np.sign(cycle.speed.mean(1))[:, None]
-    return [
-        np.where(running & (power > 0.0), torque, 0.0),
-        np.where(running & (power <= 0.0), torque, 0.0),
-        np.where(~running, torque, 0.0),
-        *(np.broadcast_to(x, torque.shape) for x in (cycle.acceleration, direction, cycle.speed)),
-    ]
-
-
-def _kinds(cycle: Any, efficiency: Figure) -> tuple[Array, NDArray[np.bool_], Array]:
-    """Torque behind a belt of ratio 1, at both ends of each segment; which of these run, and at which power."""
-    power = (cycle.torque.mean(1) * cycle.speed.mean(1))[:, None]
-    running = np.any(cycle.speed != 0.0, axis=1)[:, None]
-    torque = cycle.torque * np.where(~running, 1.0, np.where(power > 0.0, 1.0 / efficiency, efficiency))
-    return torque, running, power
-
-
 def _by_census(cycle: Any, looked: Census, efficiency: float, quickest: float) -> CycleAtBelt:
     """A long load cycle through a belt, by its groups of segments: nothing is made of each segment."""
-    moments = looked.moments(_factors(efficiency)) / cycle.total
+    moments = looked.moments(belt_factors(efficiency)) / cycle.total
     return CycleAtBelt(cycle, looked.acts(), moments, quickest, efficiency, looked)
-
-
-def _factors(efficiency: Figure) -> Array:
-    """Factors by which a belt changes torques that drive, brake and hold [1]."""
-    return np.array([1.0 / efficiency, efficiency, 1.0])
-
-
-def _scalars_by_census(at_belt: CycleAtBelt, looked: Census) -> Scalars:
-    """Single figures of a long cycle, by its groups of segments."""
-    cycle, ends = at_belt.load_cycle, np.array([float(np.abs(at_belt.load_cycle.speed).min()), at_belt.peak_speed])
-    faster = partial(times_above, cycle.duration, cycle.speed)
-    one = looked.figures(at_belt.factors)
-    held = cycle.held if not np.isnan(cycle.held) else one.at_rest
-    return Scalars(
-        rms_torque=one.rms_torque, peak_torque=one.peak_torque, held=float(at_belt.efficiency * held),
-        load_torque=float(looked.of(at.MOST_LOAD).max()),
-        **lasting_speeds_by(faster, ends, cycle.total, looked.mean_running()),
-        mean_power=one.mean_power, peak_power=one.peak_power,
-    )  # fmt: skip
-
-
-def piece_counts(duration: Array, time_constant: Array, error: float) -> NDArray[np.int64]:
-    """In how many pieces segments are cut, so that a winding follows the mean of each.
-
-    Parameters
-    ----------
-    duration
-        Of each segment [s].
-    time_constant
-        Of what follows a change within each segment [s]; infinite where nothing changes.
-    error
-        Permitted at the end of a segment, as a share of what the change within it does [1].
-
-    Returns
-    -------
-    array
-        Pieces of each segment, 1 to 200.
-
-    Notes
-    -----
-    The mean of a changing square of the current heats the end of a segment of length x time constants by x/12 of the
-    change too little; in n pieces by x/12n².
-    """
-    count = np.ceil(np.sqrt(duration / time_constant / (12.0 * error)))
-    return np.clip(count, 1, _FINEST).astype(np.int64)
-
-
-def _moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[np.bool_]) -> Array:
-    """Means of products of the functions over the cycle; of several from shares of their time, a division less each."""
-    found, active = np.zeros((6, 6, *six[0].shape[2:])), np.flatnonzero(acts).tolist()
-    for place, a in enumerate(active):
-        for b in active[: place + 1]:
-            found[a, b] = found[b, a] = integral(duration, six[a], six[b]) / total
-    return found
-
-
-def _scalars(cycle: Any, torque: Array, efficiency: Figure) -> Scalars:
-    """Single figures of cycles; of one from the segments in which it runs, of several with the others as of no time."""
-    duration, speed = cycle.duration, cycle.speed
-    running = np.any(speed != 0.0, axis=1)
-    alone = running.ndim == 1
-    held = running | ~running.any(axis=0)  # a cycle that never runs loads gears at rest
-    time, some = (duration[held], held) if alone else (np.where(held, duration, 0.0), slice(None))
-    total = time.sum(axis=0)
-    power = np.abs(mean_product(torque, speed)[some])
-    rests = ~running & (duration > 0.0)
-    at_rest = np.where(rests[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
-    found = Scalars(
-        rms_torque=rms(time, torque[some]),
-        peak_torque=np.abs(torque).max(axis=(0, 1)),
-        held=efficiency * np.where(np.isnan(cycle.held), np.where(at_rest >= 0.0, at_rest, np.nan), cycle.held),
-        load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
-        **lasting_speeds(duration, speed),
-        mean_power=(time * power).sum(axis=0) / np.where(total > 0.0, total, 1.0),
-        peak_power=np.abs(torque * speed).max(axis=(0, 1)),
-    )
-    return Scalars(*map(float, found)) if alone else found
 
 
 def bounded(value: Array, time: Array, left_out: NDArray[np.bool_] | None) -> Peak:

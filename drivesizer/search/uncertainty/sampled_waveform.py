@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import piece_counts
+from drivesizer.physics.cycle_figures import piece_counts
 from drivesizer.physics.heat_cycle_columns import each_figure
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motor_demand import Demands
