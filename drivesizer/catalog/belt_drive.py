@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from drivesizer.catalog.more_parts import Belt, Pulley
 from drivesizer.files.frozen import dataclass
-from drivesizer.physics.belt import pitch_diameter
+from drivesizer.physics.elements.belt import pitch_diameter
 
 __all__ = ["BeltDrive"]
 

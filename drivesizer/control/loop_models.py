@@ -26,7 +26,7 @@ from drivesizer.control.drive_train import DriveTrain, Mode, matrices
 from drivesizer.control.sampled import System, beside, delayed, fed_back, first_order, gain, in_series, sampled
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import COMPUTING
-from drivesizer.physics.belt import resonance as two_masses
+from drivesizer.physics.elements.belt import resonance as two_masses
 
 __all__ = ["current_open_loop", "plant", "position_open_loop", "resonance", "velocity_open_loop", "voltage_open_loop"]
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog, Table
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.errors import InputError, quoted
-from drivesizer.physics.belt import LEAST_IN_MESH, centre_distance, shortest_recommended, teeth_in_mesh
+from drivesizer.physics.elements.belt import LEAST_IN_MESH, centre_distance, shortest_recommended, teeth_in_mesh
 from drivesizer.results.problem import BeltDrives, Problem
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import Pulleys

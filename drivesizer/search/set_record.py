@@ -29,7 +29,7 @@ from drivesizer.search import ranking
 from drivesizer.search.both_methods import compared
 from drivesizer.search.columns.brakes import stops
 from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.columns.gearheads_worn import life_of_gearheads
+from drivesizer.search.columns.shaft_limits import life_of_gearheads
 from drivesizer.search.columns.shaft_loads import shaft_loads
 from drivesizer.search.estimated import decided, estimated
 from drivesizer.search.ranking import Ranking

@@ -26,7 +26,7 @@ from drivesizer.physics.stress import Parts
 from drivesizer.search.columns.brakes import at_motor, brake_limits
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.search.columns.gearheads_worn import shock_limits
+from drivesizer.search.columns.shaft_limits import shock_limits
 from drivesizer.sizing import load_parts
 from drivesizer.spec.robot import RobotSpec, load_spec
 

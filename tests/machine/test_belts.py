@@ -16,7 +16,7 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.machine import pulleys
 from drivesizer.machine.problem import problem
-from drivesizer.physics.belt import (
+from drivesizer.physics.elements.belt import (
     belt_length,
     centre_distance,
     pitch_diameter,

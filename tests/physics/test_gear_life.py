@@ -10,7 +10,7 @@ import pytest
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.elements.gear_life import gear_life, mean_load, turned_load
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.search.columns.gearheads_worn import life_of_gearheads
+from drivesizer.search.columns.shaft_limits import life_of_gearheads
 
 RPM = math.pi / 30.0
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import lines
 from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
+from drivesizer.physics.elements.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
@@ -31,7 +31,7 @@ from drivesizer.results.ratings import (
 )
 from drivesizer.search.columns.brakes import at_motor, own_figure
 from drivesizer.search.columns.encoders import angle_per_edge
-from drivesizer.search.columns.gearheads_worn import life_of_gearheads, shock_limits
+from drivesizer.search.columns.shaft_limits import life_of_gearheads, shock_limits
 from drivesizer.search.columns.shaft_loads import THRUST
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 from drivesizer.spec.lives import required_life

@@ -1,4 +1,4 @@
-"""Loads of output shafts against what makers of gearheads and motors permit, as columns over candidates."""
+"""What wears or breaks gearheads and shafts: loads of output shafts, life and shocks, as columns over candidates."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.elements.gear_life import gear_life
 from drivesizer.physics.elements.shaft_load import bearing_life, dynamic_load, permissible_radial, static_load
+from drivesizer.physics.extremes import distinct
 from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.search.columns.shaft_loads import ShaftLoads, shaft_loads
 from drivesizer.spec.lives import required_life
@@ -19,8 +22,9 @@ from drivesizer.spec.robot import RobotSpec
 if TYPE_CHECKING:
     from drivesizer.spec.shaft import Shaft
 
-__all__ = ["loads_on_gearheads", "loads_on_motors"]
+__all__ = ["life_of_gearheads", "loads_on_gearheads", "loads_on_motors", "shock_limits"]
 
+STRAIN_WAVE = "strain wave"  # kind of the gears whose teeth can jump
 _SLACK = "unknown: the belt's pretension"
 
 
@@ -162,3 +166,57 @@ def loads_on_motors(
         limit = np.where(direct, motor["max_axial_load"], np.inf)
         found.append(at_most("motor_axial_load", loads.axial, limit, needed=needed))
     return found
+
+
+def life_of_gearheads(cycle: AtGearhead, gearhead: Any, rated: str = "rated_life") -> NDArray[np.float64]:
+    """Nominal life of gearheads by their rated life, at rated torque and speed.
+
+    Parameters
+    ----------
+    cycle
+        The load cycle at the gearhead's output.
+    gearhead
+        Columns over candidates by field name.
+    rated
+        Which of the rated lives: ``rated_life`` or ``median_life``.
+
+    Returns
+    -------
+    array
+        Life [s], rests of the cycle included; NaN unknown, infinite without a gearhead.
+    """
+    life, exponent = gearhead[rated], gearhead["life_exponent"]
+    speed = np.where(np.isnan(gearhead["rated_speed"]), gearhead["continuous_input_speed"], gearhead["rated_speed"])
+    found = np.full(np.shape(life), np.nan)
+    for p in distinct(exponent[~np.isnan(exponent)]).tolist():
+        turned = cycle.turned(p) * gearhead["ratio"]
+        found = np.where(exponent == p, gear_life(life, gearhead["continuous_torque"], speed, turned, p), found)
+    return np.where(np.isposinf(life), np.inf, found)
+
+
+def shock_limits(spec: RobotSpec, torque: float, cycle: AtGearhead, gearhead: Any) -> list[CheckColumn]:
+    """Torque of an emergency stop or a collision against what gearheads withstand a few times in their life.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    torque
+        At the load's shaft [N*m].
+    cycle
+        The load cycle at the gearhead's output.
+    gearhead
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Emergency stop torque, and that at which the teeth of strain wave gears jump.
+    """
+    at_output = torque / (cycle.belt * (spec.gear.ratio if spec.gear else 1.0))
+    jumps = np.where(gearhead["kind"] == STRAIN_WAVE, gearhead["ratcheting_torque"], np.inf)
+    needed = spec.margins.torque
+    return [
+        at_most("gearhead_emergency_torque", at_output, gearhead["emergency_torque"], needed=needed),
+        at_most("gearhead_ratcheting", at_output, jumps, needed=needed),
+    ]

@@ -16,8 +16,8 @@ import numpy as np
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.loads.kinds import MODULES
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.physics.belt import pitch_diameter, wrap_angle
 from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DRIVING, AtGearhead
+from drivesizer.physics.elements.belt import pitch_diameter, wrap_angle
 from drivesizer.physics.elements.gear_life import mean_load, turned_load
 from drivesizer.physics.elements.shaft_load import (
     ROLLER,
