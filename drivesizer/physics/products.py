@@ -65,7 +65,7 @@ def once_per_part(compute: Callable[[Any], Result]) -> Callable[[Any], Result]:
     Returns
     -------
     callable
-        The same function. Figures with a method ``each`` are asked for what it makes of them.
+        The same function. Of figures with a method ``each`` it is what that gives.
 
     Examples
     --------

@@ -110,7 +110,7 @@ def behind_each(at: AtGearhead, compute: Callable[..., Any], *columns: Any) -> A
 
 
 def belts_of(at: AtGearhead, count: int) -> list[slice]:
-    """Which of so many candidates are behind the same belt.
+    """Candidates, of so many, that are behind the same belt.
 
     Parameters
     ----------
@@ -128,7 +128,20 @@ def belts_of(at: AtGearhead, count: int) -> list[slice]:
 
 
 def scales(at: AtGearhead, count: int) -> Array:
-    """By what the belts of so many candidates scale the functions of the cycle [1]: shape (candidates, 6)."""
+    """Factors by which belts scale the functions of the cycle.
+
+    Parameters
+    ----------
+    at
+        The load cycle behind the candidates' belts.
+    count
+        Number of candidates.
+
+    Returns
+    -------
+    array
+        Shape (candidates, 6) [1].
+    """
     if isinstance(at, AtGearheads):
         found: Array = np.stack([one.scale for one in at.ats])[at.which]
         return found

@@ -138,7 +138,7 @@ def _examined(problem: Problem, every: Candidates, exact: bool, margins: bool) -
 
 
 def _together(found: Iterator[Examined]) -> Examined:
-    """What was examined some at a time; there is at least one."""
+    """Candidates that were examined some at a time, put together; there is at least one."""
     several = list(found)
     if len(several) == 1:
         return several[0]
@@ -160,7 +160,7 @@ def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.b
 
 
 def _closest(bound: Array) -> NDArray[np.int64]:
-    """Which are as near to their limits as the nearest, as many as are kept and their equals."""
+    """Rows that are as near to their limits as the nearest, as many as are kept and their equals."""
     if len(bound) <= _NEAREST:
         return np.arange(len(bound))
     last = -np.partition(-bound, _NEAREST - 1)[_NEAREST - 1]
@@ -204,7 +204,7 @@ def _at_both(problem: Problem, every: Crossed, easy: Examined, few: NDArray[np.i
 
 
 def _marked(rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    """Which of so many rows are among some."""
+    """Whether each of so many rows is among some."""
     found = np.zeros(count, bool)
     found[rows] = True
     return found

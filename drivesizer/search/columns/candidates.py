@@ -45,7 +45,7 @@ def joined(several: Sequence[Candidates]) -> Candidates:
 
 
 class Crossed(NamedTuple):
-    """Pairs of motor and gearhead, each of them behind each of several belts: numbered belt by belt."""
+    """Combinations of motor and gearhead, each of them behind each of several belts: numbered belt by belt."""
 
     pairs: Candidates  # whatever their belt
     belts: list[float]
@@ -80,7 +80,7 @@ class Rows:
         return self.taken[name]
 
     def each(self, compute: Callable[[Any], Any]) -> Any:
-        """What a function makes of the figures of one part alone, once for each part where that is less."""
+        """Results of a function of the figures of one part alone, once for each part where that is less."""
         if compute not in self.made:
             few = len(self.rows) <= len(self.table)
             self.made[compute] = compute(self) if few else _at(compute(self._every), self.rows)

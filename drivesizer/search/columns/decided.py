@@ -230,7 +230,7 @@ def _wanted(left: list[NDArray[np.bool_]]) -> Wanted:
 def _passing_by_segments(
     case: _Case, found: Pair, left: list[NDArray[np.bool_]]
 ) -> tuple[Pair, list[NDArray[np.bool_]]]:
-    """The same, closer where that shows that what is open passes; what may fail is left for the waveform to tell."""
+    """The same, closer where that shows that what is open passes; what may fail is left to the waveform."""
     rows = np.flatnonzero(np.logical_or.reduce(left) & case.told)
     if not len(rows):
         return found, left

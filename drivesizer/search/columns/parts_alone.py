@@ -164,7 +164,7 @@ def _sorted_out(pairs: Candidates, parts: _Parts) -> tuple[_Numbers, _Numbers]:
 
 
 class _Gearheads(NamedTuple):
-    """What the checks of those gearheads amount to that some candidates have, behind each belt."""
+    """Amount of the checks of those gearheads that some candidates have, behind each belt."""
 
     amount: Amount
     bound: Array
@@ -172,7 +172,7 @@ class _Gearheads(NamedTuple):
     several: int  # behind each belt
 
     def of(self, belt: NDArray[np.int64], gearhead: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Which of them are some gearheads behind some belts."""
+        """Places of some gearheads behind some belts among them."""
         found: NDArray[np.int64] = belt * self.several + self.place[gearhead]
         return found
 
@@ -199,7 +199,7 @@ def _bounded(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearhe
 
 
 def _failed_by(crossed: Crossed, parts: _Parts) -> Counter[str]:
-    """How many candidates each check of a part fails."""
+    """Number of candidates that each check of a part fails."""
     found, belts = Counter[str](), len(crossed.belts)
     for one in parts.load:
         for check in one.checks:
@@ -218,7 +218,7 @@ def _together(owner: NDArray[np.int64], failures: NDArray[Any]) -> int:
 
 
 def _several(counts: Sequence[int], most: int) -> Iterator[slice]:
-    """Which candidates go on together, of so many behind each belt: behind few belts, or some of those behind one."""
+    """Candidates that go on together, of so many behind each belt: behind few belts, or some of those behind one."""
     start = end = belts = 0
     ends = [0]
     for count in counts:

@@ -141,7 +141,7 @@ class _Found(NamedTuple):
 
 
 class _Required(NamedTuple):
-    """What controllers have to do for each candidate."""
+    """Demands on controllers for each candidate."""
 
     motor: NDArray[np.int64]  # row of its motor
     rms: Array  # A
@@ -171,7 +171,7 @@ class _Cases(NamedTuple):
 
     @property
     def required(self) -> _Required:
-        """What is required in the worst of all cases, with the margins that the spec requires."""
+        """Requirement in the worst of all cases, with the margins that the spec requires."""
         spec, motor = self.problem.spec, self.parts.motor
         more, faster = 1.0 + spec.margins.torque, 1.0 + spec.margins.speed
         lasting = 1.0 + max(controller_needed(case.spec, spec.margins.torque) for case in self.problem.cases)

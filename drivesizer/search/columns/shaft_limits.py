@@ -1,4 +1,4 @@
-"""What wears or breaks gearheads and shafts: loads of output shafts, life and shocks, as columns over candidates."""
+"""Limits of gearheads and shafts that wear or break: loads of output shafts, life, shocks, as columns over candidates."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ _WORDS = 1 + max(word for word, _ in _BITS.values())
 
 
 class Amount(NamedTuple):
-    """What checks amount to: columns over parts or candidates."""
+    """Amount of checks: columns over parts or candidates."""
 
     failed: NDArray[np.bool_]  # whether any fails
     unknown: NDArray[np.uint64]  # which are, as bits, shape (rows, words)
@@ -35,7 +35,7 @@ class Amount(NamedTuple):
 
 
 def amounting(found: Sequence[CheckColumn], count: int, margins: bool) -> Amount:
-    """What some checks amount to.
+    """Amount of some checks.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def amounting(found: Sequence[CheckColumn], count: int, margins: bool) -> Amount
 
 
 def bound_of(found: Sequence[CheckColumn], count: int) -> Array:
-    """What the smallest margin is at most; -1 where a check fails that has none.
+    """Upper bound of the smallest margin; -1 where a check fails that has none.
 
     Parameters
     ----------
