@@ -1,4 +1,4 @@
-"""Limits of gearheads and shafts that wear or break: loads of output shafts, life, shocks, as columns over candidates."""
+"""Limits of gearheads and shafts that wear or break: shaft loads, life and shocks, as columns over candidates."""
 
 from __future__ import annotations
 
