@@ -17,7 +17,8 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import Candidates, Crossed, joined, pairs
-from drivesizer.search.columns.evaluation import by_physics
+from drivesizer.search.columns.evaluation import figures_by_physics
+from drivesizer.search.columns.limits_over_time import Wanted
 from drivesizer.search.columns.parts_alone import belts_together
 from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.search.ranking import BRAKE, COUNTED, order, rounded
@@ -81,8 +82,8 @@ def sifted(
     total, done, failed_by = len(every.motor) * len(problem.belt_ratios), 0, Counter[str]()
     kept: list[_Found] = []
     rejected = [(every.on(slice(0, 0)), np.zeros(0))]
-    exact = bool(names & _WAVEFORM)
-    for one in _examined(problem, every, exact, margins or exact):
+    exact = _wanted(names)
+    for one in _examined(problem, every, exact, margins or bool(exact)):
         failed_by.update(one.failed_by)
         kept.append(one)
         rejected = [_nearest(problem, [*rejected, (one.rejected, one.bound)])]
@@ -121,7 +122,7 @@ def any_passes(problem: Problem) -> bool:
     return any(len(one.rows) for one in found)
 
 
-def _examined(problem: Problem, every: Candidates, exact: bool, margins: bool) -> Iterator[_Found]:
+def _examined(problem: Problem, every: Candidates, exact: Wanted | bool, margins: bool) -> Iterator[_Found]:
     """Some of them after the other: all at the favourable end, where printed figures are as printed."""
     uncertain = np.zeros(len(every.motor), bool)
     uncertain[estimated(problem, every)] = True
@@ -227,6 +228,11 @@ def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slic
             yield Crossed(every.on(rows), some.tolist()), rows
 
 
+def _wanted(names: Set[str]) -> Wanted | bool:
+    """How far objectives need the waveform of every drive: with its energy, as far as its limits, or not at all."""
+    return "energy" in names or (bool(names & _WAVEFORM) and "limits")
+
+
 def _nearest(problem: Problem, several: list[tuple[Candidates, Array]]) -> tuple[Candidates, Array]:
     """The nearest of the rejected in several chunks; of those that are equally far the first by part number."""
     sets = joined([s for s, _ in several])
@@ -246,7 +252,7 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
     figures = {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures}
     rows = estimated(problem, sets)
     if names & set(COUNTED) and len(rows):
-        middle = by_physics(problem, sets.on(rows), True).figures
+        middle = figures_by_physics(problem, sets.on(rows), _wanted(names) or True)
         for name in COUNTED:
             figures[name][rows] = middle[name]
     if problem.spec.select.unknown == "reject":

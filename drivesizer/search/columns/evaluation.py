@@ -20,6 +20,7 @@ from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.encoders import counts_check, encoders_for, offered_encoders
+from drivesizer.search.columns.limits_over_time import Wanted
 from drivesizer.search.columns.offers import placed, scattered
 from drivesizer.search.columns.stages import examine
 from drivesizer.spec.robot import RobotSpec
@@ -199,13 +200,15 @@ def _with_parts(
     return candidates._replace(controller=parts[0], brake=parts[1])
 
 
-def figures_by_physics(problem: Problem, candidates: Candidates) -> Mapping[str, NDArray[np.float64]]:
+def figures_by_physics(
+    problem: Problem, candidates: Candidates, exact: Wanted | bool = True
+) -> Mapping[str, NDArray[np.float64]]:
     """The figures of :func:`by_physics` alone, which take no checks at the favourable end of a band.
 
     Parameters
     ----------
-    problem, candidates
-        As :func:`evaluate` takes them.
+    problem, candidates, exact
+        As :func:`examine` takes them.
 
     Returns
     -------
@@ -214,9 +217,9 @@ def figures_by_physics(problem: Problem, candidates: Candidates) -> Mapping[str,
     """
     rows = estimated(problem, candidates)
     if len(rows):
-        _, hard = _by_belt(at_ends(problem)[1], candidates.on(rows), True, ())
+        _, hard = _by_belt(at_ends(problem)[1], candidates.on(rows), exact, ())
         candidates = _with_parts(candidates, rows, hard["controller"], hard["brake"])
-    return _by_belt(problem, candidates, True, ())[1]
+    return _by_belt(problem, candidates, exact, ())[1]
 
 
 def at_figures(problem: Problem, candidates: Candidates, exact: bool, each: Collection[str] = ()) -> Evaluation:
@@ -243,7 +246,7 @@ _PARTS = ("controller", "encoder", "brake")
 
 
 def _by_belt(
-    problem: Problem, candidates: Candidates, exact: bool, each: Collection[str]
+    problem: Problem, candidates: Candidates, exact: Wanted | bool, each: Collection[str]
 ) -> tuple[list[CheckColumn], dict[str, NDArray[Any]]]:
     """Checks of candidates, which are examined belt by belt, and their parts and figures as columns."""
     count = len(candidates.motor)

@@ -22,7 +22,7 @@ from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
 from drivesizer.search.columns.decided import decided
 from drivesizer.search.columns.exactly import exact
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
-from drivesizer.search.columns.limits_over_time import Moments, Pair, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import Moments, Pair, Wanted, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.altitude import controller_needed
 
@@ -59,7 +59,7 @@ def powered(
     cases: Sequence[Moving],
     parts: Parts,
     *,
-    exactly: bool,
+    exactly: Wanted | bool,
     each: Collection[str] = (),
     staged: bool = False,
     nearness: bool = True,
@@ -75,7 +75,8 @@ def powered(
     cases, parts
         Columns over candidates; the controllers are chosen but where a row is given.
     exactly
-        Compute the waveform of all; else only of those that safe bounds leave undecided.
+        Compute the waveform of all, with their energy or as far as is wanted; else only of those that safe bounds leave
+        undecided.
     each
         Names of checks to decide of candidates that fail on another as well.
     staged, nearness
@@ -158,7 +159,7 @@ class _Cases(NamedTuple):
     moving: Sequence[Moving]
     stresses: Sequence[Stress]
     parts: Parts
-    exactly: bool
+    exactly: Wanted | bool
     each: Collection[str]
     staged: bool
     nearness: bool
@@ -226,7 +227,7 @@ class _Cases(NamedTuple):
         """Peaks and heat over the waveform of one load case."""
         args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
         if self.exactly:
-            return exact(*args)
+            return exact(*args, "all" if self.exactly is True else self.exactly)
         return decided(*args, ~dead, before, each=self.each, staged=self.staged, nearness=self.nearness)
 
 

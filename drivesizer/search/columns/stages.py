@@ -26,6 +26,7 @@ from drivesizer.search.columns.brakes import at_motor, brake_limits, brakes_for
 from drivesizer.search.columns.candidates import Candidates, Crossed, Rows
 from drivesizer.search.columns.encoders import counts_check, encoders_for
 from drivesizer.search.columns.limits import moving_limits, size_limits, unpowered_limits
+from drivesizer.search.columns.limits_over_time import Wanted
 from drivesizer.search.columns.offers import (
     Offers,
     limits_behind_each,
@@ -69,7 +70,7 @@ def examine(
     problem: Problem,
     sets: Candidates | Crossed,
     *,
-    exact: bool = True,
+    exact: Wanted | bool = True,
     each: Collection[str] = (),
     margins: bool = False,
 ) -> Iterator[Examined]:
@@ -85,7 +86,8 @@ def examine(
         The candidates. Of pairs behind several belts what fails is dropped at each stage; the belts of a list may not
         fall.
     exact
-        Compute the waveform of all that come so far; else only of those that safe bounds leave undecided.
+        Compute the waveform of all that come so far, with their energy or as far as is wanted; else only of those that
+        safe bounds leave undecided.
     each
         Names of checks to decide of candidates that fail on another as well.
     margins
@@ -265,7 +267,7 @@ def _brakes_of_each(
 
 
 def _powered(
-    problem: Problem, offered: Offers, moved: _Moved, exact: bool, each: Collection[str]
+    problem: Problem, offered: Offers, moved: _Moved, exact: Wanted | bool, each: Collection[str]
 ) -> Iterator[Examined]:
     """Current, and what needs the waveform, with the smallest controller that does for all cases; or steppers."""
     places, staged = _places(problem, moved), moved.sieve.staged
