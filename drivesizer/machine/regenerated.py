@@ -5,14 +5,14 @@ What one drive regenerates while another draws is not burnt. Symbols: E energy [
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import inf, isnan, nan
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.supply_power import DrivePower, drive_power, together
+from drivesizer.machine.supply_power import DrivePower, drive_power, drive_power_in_parts, together
 from drivesizer.physics.elements.brake_resistor import burnt_energy, largest_mean, largest_pulse
 from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.waveform import most_stored
@@ -141,6 +141,9 @@ class Regenerated(NamedTuple):
         return largest_pulse(self.duration, np.where(self.drawn_peak > power, self.duration, 0.0))
 
 
+_COLUMNS = ("duration", "drawn", "returned", "returned_peak", "drawn_peak")
+
+
 def raised_voltage(spec: RobotSpec, stored: float, more: float = 0.0) -> float:
     """Voltage to which a bus rises by an energy.
 
@@ -182,16 +185,28 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
     found, cases = [], problem.machine.load_cases
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
-        powers = [drive_power(case.spec, one, case.at_belt) for case in some]
-        found.append(_of_powers(cases[some[0].number][0], some[0].spec, powers))
+        name, spec = cases[some[0].number][0], some[0].spec
+        if len(some) == 1:
+            found.append(_of_parts(name, spec, drive_power_in_parts(spec, one, some[0].at_belt)))
+        else:
+            found.append(_of_several(name, spec, [drive_power(case.spec, one, case.at_belt) for case in some]))
     return found
 
 
-def _of_powers(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
-    """Sum of drives that act at the same time; of several what one draws of another's return goes no further."""
+def _of_parts(case: str, spec: RobotSpec, parts: Iterable[DrivePower]) -> Regenerated:
+    """Of one drive, some pieces at a time, and no more kept of them than counts."""
+    kept = [(regenerated_of(case, spec, part), part.drawn.copy()) for part in parts]  # a view keeps all columns
+    if len(kept) == 1:
+        return kept[0][0]
+    drawn = np.concatenate([x for _, x in kept])
+    columns: Any = {name: np.concatenate([getattr(one, name) for one, _ in kept]) for name in _COLUMNS}
+    duration = columns["duration"]
+    return kept[0][0]._replace(**columns, mean_drawn=float(duration @ drawn) / float(duration.sum()))
+
+
+def _of_several(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
+    """Sum of drives that act at the same time; what one draws of another's return goes no further."""
     found = regenerated_of(case, spec, together(powers))
-    if len(powers) == 1:
-        return found
     net: Any = found.drawn - found.returned
     return found._replace(drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0))
 
@@ -221,6 +236,6 @@ def regenerated_of(case: str, spec: RobotSpec, power: DrivePower) -> Regenerated
         drawn=power.bus_drawn * power.duration,
         returned=share * power.returned * power.duration,
         returned_peak=share * power.returned_peak,
-        drawn_peak=power.peak,
+        drawn_peak=power.peak.copy(),  # a view keeps all columns in memory
         mean_drawn=power.mean(power.drawn),
     )

@@ -7,6 +7,7 @@ Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -15,8 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.set_columns import OneRow, one_row, own_coefficients, own_losses
-from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, at_gearhead
-from drivesizer.physics.load_cycle import mean_product
+from drivesizer.physics.cycle_at_gearhead import AtGearhead, at_gearhead
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.stress import Heat, Stress, heat, stress, volts_of
@@ -27,7 +27,10 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "turned", "warming", "waveform"]
+__all__ = [
+    "SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "supplied_in_parts", "turned", "warming",
+    "waveform",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 
@@ -183,8 +186,35 @@ def supplied(found: SetCycle, *, mean: bool = True) -> Wave:
     Wave
         Its product of current and voltage is the power drawn [W].
     """
-    taken = balanced(waveform(found, mean=mean), *_surplus(found))
+    return _of_one(balanced(waveform(found, mean=mean), *_surplus(found)))
+
+
+def _of_one(taken: Wave) -> Wave:
     return taken if taken.duration.ndim == 1 else taken._replace(duration=taken.duration[0])
+
+
+def supplied_in_parts(found: SetCycle, most: int) -> Iterator[tuple[Wave, Wave]]:
+    """What ``supplied`` gives with mean temperatures and with those at the ends, some pieces of the cycle at a time.
+
+    Parameters
+    ----------
+    found
+        The drive over its cycle.
+    most
+        Pieces at a time.
+
+    Yields
+    ------
+    tuple of Wave
+        Of consecutive pieces.
+    """
+    differ, speed = _surplus(found)
+    for k in (slice(first, first + most) for first in range(0, len(found.flows.duration), most)):
+        flows = Wave(found.flows.duration[k], found.flows.current[:, k], found.flows.voltage[:, k])
+        course = found.course._replace(ends=found.course.ends[:, k], means=found.course.means[:, k])
+        part = found._replace(flows=flows, course=course)
+        mean, as_warm = (_of_one(balanced(waveform(part, mean=x), differ, speed[k])) for x in (True, False))
+        yield mean, as_warm
 
 
 def lost_in_winding(found: SetCycle) -> float:
@@ -193,12 +223,14 @@ def lost_in_winding(found: SetCycle) -> float:
 
 
 def _surplus(found: SetCycle) -> tuple[Array, Array]:
-    return found.demands.surplus(found.motor["torque_constant"]), found.cycle.warming.functions[:, :, SPEED]
+    differ, count = found.demands.surplus(found.motor["torque_constant"]), len(found.flows.duration)
+    if not (np.abs(differ) > 0.0).any():  # no speed counts: that of a long cycle takes time and room
+        return differ, np.broadcast_to(0.0, (count, 2))
+    return differ, found.cycle.turning.speed
 
 
 def warming(found: SetCycle) -> Warming:
     """Mean square current and loss at the housing over the pieces of which a winding feels the mean."""
-    duration, functions = found.cycle.warming
-    speed, square = functions[:, :, SPEED], mean_square(found.flows)[0]
-    loss = found.heat.friction[0] * np.abs(speed).mean(1) + found.heat.iron[0] * mean_product(speed, speed)
-    return Warming(duration, square, loss)
+    turning, square = found.cycle.turning, mean_square(found.flows)[0]
+    loss = found.heat.friction[0] * turning.mean + found.heat.iron[0] * turning.square
+    return Warming(found.flows.duration, square, loss)

@@ -7,7 +7,7 @@ with different loads each counts in the supply's resistance as if all were like 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import nan
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.set_cycle import set_cycle, supplied, turned
+from drivesizer.machine.set_cycle import set_cycle, supplied_in_parts, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.power_stage import Feed, at_input, lost_in_source, of_the_source
@@ -24,7 +24,7 @@ from drivesizer.physics.waveform import Wave, energy, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["DrivePower", "distance_of", "drive_power", "side_by_side", "together"]
+__all__ = ["DrivePower", "distance_of", "drive_power", "drive_power_in_parts", "side_by_side", "together"]
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
@@ -94,18 +94,42 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
+    parts = [*drive_power_in_parts(spec, drive_set, base)]
+    if len(parts) == 1:
+        return parts[0]
+    columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("duration", *_COLUMNS)}
+    return DrivePower(**columns, distance=parts[0].distance)
+
+
+def drive_power_in_parts(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Iterator[DrivePower]:
+    """The same, some pieces of the cycle at a time: all columns of a long one take much room.
+
+    Parameters
+    ----------
+    spec, drive_set, base
+        As ``drive_power`` takes them.
+
+    Yields
+    ------
+    DrivePower
+        Of consecutive pieces; ``distance`` is that of the whole cycle.
+
+    Raises
+    ------
+    InputError
+        As ``drive_power``.
+    """
     if drive_set.steps:
-        return _of_a_stepper(spec, drive_set, base)
+        yield _of_a_stepper(spec, drive_set, base)
+        return
     found = set_cycle(spec, drive_set, base)
-    duration, *mean = _pieces(supplied(found))
-    as_warm = _pieces(supplied(found, mean=False))[1:]
     sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
-    columns = np.empty((len(_COLUMNS), len(duration)))
-    for some in (slice(first, first + _PART) for first in range(0, len(duration), _PART)):
-        columns[:, some] = _powers([x[some] for x in mean], [x[some] for x in as_warm], found.feed)
-    columns *= sets
-    named = dict(zip(_COLUMNS, columns, strict=True))
-    return DrivePower(duration=duration, **named, distance=distance_of(spec, found.cycle.load_cycle))
+    distance = distance_of(spec, found.cycle.load_cycle)
+    finest = _FINEST if len(found.flows.duration) <= _PART else 1
+    for both in supplied_in_parts(found, _PART):
+        (duration, *mean), (_, *as_warm) = (_pieces(x, finest) for x in both)
+        columns = sets * np.array(_powers(mean, as_warm, found.feed))
+        yield DrivePower(duration=duration, **dict(zip(_COLUMNS, columns, strict=True)), distance=distance)
 
 
 def _powers(mean: Sequence[Array], as_warm: Sequence[Array], feed: Feed) -> tuple[Array, ...]:
@@ -219,9 +243,9 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
     return [p.at(duration, some) for p, some in zip(powers, place, strict=True)]
 
 
-def _pieces(found: Wave) -> tuple[Array, Array, Array]:
-    """Length of the pieces, and current and voltage at both ends of each."""
-    count = max(1, min(_FINEST, _MOST // len(found.duration)))
+def _pieces(found: Wave, finest: int) -> tuple[Array, Array, Array]:
+    """Length of the pieces, and current and voltage at both ends of each; so many of a segment at most."""
+    count = max(1, min(finest, _MOST // len(found.duration)))
     cuts = np.linspace(0.0, 1.0, count + 1)
 
     def cut(ends: Array) -> Array:

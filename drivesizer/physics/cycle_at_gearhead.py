@@ -10,6 +10,7 @@ Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import field
 from functools import cached_property
 from math import inf
@@ -88,6 +89,16 @@ class CycleAtBelt:
         )
 
     @property
+    def six(self) -> Any:
+        """Of one cycle: the six of some segments on request; of a long cycle all of them take much room."""
+        return self.functions if self.census is None else _Anew(self.load_cycle, self.efficiency)
+
+    @property
+    def parts(self) -> list[slice]:
+        """Of one cycle: its segments, so many at a time that what is made of them takes little room."""
+        return [slice(k, k + SHORT) for k in range(0, len(self.load_cycle.duration), SHORT)]
+
+    @property
     def factors(self) -> Array:
         """Factors by which the belt changes torques that drive, brake and hold [1]."""
         return belt_factors(self.efficiency)
@@ -120,20 +131,40 @@ class CycleAtBelt:
     @cached_property
     def pieces(self) -> int:
         """Of one cycle: the number of pieces of ``warming``."""
-        parts = (slice(k, k + SHORT) for k in range(0, len(self.load_cycle.duration), SHORT))
-        return sum(int(self._counts(part).sum()) for part in parts)
+        return sum(int(self._counts(part).sum()) for part in self.parts)
+
+    @cached_property
+    def lasting(self) -> Array:
+        """Of one cycle: duration of each of those [s]."""
+        counts = ((self.load_cycle.duration[part], self._counts(part)) for part in self.parts)
+        return np.concatenate([np.repeat(duration / count, count) for duration, count in counts])
 
     def _counts(self, part: slice) -> NDArray[np.int64]:
         """In how many pieces segments are cut, so that a winding follows the mean of each, to 0.1 %."""
+        return piece_counts(self.load_cycle.duration[part], np.where(self._changing(part), self.quickest, inf), 1e-3)
+
+    def _changing(self, part: slice) -> NDArray[np.bool_]:
+        """In which segments anything changes."""
         cycle = self.load_cycle
-        changing = np.any([x[part, 0] != x[part, 1] for x in (cycle.torque, cycle.acceleration, cycle.speed)], axis=0)
-        return piece_counts(cycle.duration[part], np.where(changing, self.quickest, inf), 1e-3)
+        found: NDArray[np.bool_] = np.any(
+            [x[part, 0] != x[part, 1] for x in (cycle.torque, cycle.acceleration, cycle.speed)], axis=0
+        )
+        return found
+
+    @cached_property
+    def steady(self) -> NDArray[np.bool_]:
+        """Of one cycle: pieces of ``warming`` in which nothing changes."""
+        return np.concatenate([np.repeat(~self._changing(part), self._counts(part)) for part in self.parts])
 
     @cached_property
     def warming(self) -> Pieces:
         """Of one cycle: it in pieces so fine that a winding follows the mean of each, to 0.1 %."""
-        duration, functions = self.load_cycle.duration, self.functions
-        count = self._counts(slice(None))
+        return self.warmed(slice(None))
+
+    def warmed(self, part: slice) -> Pieces:
+        """Some of its segments in those pieces."""
+        duration, functions = self.load_cycle.duration[part], self.six[part]
+        count = self._counts(part)
         if count.max() == 1:
             return Pieces(duration, functions)
         owner, place = places(count)
@@ -258,7 +289,7 @@ class AtGearhead:
         """The cycle behind a belt of ratio 1 in so many pieces at most."""
         store, name = self.base.coarse, ("envelope", pieces)
         if name not in store:
-            store[name] = envelope(self.load_cycle.duration, self.base.functions, pieces)
+            store[name] = envelope(self.load_cycle.duration, self.base.six, pieces)
         found: Envelope = store[name]
         return found
 
@@ -309,13 +340,42 @@ class AtGearhead:
         pieces = self.base.warming
         return Pieces(pieces.duration, self._scaled(pieces.functions))
 
+    def warming_in_parts(self) -> Iterator[tuple[Pieces, Turning]]:
+        """The cycle in those pieces, and the speed over them: of a long cycle part by part, and nothing of it kept."""
+        if self.base.census is None:
+            yield self.warming, self.turning
+            return
+        for part in self.base.parts:
+            pieces = self.base.warmed(part)
+            functions = self._scaled(pieces.functions)
+            yield Pieces(pieces.duration, functions), _turning(functions)
+
     @cached_property
     def turning(self) -> Turning:
         """Speed over each of those pieces, for the losses of friction and iron."""
-        functions = self.warming.functions
-        speed = functions[:, :, SPEED]
-        steady = (functions[:, 0] == functions[:, 1]).all(axis=1)
-        return Turning(speed, np.abs(speed).mean(1), mean_product(speed, speed), steady)
+        if self.base.census is None:
+            return _turning(self.warming.functions)
+        parts = [of._replace(speed=of.speed.copy()) for _, of in self.warming_in_parts()]  # not the other functions
+        return Turning(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+class _Anew:
+    """The six functions of a long cycle, made of the segments that it is asked for: nothing is kept."""
+
+    def __init__(self, cycle: Any, efficiency: Figure) -> None:
+        self.columns, self.efficiency = _Ends(cycle.speed, cycle.acceleration, cycle.torque), efficiency
+
+    def __getitem__(self, segments: Any) -> Array:
+        some = _Ends(*(column[segments] for column in self.columns))
+        return np.stack(six_functions(some, self.efficiency), axis=2)
+
+
+class _Ends(NamedTuple):
+    """Columns of some segments of a load cycle."""
+
+    speed: Array
+    acceleration: Array
+    torque: Array
 
 
 class Pieces(NamedTuple):
@@ -332,6 +392,11 @@ class Turning(NamedTuple):
     mean: Array  # rad/s, of its amount
     square: Array  # rad^2/s^2, mean
     steady: NDArray[np.bool_]  # nothing changes within the piece
+
+
+def _turning(functions: Array) -> Turning:
+    speed, steady = functions[:, :, SPEED], (functions[:, 0] == functions[:, 1]).all(axis=1)
+    return Turning(speed, np.abs(speed).mean(1), mean_product(speed, speed), steady)
 
 
 class Peak(NamedTuple):

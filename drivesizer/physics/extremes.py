@@ -7,18 +7,20 @@ is left of a long recording is thinned once more to its convex hull.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "Envelope", "Extremes", "distinct", "envelope", "extremes", "extremes_of", "first_largest", "near_largest",
-    "refined", "undominated",
+    "Envelope", "Extremes", "distinct", "envelope", "extremes", "extremes_of", "first_largest", "highest_and_lowest",
+    "near_largest", "refined", "together", "undominated",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
 
+_PART = 1 << 15  # segments of a long cycle at a time
 _FRONT = 300  # points that may be left of a group before its convex hull is computed
 _BLOCK = 64  # points that the others are held against at a time, at most
 _NOT_BEFORE = np.triu(np.ones((_BLOCK, _BLOCK), bool))  # in a row's place those that do not come before it
@@ -70,7 +72,7 @@ def distinct(values: NDArray[Any]) -> NDArray[Any]:
     return rising[first]
 
 
-def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
+def envelope(duration: Array, functions: Any, pieces: int) -> Envelope:
     """Largest and smallest value of each function in consecutive pieces of a cycle, so many at most.
 
     Parameters
@@ -78,7 +80,7 @@ def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
     duration
         Of each segment [s].
     functions
-        The six functions at both ends of each segment, shape (segments, 2, 6).
+        The six functions at both ends of each segment, shape (segments, 2, 6), or what gives those of some (``six``).
     pieces
         Largest number of pieces [1].
 
@@ -88,12 +90,48 @@ def envelope(duration: Array, functions: Array, pieces: int) -> Envelope:
         Bounds of each function in each piece.
     """
     starts = distinct(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
-    left, right = functions[:, 0], functions[:, 1]
-    high, low = (extreme.reduceat(extreme(left, right), starts) for extreme in (np.maximum, np.minimum))
-    return Envelope(np.add.reduceat(duration, starts), high, low, starts)
+    return Envelope(np.add.reduceat(duration, starts), *highest_and_lowest(len(duration), functions, starts), starts)
 
 
-def refined(found: Envelope, chosen: NDArray[np.int64], duration: Array, functions: Array) -> Envelope:
+def highest_and_lowest(count: int, functions: Any, starts: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Largest and smallest value of each function in consecutive pieces, some of them at a time.
+
+    Parameters
+    ----------
+    count
+        Of the segments [1].
+    functions
+        The six functions at both ends of each segment, shape (segments, 2, 6), or what gives those of some (``six``).
+    starts
+        First segment of each piece, rising from 0.
+
+    Returns
+    -------
+    tuple of arrays
+        Of each function in each piece: (pieces, 6).
+    """
+    found = np.empty((2, len(starts), 6))
+    for some, segments in together(starts, count):
+        ends, first = functions[segments], starts[some] - segments.start
+        for values, extreme in zip(found, (np.maximum, np.minimum), strict=True):
+            values[some] = extreme.reduceat(extreme(ends[:, 0], ends[:, 1]), first)
+    return found[0], found[1]
+
+
+def together(starts: NDArray[np.int64], count: int) -> Iterator[tuple[slice, slice]]:
+    """Consecutive pieces that together have few segments, one at least: which these are, and their segments.
+
+    >>> [x for x in together(np.array([0, 30_000, 60_000, 90_000]), 90_001)]
+    [(slice(0, 2, None), slice(0, 60000, None)), (slice(2, 4, None), slice(60000, 90001, None))]
+    """
+    ends, first = np.append(starts, count), 0
+    while first < len(starts):
+        last = max(int(np.searchsorted(ends, ends[first] + _PART, side="right")) - 1, first + 1)
+        yield slice(first, last), slice(int(ends[first]), int(ends[last]))
+        first = last
+
+
+def refined(found: Envelope, chosen: NDArray[np.int64], duration: Array, functions: Any) -> Envelope:
     """The same cycle, some of its pieces in single segments.
 
     Parameters
@@ -114,7 +152,8 @@ def refined(found: Envelope, chosen: NDArray[np.int64], duration: Array, functio
     segments = np.concatenate([np.arange(0), *(np.arange(ends[k], ends[k + 1]) for k in chosen.tolist())])
     first = np.concatenate([np.delete(found.first, chosen), segments])
     order = np.argsort(first, kind="stable")
-    left, right = functions[segments, 0], functions[segments, 1]
+    both = functions[segments]
+    left, right = both[:, 0], both[:, 1]
     whole = (
         (found.duration, found.high, found.low),
         (duration[segments], np.maximum(left, right), np.minimum(left, right)),

@@ -49,12 +49,13 @@ Symbols: R_th thermal resistance [K/W], C heat capacity [J/K], I current [A], P 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
+from drivesizer.physics.extremes import highest_and_lowest, together
 from drivesizer.physics.heat_cycle import Periodic, highest, periodic
 from drivesizer.physics.heat_cycle_columns import each_figure, some_of
 from drivesizer.physics.heat_step import Array
@@ -69,6 +70,7 @@ _FINE = 1 << 13  # and steps in all
 _SPEED_SHARE = 0.05  # of the speed's square, by which a housing is heated, in that choice
 _ROUNDING = 1e-10  # share of the temperature by which bounds are apart at least
 _SUM_ROUNDING = 1e-12  # share of a sum over the cycle that rounding may take
+_PART = 1 << 15  # segments of a long cycle at a time
 _ROW, _COLUMN = np.tril_indices(6)  # of a symmetric matrix
 _TIMES = np.where(_ROW == _COLUMN, 1.0, 2.0)  # that each entry stands there
 
@@ -100,7 +102,7 @@ class Blocks(NamedTuple):
         return Blocks(self.duration, mean, above, below, self.most * scale, self.least * scale, self.first)
 
 
-def blocks(duration: Array, functions: Array, count: int) -> Blocks:
+def blocks(duration: Array, functions: Any, count: int) -> Blocks:
     """Consecutive segments in blocks whose currents deviate little from their mean, however long the cycle.
 
     Parameters
@@ -108,7 +110,8 @@ def blocks(duration: Array, functions: Array, count: int) -> Blocks:
     duration
         Of each of S segments [s].
     functions
-        The six functions at both ends of each segment, straight in between: shape (S, 2, 6).
+        The six functions at both ends of each segment, straight in between: shape (S, 2, 6), or what gives those of
+        some segments (``six``).
     count
         Of blocks at most [1]; with no more segments than that each is a block.
 
@@ -121,20 +124,24 @@ def blocks(duration: Array, functions: Array, count: int) -> Blocks:
     -----
     What a current does within a segment is counted among what deviates: the bounds hold for it and for its mean square.
     """
-    left, right = (np.ascontiguousarray(functions[:, end].T) for end in (0, 1))
-    starts = np.arange(len(duration)) if len(duration) <= count else _starts(duration, left, right, count)
-    pieces = np.diff(np.append(starts, len(duration)))
-    total = np.add.reduceat(duration, starts)
-    most, least = (
-        extreme.reduceat(extreme(functions[:, 0], functions[:, 1]), starts) for extreme in (np.maximum, np.minimum)
-    )
+    starts = np.arange(len(duration)) if len(duration) <= count else _starts(duration, functions, count)
+    pieces, total = np.diff(np.append(starts, len(duration))), np.add.reduceat(duration, starts)
     mean, above, below = np.empty((3, len(starts), 6, 6))
-    found = Blocks(total, mean, above, below, most, least, starts)
-    for a, b in zip(_ROW, _COLUMN, strict=True):
-        entry = _deviating(duration, left[[a, b]], right[[a, b]], starts, pieces, total)
-        for values, column in zip(found[1:4], entry, strict=True):
-            values[:, a, b] = values[:, b, a] = column
+    found = Blocks(total, mean, above, below, *highest_and_lowest(len(duration), functions, starts), starts)
+    for some, segments in together(starts, len(duration)):
+        left, right = _lines(functions[segments])
+        of = starts[some] - segments.start, pieces[some], total[some]
+        for a, b in zip(_ROW, _COLUMN, strict=True):
+            entry = _deviating(duration[segments], left[[a, b]], right[[a, b]], *of)
+            for values, column in zip(found[1:4], entry, strict=True):
+                values[some, a, b] = values[some, b, a] = column
     return found
+
+
+def _lines(functions: Array) -> tuple[Array, Array]:
+    """Values at the left and at the right ends, function by function: shape (6, S) each."""
+    left, right = (np.ascontiguousarray(functions[:, end].T) for end in (0, 1))
+    return left, right
 
 
 def _product(left: Array, right: Array) -> Array:
@@ -162,12 +169,15 @@ def _deviating(
     return mean, above, below
 
 
-def _starts(duration: Array, left: Array, right: Array, count: int) -> NDArray[np.intp]:
+def _starts(duration: Array, functions: Any, count: int) -> NDArray[np.intp]:
     """First segments of the blocks: again and again the worst are split where they deviate most."""
     step = max(1, len(duration) // max(_FINER * count, _FINE))
     ends = np.append(np.arange(0, len(duration), step), len(duration))
     time = np.append(0.0, np.cumsum(duration))[ends]
-    sums = np.append(np.zeros((4, 1)), np.cumsum(duration * _signals(left, right), axis=1), axis=1)[:, ends]
+    signals = _signals(len(duration), functions)
+    signals *= duration
+    np.cumsum(signals, axis=1, out=signals)
+    sums = np.append(np.zeros((4, 1)), signals[:, ends[1:] - 1], axis=1)
     cuts = np.array([0, len(ends) - 1])
     while len(cuts) <= count:
         at, worst = _farthest(time, sums, cuts)
@@ -180,17 +190,24 @@ def _starts(duration: Array, left: Array, right: Array, count: int) -> NDArray[n
     return first
 
 
-def _signals(left: Array, right: Array) -> Array:
+def _signals(count: int, functions: Any) -> Array:
     """Squares and product of torque and acceleration, and the square of speed, each as a share of its mean."""
-    torque = [x[DRIVING] + x[BRAKING] + x[AT_REST] for x in (left, right)]
-    load, own = ([x, y] for x, y in (torque, (left[ACCELERATION], right[ACCELERATION])))
-    pairs = [(load, load), (own, own), (load, own), ((left[SPEED], right[SPEED]),) * 2]
-    found = np.array([_product(np.array([a[0], b[0]]), np.array([a[1], b[1]])) for a, b in pairs])
+    found = np.empty((4, count))
+    for some in (slice(first, min(first + _PART, count)) for first in range(0, count, _PART)):
+        found[:, some] = _squares(*_lines(functions[some]))
     mean = found.mean(axis=1)
     mean[2] = np.sqrt(mean[0] * mean[1])
     mean[3] /= _SPEED_SHARE
     found /= np.where(mean > 0.0, mean, np.inf)[:, None]
     return found
+
+
+def _squares(left: Array, right: Array) -> Array:
+    """Means of those squares and of that product over each segment."""
+    torque = [x[DRIVING] + x[BRAKING] + x[AT_REST] for x in (left, right)]
+    load, own = ([x, y] for x, y in (torque, (left[ACCELERATION], right[ACCELERATION])))
+    pairs = [(load, load), (own, own), (load, own), ((left[SPEED], right[SPEED]),) * 2]
+    return np.array([_product(np.array([a[0], b[0]]), np.array([a[1], b[1]])) for a, b in pairs])
 
 
 def _farthest(time: Array, sums: Array, cuts: NDArray[np.intp]) -> tuple[NDArray[np.intp], Array]:

@@ -31,6 +31,7 @@ __all__ = [
 _BEYOND = (
     1e9  # K: a winding that is warmer after one cycle has run away; the digits of a lower temperature after it are lost
 )
+_KEPT = 8  # parts of a long cycle whose spans are kept; of more they are computed twice, for they take much room
 _DIGITS = 9  # of rises [K] in which equal ones agree
 
 
@@ -130,12 +131,19 @@ def periodic_in_parts(
         Of each part; ``whole`` and ``settles`` are those of the cycle.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        each = [_spans(motor, ambient, t[k], I2[k], P_h[k]) for k in parts]
-        between = Course(np.stack([spans.course.whole for spans in each], axis=2))
-        cold = _starts(between, np.zeros((2, I2.shape[1])))
-        warmth = np.max([x.course.rises(*c)[0].max(axis=0) for x, c in zip(each, cold, strict=True)], axis=0)
-        whole = (*_matrix(between), warmth)
+        kept, maps, warmth, rise = list[_Spans](), [], [], np.zeros((2, I2.shape[1]))
+        for k in parts:
+            spans = _spans(motor, ambient, t[k], I2[k], P_h[k])
+            rises = spans.course.rises(*rise)  # of a cycle that starts cold
+            maps.append(spans.course.whole.copy())  # of a view all of its spans would stay in memory
+            warmth.append(rises[0].max(axis=0))
+            rise = rises[:, -1].copy()
+            if len(parts) <= _KEPT:
+                kept.append(spans)
+        between = Course(np.stack(maps, axis=2))
+        whole = (*_matrix(between), np.max(warmth, axis=0))
         start, settles = _fixed_point(*whole)
+        each = kept or (_spans(motor, ambient, t[k], I2[k], P_h[k]) for k in parts)
         for spans, first in zip(each, _starts(between, start), strict=True):
             yield _from(spans, first, whole, settles)
 

@@ -25,6 +25,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+_PART = 1 << 16  # steps of a long cycle at a time
+
 
 class Wave(NamedTuple):
     """Current and voltage of candidates: shape (candidates, segments, 2), values at both ends."""
@@ -278,10 +280,25 @@ def most_stored(steps: Array) -> Array:
     >>> most_stored(np.array([[8.0, -5.0, 4.0, -9.0]])).tolist()
     [8.0]
     """
+    if len(steps) == 1 and steps.shape[1] > _PART:
+        return np.array([_most_stored(steps[0])])
     twice = np.cumsum(np.concatenate([np.zeros((len(steps), 1)), steps, steps], axis=1), axis=1)
     risen = (twice - np.minimum.accumulate(twice, axis=1)).max(axis=1)
     stored: Array = np.minimum(risen, np.maximum(steps, 0.0).sum(axis=1))
     return stored
+
+
+def _most_stored(steps: Array) -> float:
+    """The same of many steps, some at a time: the running sums of all take much room."""
+    level, lowest, risen, all_in = 0.0, 0.0, 0.0, float(np.maximum(steps, 0.0).sum())
+    for first in [*range(0, len(steps), _PART)] * 2:
+        part = steps[first : first + _PART].copy()
+        part[0] += level
+        np.cumsum(part, out=part)
+        lows = np.minimum(np.minimum.accumulate(part), lowest)
+        risen = np.maximum(risen, (part - lows).max())  # NaN stays
+        level, lowest = part[-1], lows[-1]
+    return float(np.minimum(risen, all_in))
 
 
 def longest_above(found: Wave, limit: Array) -> Array:

@@ -9,12 +9,13 @@ Symbols: I current [A], P_h loss at the housing [W].
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.cycle_at_gearhead import AtGearhead, CycleAtBelt, Pieces, Turning
 from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.heat_cycle import Highest, Periodic, highest, mean_rise, periodic, periodic_in_parts, tops
 from drivesizer.physics.heat_cycle_columns import some_of
@@ -74,9 +75,11 @@ def current_and_winding(
         fails, one of unknown time constants at its mean in the long run, as a cycle makes it that is short against
         them.
     """
-    duration = cycle.base.warming.duration
+    base: CycleAtBelt = cycle.base
+    short = base.census is None
+    duration, steady = (base.warming.duration, cycle.turning.steady) if short else (base.lasting, base.steady)
     flowing, loss = behind_each(cycle, _flowing, demands, heat, motor["torque_constant"])
-    flows, steady = Wave(duration, *flowing), cycle.turning.steady
+    flows = Wave(duration, *flowing)
     course = winding_course(two_bodies(motor), ambient, duration, mean_square(flows), loss, steady)
     mean = np.where(np.isfinite(heat.winding), heat.winding, np.nan)
     for rows, T in ((np.isinf(course.peak), motor["max_winding_temperature"]), (np.isnan(course.peak), mean)):
@@ -87,10 +90,28 @@ def current_and_winding(
 
 def _flowing(at: AtGearhead, demands: Demands, heat: Heat, k_t: Array) -> tuple[tuple[Array, Array], Array]:
     """Current and voltage behind one belt, and the loss at the housing [W]."""
-    (duration, functions), turning = at.warming, at.turning
-    flows = wave(duration, functions, demands.coefficients, volts_of(demands, k_t, np.zeros_like(k_t)), k_t)
-    loss = np.outer(heat.friction, turning.mean) + np.outer(heat.iron, turning.square)
-    return (flows.current, flows.voltage), loss
+    induced = volts_of(demands, k_t, np.zeros_like(k_t))
+
+    def of(pieces: Pieces, turning: Turning) -> tuple[Array, Array, Array]:
+        flows = wave(*pieces, demands.coefficients, induced, k_t)
+        loss = np.outer(heat.friction, turning.mean) + np.outer(heat.iron, turning.square)
+        return flows.current, flows.voltage, loss
+
+    current, voltage, loss = _joined(len(k_t), at.base, (of(*part) for part in at.warming_in_parts()))
+    return (current, voltage), loss
+
+
+def _joined(n: int, base: CycleAtBelt, parts: Iterator[tuple[Array, Array, Array]]) -> tuple[Array, Array, Array]:
+    """Current, voltage and loss of n candidates over all pieces, from those over some at a time."""
+    if base.census is None:
+        return next(parts)
+    count, end = len(base.lasting), 0
+    found = np.empty((n, count, 2)), np.empty((n, count, 2)), np.empty((n, count))
+    for part in parts:
+        first, end = end, end + part[0].shape[1]
+        for whole, some in zip(found, part, strict=True):
+            whole[:, first:end] = some
+    return found
 
 
 def winding_course(
@@ -118,10 +139,12 @@ def winding_course(
         Columns over motors; NaN where a figure is unknown, the peak infinite at thermal runaway.
     """
     n, count = I2.shape
-    peak, when, mean = np.full((3, n), np.nan)
-    found = WindingCourse(peak, when, mean, np.full((n, count, 2), np.nan), np.full((n, count), np.nan))
     known = np.flatnonzero(np.broadcast_to(motor.known, n) & ~np.isnan(I2.sum(axis=1) + P_h.sum(axis=1) + ambient))
     size = max(_CELLS // count, 1)
+    if len(known) == n == 1:  # of a long cycle a second copy would take much room
+        return _block(some_of(motor, n, known), ambient, duration, I2, P_h, steady)
+    peak, when, mean = np.full((3, n), np.nan)
+    found = WindingCourse(peak, when, mean, np.full((n, count, 2), np.nan), np.full((n, count), np.nan))
     for rows in (known[first : first + size] for first in range(0, len(known), size)):
         part = _block(some_of(motor, n, rows), ambient, duration, I2[rows], P_h[rows], steady)
         for whole, values in zip(found, part, strict=True):

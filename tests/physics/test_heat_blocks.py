@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 import pytest
 
-from drivesizer.physics import heat_bounds
+from drivesizer.physics import extremes, heat_bounds
 from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.heat_bounds import Blocks, blocks, bracket
 from drivesizer.physics.thermal import COPPER, TwoBodies, steady_winding_temperature
@@ -283,3 +283,14 @@ def test_never_below_the_steady_temperature_of_the_means():
         AMBIENT, motors.R_25, motors.R_th1, motors.R_th2, np.sqrt(square @ dt / dt.sum()), loss @ dt / dt.sum()
     )
     assert (bracket(motors, AMBIENT, blocks(dt, functions, 2), *columns).lower >= steady - 1e-6).all()
+
+
+@pytest.mark.parametrize("count", [7, 60])
+def test_blocks_of_a_long_cycle_are_made_part_by_part(count, monkeypatch):
+    """Of parts of some blocks each the same blocks, and no integral that strays further."""
+    dt, functions = random_functions(np.random.default_rng(count), 700, "noisy")
+    whole = blocks(dt, functions, count)
+    monkeypatch.setattr(heat_bounds, "_PART", 10)
+    monkeypatch.setattr(extremes, "_PART", 100)
+    for found, expected in zip(blocks(dt, functions, count), whole, strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)

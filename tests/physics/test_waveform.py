@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivesizer.physics import waveform
 from drivesizer.physics.power_stage import PowerStage, at_input
-from drivesizer.physics.waveform import Wave, energy, largest_power, longest_above, mean_square, wave
+from drivesizer.physics.waveform import Wave, energy, largest_power, longest_above, mean_square, most_stored, wave
 
 FINE = 4000  # samples of a segment
 
@@ -188,3 +189,15 @@ def test_of_samples_that_lie_side_by_side_everything_is_as_of_candidates(machine
             other = lying if found is rows else at_input(lying, stage)
             told, same = ((*energy(laid), largest_power(laid)[0]) for laid in (found, other))
             np.testing.assert_allclose(same, told, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_stored_over_a_long_cycle_is_found_part_by_part(seed, monkeypatch):
+    """To the bit the same; one more than the steps of a part, and NaN stays."""
+    steps = np.random.default_rng(seed).normal(-0.1, 1.0, (1, 501))
+    whole = most_stored(steps)
+    monkeypatch.setattr(waveform, "_PART", (7, 100, 500, 499)[seed])
+    np.testing.assert_array_equal(most_stored(steps), whole)
+    assert whole[0] > 0.0
+    steps[0, 300] = math.nan
+    assert np.isnan(most_stored(steps)).all()

@@ -46,7 +46,7 @@ def _blocks_before_belt(cycle: AtGearhead, count: int) -> Blocks:
     """The cycle behind a belt of ratio 1 in so many blocks at most."""
     store, name = cycle.base.coarse, ("blocks", count)
     if name not in store:
-        store[name] = blocks(cycle.load_cycle.duration, cycle.base.functions, count)
+        store[name] = blocks(cycle.load_cycle.duration, cycle.base.six, count)
     found: Blocks = store[name]
     return found
 
@@ -245,7 +245,7 @@ def _powers_at(
     ends = np.append(pieces.first, len(cycle.load_cycle.duration))
     segments = np.concatenate([np.arange(ends[k], ends[k + 1]) for k in blocks])
     owner = np.repeat(blocks, np.diff(ends)[blocks])
-    functions, k_t = cycle.base.functions[segments] * cycle.scale, motor["torque_constant"]
+    functions, k_t = cycle.base.six[segments] * cycle.scale, motor["torque_constant"]
     induced = volts_of(demand, k_t, np.zeros_like(k_t))
     flows = wave(cycle.load_cycle.duration[segments], functions, demand.coefficients, induced, k_t)
     surplus, speed = demand.surplus(k_t), functions[:, :, SPEED]

@@ -135,7 +135,7 @@ def stored_by_segments(
         Lower and upper bounds.
     """
     losing, pieces = _losing(spec, cycle, demand, heating, stresses, parts, high), cycle.envelope(count)
-    duration, functions = cycle.load_cycle.duration, cycle.base.functions
+    duration, functions = cycle.load_cycle.duration, cycle.base.six
     size = np.diff(np.append(pieces.first, len(duration)))
     found = np.full((2, len(losing.hot)), np.nan)
     for row in np.flatnonzero(np.isfinite(losing.hot)).tolist():
