@@ -27,6 +27,7 @@ Form = Mapping[str, str]  # name of each column -> kind of its quantity
 
 _NUMBERS = ("0.5", "1.2", "0.3", "4.5")  # of a row that is shown as an example
 _MOST_ROWS = 1_000_000
+_ROW = 64  # bytes of each that a file may have
 _PLAIN = b"0123456789+-.eE, \r\n"  # of numbers that need no closer look
 _PIECE = 1 << 21  # characters that are read at a time
 _ABOVE = 3  # line of the first row of numbers
@@ -61,7 +62,7 @@ def beside(spec_file: str, name: str, where: str) -> Path:
     return path
 
 
-def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
+def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, NDArray[np.float64]]:
     """Columns of a recording in SI, with rising times, or of a table with a first column that rises.
 
     Parameters
@@ -70,6 +71,8 @@ def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
         A CSV file in UTF-8: a header, a row of units such as ``s,m/s``, then the numbers.
     forms
         Sets of columns that the file may have, in any order; ``time`` rises, of a form without it the first.
+    most
+        Rows that it may have [1]; None: as many as most files.
 
     Returns
     -------
@@ -81,17 +84,18 @@ def columns(path: Path, *forms: Form) -> dict[str, NDArray[np.float64]]:
     InputError
         One line that says where, what was found and what is expected.
     """
-    text = read_text(path)
+    most = _MOST_ROWS if most is None else most
+    text = read_text(path, most * _ROW)
     below = _end_of_units(text)
     rows = rows_of(path, text[:below], len(forms[0]))
     header, form = _header(path, next(rows, None), forms)
     factors = factors_of(path, header, form, next(rows, None))
     rising = "time" if "time" in form else next(iter(form))
-    values = _plain_values(text, below, header.index(rising), factors)
+    values = _plain_values(text, below, header.index(rising), factors, most)
     if values is None:
         rows = islice(rows_of(path, text, len(forms[0])), 2, None)
         convert = float if text.isascii() and "_" not in text else plain_number
-        values = values_of(path, rows, header, factors, convert, rising)
+        values = values_of(path, rows, header, factors, convert, rising, most)
     refuse_impossible(path, values, header, form, factors)
     return {name: values[:, header.index(name)].copy() for name in form}
 
@@ -103,13 +107,15 @@ def _end_of_units(text: str) -> int | None:
     return below if below and '"' not in head and len(head.splitlines()) == 2 else None
 
 
-def _plain_values(text: str, below: int | None, rising: int, factors: list[float]) -> NDArray[np.float64] | None:
+def _plain_values(
+    text: str, below: int | None, rising: int, factors: list[float], most: int
+) -> NDArray[np.float64] | None:
     """Numbers below header and units in SI, read in one go; None where anything needs a closer look.
 
     The same bits as those of ``values_of``, which says what is wrong and where: both round as the processor's doubles.
     """
     lines = 0 if below is None else text.count("\n", below) + (not text.endswith("\n"))
-    if below is None or not text.isascii() or not 2 <= lines <= _MOST_ROWS:
+    if below is None or not text.isascii() or not 2 <= lines <= most:
         return None
     found, start = list[NDArray[np.float64]](), below
     while start < len(text):
@@ -127,7 +133,8 @@ def _plain_values(text: str, below: int | None, rising: int, factors: list[float
     if sum(map(len, found)) != lines:  # a blank line was left out
         return None
     with np.errstate(over="ignore"):  # beyond all numbers is not finite: looked at more closely
-        values: NDArray[np.float64] = np.concatenate(found) * np.array(factors)
+        values: NDArray[np.float64] = np.concatenate(found)
+        values *= np.array(factors)
     plain = np.isfinite(values).all() and (np.diff(values[:, rising]) > 0.0).all()
     return values if plain else None
 
@@ -260,6 +267,7 @@ def values_of(
     factors: list[float],
     convert: Callable[[str], float],
     rising: str = "time",
+    most: int | None = None,
 ) -> NDArray[np.float64]:
     """Numbers in SI, those of one column rising.
 
@@ -275,6 +283,8 @@ def values_of(
         Converts a cell: ``float``, or ``plain_number`` where the text may hold what ``float`` must not accept.
     rising
         The column whose numbers rise.
+    most
+        Rows that there may be [1]; None: as many as of most files.
 
     Returns
     -------
@@ -286,7 +296,7 @@ def values_of(
     InputError
         One line that says where, what was found and what is expected.
     """
-    width, time = len(header), header.index(rising)
+    width, time, most = len(header), header.index(rising), _MOST_ROWS if most is None else most
     found, before = array("d"), -math.inf
     for count, (line, cells) in enumerate(rows):
         if len(cells) != width:
@@ -300,8 +310,8 @@ def values_of(
         if not values[time] > before:
             shown = quoted(cells[time])
             raise InputError(f"{path}:{line}: {rising}: {shown} is not after the row before; expected rising {rising}s")
-        if count == _MOST_ROWS:
-            raise InputError(f"{path}:{line}: row: more than {_MOST_ROWS} rows; expected a thinned recording")
+        if count == most:
+            raise InputError(f"{path}:{line}: row: more than {most} rows; expected a thinned recording")
         before = values[time]
         found.extend(values)
     if len(found) < 2 * width:

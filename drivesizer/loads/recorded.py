@@ -21,9 +21,10 @@ both however unevenly it was sampled, as long as the corners are samples.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import nan
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,8 @@ _FORMS = tuple(
     {"time": "time", name: kind, "torque": "torque"}
     for name, kind in (("speed", "rotary_speed"), ("position", "angle"), ("angle", "angle"))
 )
+_MOST_ROWS = 1_000_000
+_PART = 1 << 15  # segments of a long recording at a time
 _ROUNDING = 1e-9  # of the largest speed: less is what sums over windows leave where the load stands
 
 
@@ -85,15 +88,29 @@ def recorded(load: Recorded, path: Path) -> LoadCycle:
     InputError
         When the file is wrong, or a figure leaves the range of numbers that can be computed with.
     """
-    found = columns(path, *_FORMS)
+    found = columns(path, *_FORMS, most=_MOST_ROWS)
     with np.errstate(all="ignore"):  # the load cycle refuses what is not finite
-        speed = _speed(path, found, load.smoothing)
-        duration = np.diff(found["time"])
-        ends, torque = (np.stack([c[:-1], c[1:]], axis=1) for c in (speed, found["torque"]))
-        acceleration = np.repeat(np.diff(ends, axis=1) / duration[:, None], 2, axis=1)
-        torque = (torque + load.inertia * acceleration) / load.motors
+        speed, time, torque = _speed(path, found, load.smoothing), found["time"], found["torque"]
+        some = (slice(k, k + _PART + 1) for k in range(0, len(time) - 1, _PART))
+        parts = [_segments(load, time[k], speed[k], torque[k]) for k in some]
+    return parts[0] if len(parts) == 1 else _joined(parts)
+
+
+def _segments(load: Recorded, time: Column, speed: Column, torque: Column) -> LoadCycle:
+    """A segment between each two samples, cut where speed or torque changes its sign."""
+    duration = np.diff(time)
+    ends, by_ends = (np.stack([c[:-1], c[1:]], axis=1) for c in (speed, torque))
+    acceleration = np.repeat(np.diff(ends, axis=1) / duration[:, None], 2, axis=1)
+    at_shaft = (by_ends + load.inertia * acceleration) / load.motors
     inertia = load.inertia / load.motors or nan
-    return LoadCycle(load.file, duration, ends, acceleration, torque, inertia).split()
+    return LoadCycle(load.file, duration, ends, acceleration, at_shaft, inertia).split()
+
+
+def _joined(parts: list[LoadCycle]) -> LoadCycle:
+    """One cycle of consecutive parts of a long one."""
+    names = ("duration", "speed", "acceleration", "torque")
+    columns: Any = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return replace(parts[0], **columns)
 
 
 def _speed(path: Path, found: dict[str, Column], smoothing: float) -> Column:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 __all__ = ["fastest_ramp", "local_parabola"]
 
 Column = NDArray[np.float64]
+_PART = 1 << 16  # samples of a long recording at a time
 _SLACK = 1e-9  # of a window: a sample on its edge is in it, whatever rounding makes of its time
 _LEAST_BEND = 0.01  # share of the fourth moment that the times' bend must keep; below it, they are in two bunches
 
@@ -43,9 +44,20 @@ def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, 
     few = end - first < 4
     fit, slope = _three_points(time, value)
     many = np.flatnonzero(~few)
-    if len(many):
-        fit[many], slope[many] = _least_squares(time, value, half, many, first[many], end[many])
+    step = max(_PART, 4 * int((end - first).max()))  # so that few samples are looked at twice
+    for k in range(0, len(many), step):
+        at = many[k : k + step]
+        fit[at], slope[at] = _near_least_squares(time, value, half, at, first[at], end[at])
     return fit, slope
+
+
+def _near_least_squares(
+    time: Column, value: Column, half: float, at: NDArray[np.int64], first: NDArray[np.int64], end: NDArray[np.int64]
+) -> tuple[Column, Column]:
+    """The same, of a long recording from the samples that count: from the bin on in which the first window begins."""
+    start = int(np.searchsorted(time, time[first[0]] - 7 * half)) if len(time) > _PART else 0
+    near = slice(start, end[-1])
+    return _least_squares(time[near], value[near], half, at - start, first - start, end - start)
 
 
 def _three_points(time: Column, value: Column) -> tuple[Column, Column]:

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
+from drivesizer.files import csv_columns
 from drivesizer.load_cases import load_cycle
+from drivesizer.loads import recorded
+from drivesizer.physics import motion_curves
 from drivesizer.physics.cycle_at_gearhead import AT_REST, at_gearhead
 from drivesizer.physics.load_cycle import integral, rms
 from drivesizer.physics.motion_curves import local_parabola
@@ -248,3 +251,36 @@ def test_the_file_is_beside_the_spec(tmp_path, monkeypatch):
     spec = spec_of(tmp_path)
     monkeypatch.chdir("/")
     assert load_cycle(spec).name == "run.csv"
+
+
+# --- a long recording
+
+
+@pytest.mark.parametrize("head", [SPEED, POSITION])
+def test_a_long_recording_is_read_part_by_part(shaft, monkeypatch, head):
+    """Smoothed and cut into segments some at a time: the same cycle, but for the order in which windows are summed."""
+    time = uneven(40.0, 900)
+    noise = np.random.default_rng(5).normal(size=(2, len(time)))
+    columns = time, np.sin(time) + 0.05 * noise[0], np.cos(time) + 0.1 * noise[1]
+    more = {"smoothing": "0.9 s", "inertia": "0.02 kg*m^2"}
+    whole = shaft(head, *columns, **more)
+    monkeypatch.setattr(recorded, "_PART", 50)
+    parts = shaft(head, *columns, **more)
+    for name in ("duration", "speed", "acceleration", "torque"):
+        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
+    monkeypatch.setattr(motion_curves, "_PART", 60)
+    smoothed = shaft(head, *columns, **more)
+    assert len(smoothed.duration) == len(whole.duration)
+    for name in ("duration", "speed", "acceleration", "torque"):
+        np.testing.assert_allclose(getattr(smoothed, name), getattr(whole, name), rtol=1e-7, atol=1e-7)
+
+
+def test_a_recording_may_have_more_rows_than_other_files(shaft, monkeypatch):
+    """A day at 100 Hz; a row beyond is refused with its line, whether or not the text is read in one go."""
+    monkeypatch.setattr(csv_columns, "_MOST_ROWS", 3)
+    monkeypatch.setattr(recorded, "_MOST_ROWS", 4)
+    four = CORNERS, CORNERS, CORNERS
+    assert shaft(SPEED, *four).total == 3.0
+    five = [np.append(column, 4.0) for column in four]
+    with pytest.raises(InputError, match=r"run.csv:7: row: more than 4 rows; expected a thinned recording$"):
+        shaft(SPEED, *five)
