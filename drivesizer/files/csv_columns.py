@@ -117,23 +117,23 @@ def _plain_values(
     lines = 0 if below is None else text.count("\n", below) + (not text.endswith("\n"))
     if below is None or not text.isascii() or not 2 <= lines <= most:
         return None
-    found, start = list[NDArray[np.float64]](), below
+    values, read, start = np.empty((lines, len(factors))), 0, below  # of pieces that are kept memory is never all free
     while start < len(text):
         end = text.find("\n", start + _PIECE) + 1 or len(text)
         piece = text[start:end]
         if not piece.strip() or piece.encode().translate(None, _PLAIN):
             return None
         try:
-            found.append(np.loadtxt(StringIO(piece), delimiter=",", comments=None, ndmin=2))
+            found = np.loadtxt(StringIO(piece), delimiter=",", comments=None, ndmin=2)
         except ValueError:
             return None
-        if found[-1].shape[1] != len(factors):
+        if found.shape[1] != len(factors):
             return None
-        start = end
-    if sum(map(len, found)) != lines:  # a blank line was left out
+        values[read : read + len(found)] = found
+        start, read = end, read + len(found)
+    if read != lines:  # a blank line was left out
         return None
     with np.errstate(over="ignore"):  # beyond all numbers is not finite: looked at more closely
-        values: NDArray[np.float64] = np.concatenate(found)
         values *= np.array(factors)
     plain = np.isfinite(values).all() and (np.diff(values[:, rising]) > 0.0).all()
     return values if plain else None

@@ -21,6 +21,7 @@ both however unevenly it was sampled, as long as the corners are samples.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from math import nan
 from pathlib import Path
@@ -47,6 +48,7 @@ _FORMS = tuple(
     for name, kind in (("speed", "rotary_speed"), ("position", "angle"), ("angle", "angle"))
 )
 _MOST_ROWS = 1_000_000
+_MOST_CUT = 3  # segments that become of one where speed and torque change their sign
 _PART = 1 << 15  # segments of a long recording at a time
 _ROUNDING = 1e-9  # of the largest speed: less is what sums over windows leave where the load stands
 
@@ -92,8 +94,8 @@ def recorded(load: Recorded, path: Path) -> LoadCycle:
     with np.errstate(all="ignore"):  # the load cycle refuses what is not finite
         speed, time, torque = _speed(path, found, load.smoothing), found["time"], found["torque"]
         some = (slice(k, k + _PART + 1) for k in range(0, len(time) - 1, _PART))
-        parts = [_segments(load, time[k], speed[k], torque[k]) for k in some]
-    return parts[0] if len(parts) == 1 else _joined(parts)
+        parts = (_segments(load, time[k], speed[k], torque[k]) for k in some)
+        return next(parts) if len(time) <= _PART + 1 else _joined(parts, len(time) - 1)
 
 
 def _segments(load: Recorded, time: Column, speed: Column, torque: Column) -> LoadCycle:
@@ -106,11 +108,15 @@ def _segments(load: Recorded, time: Column, speed: Column, torque: Column) -> Lo
     return LoadCycle(load.file, duration, ends, acceleration, at_shaft, inertia).split()
 
 
-def _joined(parts: list[LoadCycle]) -> LoadCycle:
+def _joined(parts: Iterable[LoadCycle], segments: int) -> LoadCycle:
     """One cycle of consecutive parts of a long one."""
-    names = ("duration", "speed", "acceleration", "torque")
-    columns: Any = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-    return replace(parts[0], **columns)
+    found: Any = {name: np.empty((_MOST_CUT * segments, 2)) for name in ("speed", "acceleration", "torque")}
+    found["duration"], end = np.empty(_MOST_CUT * segments), 0  # what is not written takes no memory
+    for part in parts:
+        first, end = end, end + len(part.duration)
+        for name, column in found.items():
+            column[first:end] = getattr(part, name)
+    return replace(part, **{name: column[:end] for name, column in found.items()})
 
 
 def _speed(path: Path, found: dict[str, Column], smoothing: float) -> Column:

@@ -195,13 +195,17 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
 
 def _of_parts(case: str, spec: RobotSpec, parts: Iterable[DrivePower]) -> Regenerated:
     """Of one drive, some pieces at a time, and no more kept of them than counts."""
-    kept = [(regenerated_of(case, spec, part), part.drawn.copy()) for part in parts]  # a view keeps all columns
-    if len(kept) == 1:
-        return kept[0][0]
-    drawn = np.concatenate([x for _, x in kept])
-    columns: Any = {name: np.concatenate([getattr(one, name) for one, _ in kept]) for name in _COLUMNS}
+    kept: dict[str, list[Array]] = {name: [] for name in _COLUMNS}
+    from_source = list[Array]()
+    for part in parts:
+        found = regenerated_of(case, spec, part)
+        from_source.append(part.drawn.copy())  # a view keeps all columns in memory
+        for name, column in kept.items():
+            column.append(getattr(found, name))
+    columns: Any = {name: np.concatenate(kept.pop(name)) for name in _COLUMNS}  # no column is there twice for long
     duration = columns["duration"]
-    return kept[0][0]._replace(**columns, mean_drawn=float(duration @ drawn) / float(duration.sum()))
+    mean_drawn = float(duration @ np.concatenate(from_source)) / float(duration.sum())
+    return found._replace(**columns, mean_drawn=mean_drawn)
 
 
 def _of_several(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
