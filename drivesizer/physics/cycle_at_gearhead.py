@@ -360,7 +360,7 @@ class AtGearhead:
 
 
 class _Anew:
-    """The six functions of a long cycle, made of the segments that it is asked for: nothing is kept."""
+    """The six functions of a long cycle, made of some segments on request: nothing is kept."""
 
     def __init__(self, cycle: Any, efficiency: Figure) -> None:
         self.columns, self.efficiency = _Ends(cycle.speed, cycle.acceleration, cycle.torque), efficiency
