@@ -194,7 +194,7 @@ def _of_one(taken: Wave) -> Wave:
 
 
 def supplied_in_parts(found: SetCycle, most: int) -> Iterator[tuple[Wave, Wave]]:
-    """What ``supplied`` gives with mean temperatures and with those at the ends, some pieces of the cycle at a time.
+    """Results of ``supplied`` with mean temperatures and with those at the ends, some pieces of the cycle at a time.
 
     Parameters
     ----------

@@ -119,8 +119,22 @@ def highest_and_lowest(count: int, functions: Any, starts: NDArray[np.int64]) ->
 
 
 def together(starts: NDArray[np.int64], count: int) -> Iterator[tuple[slice, slice]]:
-    """Consecutive pieces that together have few segments, one at least: which these are, and their segments.
+    """Consecutive pieces that together have few segments, one at least.
 
+    Parameters
+    ----------
+    starts
+        First segment of each piece, rising.
+    count
+        Number of segments.
+
+    Yields
+    ------
+    tuple of slices
+        Which pieces these are, and their segments.
+
+    Examples
+    --------
     >>> [x for x in together(np.array([0, 30_000, 60_000, 90_000]), 90_001)]
     [(slice(0, 2, None), slice(0, 60000, None)), (slice(2, 4, None), slice(60000, 90001, None))]
     """

@@ -229,7 +229,7 @@ def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slic
 
 
 def _wanted(names: Set[str]) -> Wanted | bool:
-    """How far objectives need the waveform of every drive: with its energy, as far as its limits, or not at all."""
+    """Share of the waveform that objectives need of every drive: energy too, what has limits, or none of it."""
     return "energy" in names or (bool(names & _WAVEFORM) and "limits")
 
 
