@@ -135,8 +135,8 @@ def together(starts: NDArray[np.int64], count: int) -> Iterator[tuple[slice, sli
 
     Examples
     --------
-    >>> [x for x in together(np.array([0, 30_000, 60_000, 90_000]), 90_001)]
-    [(slice(0, 2, None), slice(0, 60000, None)), (slice(2, 4, None), slice(60000, 90001, None))]
+    >>> [(some.stop, segments.stop) for some, segments in together(np.array([0, 10_000, 30_000, 90_000]), 90_001)]
+    [(2, 30000), (3, 90000), (4, 90001)]
     """
     ends, first = np.append(starts, count), 0
     while first < len(starts):
