@@ -122,14 +122,15 @@ def _emptied(folder: Path) -> None:
 @contextlib.contextmanager
 def _own_folder(folder: Path) -> Iterator[None]:
     """A study's variants computed in this process; nothing else is replaced."""
-    before = study_run.on_processes
+    before = study_run.started, study_run.on_processes
+    study_run.started = contextlib.nullcontext  # type: ignore[assignment, misc]
     study_run.on_processes = lambda plan, chunks, _: (  # type: ignore[assignment]
         (chunk, variant.rows_of(plan.job, given, heads)) for chunk, given, heads in tasks(plan, chunks)
     )
     try:
         yield
     finally:
-        study_run.on_processes = before
+        study_run.started, study_run.on_processes = before
 
 
 def _forgotten() -> None:
