@@ -160,7 +160,7 @@ def test_splitting_segments_changes_nothing(case, share):
     found = periodic_heat(motor, AMBIENT, dt, squares, losses)
     split = np.column_stack((dt * share, dt * (1.0 - share))).ravel()
     finer = periodic_heat(motor, AMBIENT, split, np.repeat(squares, 2), np.repeat(losses, 2))
-    assert finer.winding[::2] == pytest.approx(found.winding, rel=1e-11)  # 4e-9 K: short segments beside long ones cost a digit
+    assert finer.winding[::2] == pytest.approx(found.winding, rel=1e-11)  # 4e-9 K; short segments lose a digit
     assert finer.housing[::2] == pytest.approx(found.housing, rel=1e-11)
     for name in ("winding_peak", "winding_mean", "housing_peak", "housing_mean"):
         assert getattr(finer, name) == pytest.approx(getattr(found, name), rel=1e-11), name
