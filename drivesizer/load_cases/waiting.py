@@ -15,7 +15,7 @@ import numpy as np
 from drivesizer.loads.course import Profile
 from drivesizer.physics.load_cycle import LoadCycle
 
-__all__ = ["held_torque", "resting", "with_rest"]
+__all__ = ["held_torque", "rest_left", "resting", "with_rest"]
 
 _NO_TIME = 1e-9  # of the cycle
 
@@ -54,7 +54,7 @@ def with_rest(cycle: LoadCycle, until: float | None, held: float) -> LoadCycle:
     LoadCycle
         As it is where it lasts so long, and where nobody knows what holds it.
     """
-    rest = _rest(cycle.total, until)
+    rest = rest_left(cycle.total, until)
     if not rest or isnan(held):
         return cycle
     still = np.zeros((1, 2))
@@ -85,7 +85,7 @@ def resting(profile: Profile, until: float | None) -> Profile:
     Profile
         As it is where it lasts so long.
     """
-    if not _rest(profile.duration, until):
+    if not rest_left(profile.duration, until):
         return profile
     assert until is not None
     ends, slope = profile.ends, profile.acceleration
@@ -101,6 +101,19 @@ def resting(profile: Profile, until: float | None) -> Profile:
     )
 
 
-def _rest(total: float, until: float | None) -> float:
-    """Time that is left [s]; 0 where that is rounding."""
+def rest_left(total: float, until: float | None) -> float:
+    """Time that an axis waits.
+
+    Parameters
+    ----------
+    total
+        Duration of its motion [s].
+    until
+        End of the machine's cycle [s]; None where it does not wait for that.
+
+    Returns
+    -------
+    float
+        0 where what is left is rounding [s].
+    """
     return 0.0 if until is None or until - total <= _NO_TIME * until else until - total

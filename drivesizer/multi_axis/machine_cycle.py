@@ -8,6 +8,7 @@ from typing import NamedTuple
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.load_cases.of_machine import load_cases
+from drivesizer.load_cases.waiting import rest_left
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.spec.several_axes.machine import AxisSpec, MachineSpec
 from drivesizer.units import show
@@ -113,7 +114,7 @@ def _of_axis(axis: AxisSpec, own: Motions, cycles: Mapping[str, float]) -> Itera
     """Until when an axis waits in each of its load cases."""
     for case, found in own.items():
         cycle, moving = cycles[case or next(iter(cycles))], _moving(axis, *found)
-        yield case, cycle if moving.waits and moving.period < cycle * (1.0 - _NO_TIME) else None
+        yield case, cycle if moving.waits and rest_left(moving.period, cycle) else None
 
 
 def _motions(spec: RobotSpec) -> Motions:

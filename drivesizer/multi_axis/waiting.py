@@ -12,14 +12,13 @@ from math import isnan
 import numpy as np
 
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.waiting import held_torque, with_rest
+from drivesizer.load_cases.waiting import held_torque, rest_left, with_rest
 from drivesizer.machine.problem import quickest_winding, with_cycle
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
 from drivesizer.results.problem import LoadCase, Problem
 
 __all__ = ["at_rest", "moving_alone", "unknown_at_rest", "waiting"]
 
-_NO_TIME = 1e-9  # of the cycle
 _STILL = 1e-9  # of the largest speed
 
 
@@ -73,7 +72,7 @@ def waiting(case: LoadCase, until: float) -> CycleAtBelt:
     CycleAtBelt
         As it is where it lasts so long; held by nothing where that is unknown.
     """
-    if until - case.cycle.total <= _NO_TIME * until:
+    if not rest_left(case.cycle.total, until):
         return case.at_belt
     cycle = load_cycle(case.spec.waiting(dict.fromkeys([name for name, _ in case.spec.load_cases], until)))
     held = held_torque(cycle)

@@ -174,11 +174,6 @@ class CheckColumn:
                 changed[name][rows] = new
         return replace(self, **changed)
 
-    def on_all(self, rows: NDArray[np.int64]) -> CheckColumn:
-        """A check of one figure, the same for all candidates."""
-        alike = {n: np.full(len(rows), getattr(self, n)) for n in _COLUMNS if getattr(self, n) is not None}
-        return replace(self, **alike)  # type: ignore[arg-type]
-
 
 def _access(names: Sequence[str]) -> tuple[Callable[[CheckColumn], tuple[Any, ...]], list[Callable[..., None]]]:
     """Functions that read some fields at once, and put each past the guard of a frozen record."""
