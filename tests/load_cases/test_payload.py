@@ -23,12 +23,12 @@ LOADS = {
 }
 
 
-def spec_of(kind, motion, load=""):
+def spec_of(kind, motion, load="", **more):
     fields = yaml.safe_load(f"{{kind: {kind}, {load or LOADS[kind]}}}")
     speed = "60 deg/s" if kind == "arm" else "0.4 m/s"
     moved = {"speed": speed, "acceleration_time": "0.2 s", "cruise_time": "0.5 s", "rest_time": "0.3 s"}
     motion = motion if "profile" in motion else moved | {"there_and_back": True} | motion
-    return load_spec({"name": "axis", "load": fields, "motion": motion, "supply": {"nominal": "48 V"}})
+    return load_spec({"name": "axis", "load": fields, "motion": motion, "supply": {"nominal": "48 V"}, **more})
 
 
 def heavier(kind, payload):
@@ -57,6 +57,38 @@ def test_each_way_is_that_of_a_load_of_its_mass(kind):
     assert changing.inertia == pytest.approx(loaded.inertia)
     both = load_cycle(spec_of(kind, {"payload": "5 kg"}))
     assert both.torque == pytest.approx(loaded.torque, abs=1e-12)
+
+
+HELD = {"hold_unpowered": True}
+
+
+@pytest.mark.parametrize("kind", LOADS)
+def test_a_brake_holds_the_heaviest(kind):
+    """Loaded out and empty back: the brake holds what a load of that mass would need, the heavier of both."""
+    changing, loaded, empty = (
+        load_cycle(spec_of(kind, motion, load, needs=HELD)).held
+        for motion, load in (({"payload": "5 kg", "payload_back": "0 kg"}, ""), ({}, heavier(kind, 5.0)), ({}, ""))
+    )
+    assert changing == pytest.approx(max(loaded, empty), rel=1e-9)
+    assert loaded > 1.1 * empty
+
+
+def test_a_brake_holds_the_lightest_against_a_counterweight():
+    load = "mass: 2 kg, counterweight: 9 kg, drum_diameter: 60 mm"
+    changing = load_cycle(spec_of("hoist", {"payload": "5 kg", "payload_back": "0 kg"}, load, needs=HELD))
+    assert changing.held == pytest.approx((9 - 2) * 9.80665 * 0.03)
+
+
+def test_a_brake_holds_an_arm_where_it_has_its_payload():
+    """It takes 3 kg only above, where it swings on from 60 to 90 degrees: level it is empty."""
+    pieces = [{"time": "1 s", "to": "60 deg/s"}, {"time": "1 s", "to": "0 deg/s"},
+              {"time": "0.5 s", "to": "60 deg/s", "payload": "3 kg"}, {"time": "0.5 s", "to": "0 deg/s"},
+              {"time": "1.5 s", "to": "-60 deg/s", "payload": "0 kg"}, {"time": "1.5 s", "to": "0 deg/s"}]  # fmt: skip
+    spec = spec_of("arm", {"profile": "segments", "segments": pieces}, "mass: 4 kg, length: 0.4 m", needs=HELD)
+    assert load_cycle(spec).held == pytest.approx(4 * 9.80665 * 0.4)
+    low = spec_of("arm", {"profile": "segments", "segments": pieces},
+                  "mass: 4 kg, length: 0.4 m, start_angle: -60 deg", needs=HELD)  # fmt: skip
+    assert load_cycle(low).held == pytest.approx(7 * 9.80665 * 0.4)  # taken up where it is level
 
 
 def test_traction_is_worst_where_the_wheel_is_light():
