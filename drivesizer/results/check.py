@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isnan, nan
+from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
 from drivesizer.files.frozen import dataclass
@@ -149,5 +149,11 @@ def worst_of_cases(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Chec
     return tuple(min(several, key=_how_bad) for several in alike.values())
 
 
-def _how_bad(check: Check) -> tuple[int, float]:
-    return GRAVEST.index(check.status), 1e99 if isnan(check.margin) else check.margin
+def _how_bad(check: Check) -> tuple[float, ...]:
+    """Status, then margin; where there is none, the larger demand and the smaller figure that is to meet it."""
+    if not isnan(check.margin):
+        return GRAVEST.index(check.status), check.margin
+    demand, limit = (
+        nan_as if isnan(figure) else figure for figure, nan_as in ((check.demand, 0.0), (check.limit, inf))
+    )
+    return GRAVEST.index(check.status), 1e99, -abs(demand), limit

@@ -25,6 +25,7 @@ __all__ = ["PROPOSAL", "CheckColumn", "at_least", "at_most", "between", "fits", 
 # what a check has of each candidate
 _COLUMNS = ("demand", "limit", "passed", "failed", "time", "case", "opened", "low", "high", "least_margin")
 _ALIKE = 1e-9  # by which margins differ through rounding alone
+_NO_MARGIN = 1e99  # above any margin; over the demand it orders checks that have none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -344,6 +345,8 @@ def over_band(middle: CheckColumn, ends: Sequence[CheckColumn], estimated: NDArr
 def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     """The same check in several load cases as one: where it fails, is unknown, or is tightest; of equals the first.
 
+    Of a check without a margin, as nobody prints the limit, that is where most is demanded.
+
     Parameters
     ----------
     found
@@ -382,7 +385,11 @@ def _precedence(check: CheckColumn) -> tuple[NDArray[np.int64], NDArray[np.float
     """Outcome, the worst first, and margin: what is smaller goes before."""
     margin = check.margin
     order = np.where(check.failed, 0, np.where(check.passed, 2, 1))
-    return order, np.where(np.isnan(margin), np.inf, margin)
+    unknown = np.isnan(margin)
+    if unknown.any():
+        with np.errstate(divide="ignore"):
+            margin = np.where(unknown, _NO_MARGIN / np.nan_to_num(np.abs(check.demand)), margin)
+    return order, margin
 
 
 PROPOSAL: dict[str, Any] = {  # of an encoder that is a proposal

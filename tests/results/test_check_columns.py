@@ -1,6 +1,6 @@
 """Columns of checks: what one candidate has of them, and some candidates."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from math import inf, nan
 
 import numpy as np
@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivesizer.results.check_columns import CheckColumn, at_least, at_most, over_band
+from drivesizer.results.check import worst_of_cases
+from drivesizer.results.check_columns import CheckColumn, at_least, at_most, over_band, worst_case
 
 FIGURES = st.lists(
     st.tuples(*[st.one_of(st.floats(-1e6, 1e6), st.sampled_from([0.0, -0.0, 20.0, inf, -inf, nan]))] * 2),
@@ -44,3 +45,23 @@ def test_some_candidates_have_every_field_of_the_column():
         else:
             assert part is whole, field.name
     assert some.at(1, "physics").margin == 2.0
+
+
+def test_where_nobody_prints_the_limit_the_load_case_that_demands_most_counts():
+    """A buyer reads the demand to look for the part; a case without a demand says least."""
+    demands = np.array([[2.0, 3.0, nan, -5.0], [4.0, 1.0, 1.0, 4.0], [3.0, 3.0, 0.0, 0.0]])
+    unknown = [(n, at_most("controller_peak_current", demand, nan)) for n, demand in enumerate(demands)]
+    found = worst_case(unknown)
+    assert found.case is not None and found.case.tolist() == [1, 0, 1, 0]
+    for row, most in enumerate((4.0, 3.0, 1.0, -5.0)):
+        (one,) = worst_of_cases([(f"case {n}", [column.at(row, "physics")]) for n, column in unknown])
+        assert one.demand == most
+
+
+def test_of_unknown_checks_the_smallest_actual_figure_counts():
+    actual = {"a": 47.7, "b": 46.1, "c": nan}
+    known = {
+        name: at_least("battery_voltage", 42.0, np.array(volts)).at((), "budget") for name, volts in actual.items()
+    }
+    (found,) = worst_of_cases([(name, [replace(one, status="unknown", margin=nan)]) for name, one in known.items()])
+    assert (found.case, found.limit) == ("b", 46.1)
