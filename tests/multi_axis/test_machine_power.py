@@ -17,7 +17,7 @@ from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.machine import machine_document
 from drivesizer.output.json.schema import machine_report_schema
-from drivesizer.output.parts import machine_parts_of_axes
+from drivesizer.output.parts_of_axes import machine_parts_of_axes
 from drivesizer.output.terminal.several_axes import machine_sizing
 from drivesizer.results.check import tightest
 from drivesizer.results.machine import MachineSizing

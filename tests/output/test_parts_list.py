@@ -10,7 +10,8 @@ import pytest
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.parts import NO_GEARHEAD
-from drivesizer.output.parts import parts_list, total_texts, totals
+from drivesizer.output.part_totals import total_texts, totals
+from drivesizer.output.parts import parts_list
 from drivesizer.output.report import write
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
@@ -97,10 +98,10 @@ def test_a_name_that_the_catalogue_made_up_is_no_order_number(result, catalog):
 
 def test_no_made_up_name_of_any_catalogue_passes_for_an_order_number(catalog):
     """Held against the notes of the file itself: each that denies an order number has the words that are looked for."""
-    from drivesizer.output.parts import _MADE_UP
+    from drivesizer.output.part_line import NO_NUMBER
 
     denied = [n for n in catalog.notes if "part" in n.fields and "made up" in n.text]
-    assert denied and all(_MADE_UP in note.text for note in denied)
+    assert denied and all(NO_NUMBER in note.text for note in denied)
 
 
 def test_a_cable_is_told_where_the_catalogue_knows_of_one(result, catalog):

@@ -16,7 +16,9 @@ from printed import blank_figures, text_of
 
 from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.sizing import size_machine
-from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals, totals_of_axes
+from drivesizer.output.part_totals import totals
+from drivesizer.output.parts import machine_parts
+from drivesizer.output.parts_of_axes import machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.report import write_machine
 from drivesizer.output.report.figures.axes_power import layers
 from drivesizer.output.report.machine.content import MachineContent

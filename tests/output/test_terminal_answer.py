@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 import drivesizer
-from drivesizer.output.parts import machine_parts, totals
+from drivesizer.output.part_totals import totals
+from drivesizer.output.parts import machine_parts
 from drivesizer.output.terminal.sizing import DETAILS, sizing
 from drivesizer.output.terminal.tables import checks
 from drivesizer.results.check import Band, Check

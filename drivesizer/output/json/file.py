@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.json.documents import sizing, validation
-from drivesizer.output.parts import HEADS, PartLine, machine_parts
+from drivesizer.output.part_line import HEADS, PartLine
+from drivesizer.output.parts import machine_parts
 from drivesizer.output.thinning import on_curves
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import KINDS

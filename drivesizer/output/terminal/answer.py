@@ -12,7 +12,9 @@ from rich.text import Text
 
 from drivesizer.machine.battery_pack import lacking, pack_of
 from drivesizer.output.figure_confidence import not_quoted
-from drivesizer.output.parts import PartLine, Total, machine_parts, mass_text, money_text, total_text, total_texts
+from drivesizer.output.part_line import PartLine
+from drivesizer.output.part_totals import Total, mass_text, money_text, total_text, total_texts
+from drivesizer.output.parts import machine_parts
 from drivesizer.output.probability import likely
 from drivesizer.output.sums import unknown_of
 from drivesizer.output.terminal import tables as tables

@@ -12,7 +12,8 @@ from typing import Any
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.loop_table import gain_rows, loop_figures
-from drivesizer.output.parts import PartLine, Total
+from drivesizer.output.part_line import PartLine
+from drivesizer.output.part_totals import Total
 from drivesizer.output.report.lines.machine import driven_over
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet, Relaxation

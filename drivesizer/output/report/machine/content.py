@@ -8,7 +8,9 @@ from functools import cached_property, partial
 
 from drivesizer.control.validation import Validation
 from drivesizer.files.frozen import dataclass
-from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
+from drivesizer.output.part_line import PartLine
+from drivesizer.output.part_totals import Total
+from drivesizer.output.parts_of_axes import SharedLine, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.axes_power import axes_power
 from drivesizer.output.report.figures.field import torque_speed_each

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import inf, isnan
 from typing import Any
 
-from drivesizer.output.parts import LEAST, Total, totals
+from drivesizer.output.part_totals import LEAST, Total, totals
 from drivesizer.output.report.lines.drive import check_row, tight_of
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
 from drivesizer.output.report.sections.blocks import Block, Bullets, Checks, Column, Row, Table, Tiles, Verdict

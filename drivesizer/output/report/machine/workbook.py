@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from drivesizer.output.parts import totals
+from drivesizer.output.part_totals import totals
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.machine import driven_over
 from drivesizer.output.report.machine.chapters import assumptions, warnings

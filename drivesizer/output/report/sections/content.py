@@ -6,7 +6,8 @@ from functools import cached_property
 
 from drivesizer.control.validation import Validation
 from drivesizer.files.frozen import dataclass
-from drivesizer.output.parts import PartLine, machine_parts
+from drivesizer.output.part_line import PartLine
+from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.figures.all_figures import STILL, Drawing, report_drawings
 from drivesizer.output.report.figures.layout import once
 from drivesizer.output.report.figures.set_behaviour import Behaviour

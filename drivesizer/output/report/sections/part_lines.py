@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from drivesizer.output.parts import PartLine, SharedLine, Total, mass_text, money_text, ordered_as, total_text, totals
+from drivesizer.output.part_line import PartLine, ordered_as
+from drivesizer.output.part_totals import Total, mass_text, money_text, total_text, totals
+from drivesizer.output.parts_of_axes import SharedLine
 from drivesizer.output.report.sections.blocks import Column, Row, Table
 from drivesizer.output.report.sections.texts import Small
 

@@ -9,7 +9,8 @@ from drivesizer.catalog import Catalog, columns_of, one_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
 from drivesizer.output.part.datasheet import datasheets
-from drivesizer.output.parts import PartLine, totals
+from drivesizer.output.part_line import PartLine
+from drivesizer.output.part_totals import totals
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.sections.blocks import Block, Fragment, Words
 from drivesizer.output.report.sections.content import Content

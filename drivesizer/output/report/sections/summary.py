@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from drivesizer.output.parts import LEAST, PartLine, Total, machine_parts, totals
+from drivesizer.output.part_line import PartLine
+from drivesizer.output.part_totals import LEAST, Total, totals
+from drivesizer.output.parts import machine_parts
 from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import case_of, check_row, tight_of, tightest_checks

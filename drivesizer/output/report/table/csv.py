@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.cells import csv_cell
-from drivesizer.output.parts import HEADS, PartLine, SharedLine
+from drivesizer.output.part_line import HEADS, PartLine
+from drivesizer.output.parts_of_axes import SharedLine
 from drivesizer.output.report.lines.reliability_rows import QUANTILES, chance_columns, chances, every_list
 from drivesizer.output.report.lines.rows import COLUMNS, Row
 from drivesizer.output.report.sections import SECTIONS
