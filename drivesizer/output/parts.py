@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import nan
+from math import isnan, nan
 from typing import Any
 
 from drivesizer.catalog import Catalog
@@ -15,6 +15,7 @@ from drivesizer.results.mass import MassRow
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import GearStage
+from drivesizer.units import show
 
 __all__ = ["machine_parts", "parts_list"]
 
@@ -46,6 +47,9 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | Non
     if _bare_belt(found):
         mass = masses.get("belt and pulleys", {})
         lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=drives, **mass))
+    if wanted := _wanted_brake(found):
+        place = next((n for n, line in enumerate(lines) if line.role in ("encoder", "controller")), len(lines))
+        lines.insert(place, PartLine(role="brake", said=wanted, quantity=drives))
     return lines
 
 
@@ -100,6 +104,17 @@ def _massed(row: MassRow) -> dict[str, Any]:
     """The mass of one part, with its band where it is estimated."""
     low, high = row.band or (nan, nan)
     return {"mass": row.each, "mass_low": low, "mass_high": high}
+
+
+def _wanted_brake(found: DriveSet) -> str:
+    """The brake that a drive must have to hold its load and that no catalogue lists, in words; else nothing."""
+    checks = {check.name: check for check in found.own_checks}
+    fits, holding = checks.get("brake_fits"), checks.get("holding")
+    if found.brake is not None or fits is None or fits.status != "unknown" or holding is None:
+        return ""
+    torque = holding.demand * (1.0 + holding.needed)
+    least = "" if isnan(torque) else f"; to hold {show(torque, 'mN*m', 'torque')} at the motor"
+    return f"none is listed{least}"
 
 
 def _bare_belt(found: DriveSet) -> bool:

@@ -10,7 +10,7 @@ import drivesizer
 from drivesizer.output.part_totals import totals
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.terminal.sizing import DETAILS, sizing
-from drivesizer.output.terminal.tables import checks
+from drivesizer.output.terminal.tables import checks, objective
 from drivesizer.results.check import Band, Check
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
@@ -163,3 +163,40 @@ def test_a_battery_with_few_figures_has_one_line_that_names_the_fields(more, tmp
     assert ("chemistry or discharge" in line) == (not more)
     assert ("resistance" in line) == (not more)
     assert printed.count("unknown of each: ") == 1
+
+
+HELD = {
+    "name": "held",
+    "load": {"kind": "hoist", "mass": "40 kg", "drum_diameter": "80 mm"},
+    "motion": {"speed": "0.25 m/s", "acceleration_time": "0.4 s", "cruise_time": "4 s", "rest_time": "6 s",
+               "there_and_back": True},
+    "supply": {"nominal": "48 V", "accepts": "all"},
+    "needs": {"hold_unpowered": True},
+}  # fmt: skip
+
+
+def test_a_brake_that_is_needed_and_not_listed_is_a_line_to_buy(capsys, monkeypatch):
+    """15.69 N·m at the drum, through the gearhead with its efficiency, twice."""
+    result = size(load_spec({**HELD, "select": {"motor": {"family": "EC 60 flat"}}}), top=1)
+    best = result.sets[0]
+    assert best.brake is None and best.status == "unknown"
+    out = " ".join(told(result, capsys, monkeypatch).split())
+    torque = 2 * 40 * 9.80665 * 0.04 * best.gearhead.efficiency / best.gearhead.ratio
+    assert f"1 × brake none is listed; to hold {1000 * torque:.4g} mN·m at the motor" in out.replace(
+        "at unknown unknown the motor", "at the motor"
+    )
+    assert "without the price of brake, encoder, controller" in out
+    lines = machine_parts(best, result.problem)
+    assert [x.role for x in lines] == ["motor", "gearhead", "brake", "encoder", "controller"]
+    assert "brake" in next(t for t in totals(lines) if t.name == "mass").lacks
+
+
+def test_a_brake_counts_among_what_ranks(capsys, monkeypatch):
+    """Motor, gearhead and brake are weighed: all of them, so that nothing is said to be of some only."""
+    spec = load_spec({**HELD, "select": {"motor": {"family": "RE 40"}, "gearhead": {"family": "GP 52 C"}}})
+    result = size(spec, top=1)
+    best = result.sets[0]
+    assert best.brake and [x.role for x in machine_parts(best, result.problem)].count("brake") == 1
+    assert objective(best, "mass") == f"{1000 * best.mass:.4g} g"
+    bare = replace(best, objective_of=("motor", "gearhead"))
+    assert objective(bare, "price").endswith("\n(motor and gearhead only)")

@@ -298,7 +298,7 @@ def _doubt(part: Any, role: str, found: DriveSet, catalog: Catalog) -> str:
 
 
 def objective(found: DriveSet, name: str) -> str:
-    """The figure that ranked a drive, and of which part it is alone where the others' are unknown.
+    """The figure that ranked a drive, and of which parts it is alone where those of others are unknown.
 
     Parameters
     ----------
@@ -318,8 +318,9 @@ def objective(found: DriveSet, name: str) -> str:
         return f"{found.objective:.4g}"
     declared = OBJECTIVES[name]
     text = show(found.objective, declared.unit, declared.kind)
-    whole = len(declared.over) if declared.over and not found.actuator else 1
-    return text if len(found.objective_of) in (0, whole) else f"{text}\n({found.objective_of[0]} only)"
+    summed = {*declared.over, *(["brake"] if "gearhead" in declared.over else [])}
+    lacks = summed.intersection(found.parts).difference(found.objective_of)
+    return f"{text}\n({' and '.join(found.objective_of)} only)" if lacks and found.objective_of else text
 
 
 def loose(figures: Iterable[Figure], title: str) -> Table:
