@@ -28,6 +28,7 @@ from drivesizer.commands.predict import predict
 from drivesizer.commands.setup import doctor, equations, init, schema
 from drivesizer.commands.sizing import explain, report, size
 from drivesizer.commands.study import study
+from drivesizer.commands.usage import parsed
 from drivesizer.commands.validate import validate
 from drivesizer.errors import InputError, printable
 from drivesizer.live.command import serve
@@ -131,5 +132,4 @@ def _run() -> int | None:
     if sys.flags.optimize > 1:
         raise InputError("Python runs without docstrings (-OO, PYTHONOPTIMIZE=2), of which drivesizer reads its "
                          "equations; expected at most -O, PYTHONOPTIMIZE=1")  # fmt: skip
-    status: int | None = _of(sys.argv[1:])(standalone_mode=False)
-    return status
+    return parsed(lambda: _of(sys.argv[1:])(standalone_mode=False), app, sys.argv[1:])

@@ -21,6 +21,7 @@ from drivesizer.commands.catalog_files import (
     take_in,
     write_csv,
 )
+from drivesizer.commands.numbers import whole_option
 from drivesizer.errors import InputError, nearest, quoted
 
 if TYPE_CHECKING:
@@ -38,7 +39,9 @@ app = typer.Typer(
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else, figures in SI.")]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Also write the parts to this CSV file.")]
-Limit = Annotated[int, typer.Option(min=1, help="How many parts the table shows; JSON and CSV hold all.")]
+Limit = Annotated[
+    int, whole_option("--limit", 100, 1, meaning="How many parts the table shows; JSON and CSV hold all.")
+]
 
 
 @app.command("list", epilog="Example: drivesizer catalog list motors --voltage '24 V' --power '>=20 W' --sort mass")

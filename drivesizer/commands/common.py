@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
+from drivesizer.commands.numbers import whole_option
 from drivesizer.errors import DrivesizerError, InputError
 
 __all__ = [
@@ -23,7 +24,7 @@ __all__ = [
 
 Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
-Top = Annotated[int, typer.Option(min=1, max=1000, help="How many drives to show.")]
+Top = Annotated[int, whole_option("--top", 3, 1, 1000, meaning="How many drives to show, at most 1000.")]
 Chosen = Annotated[
     str | None, typer.Option("--set", metavar="MOTOR/GEARHEAD", help="A drive, e.g. 118752/406764; else the best.")
 ]

@@ -24,9 +24,6 @@ STOPPED = 130  # and after Ctrl-C, as shells have it
 _REFUSING = ("strict", "surrogateescape")  # of characters that the encoding lacks; the second in the locale C
 TRACEBACK = "DRIVESIZER_TRACEBACK"  # set in the environment: a fault shows where it arose
 
-# typer brings its own click or uses the installed one; this is that click's root of what a user can get wrong.
-_Usage: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-
 
 def ended(command: Callable[[], int | None]) -> int:
     """Run a command; its exit status, after the one line that a failure ends in."""
@@ -52,11 +49,6 @@ def _reported(error: BaseException) -> tuple[str, int]:
         return str(error), 1
     if isinstance(error, DrivesizerError):
         return str(error), 2
-    if type(error).__name__ == "NoArgsIsHelpError":  # as typer's click names it: the help, readable
-        print(error.ctx.get_help())  # type: ignore[attr-defined]
-        return "", 0
-    if isinstance(error, _Usage):
-        return f"{error.format_message()} (try drivesizer --help)", 2  # type: ignore[attr-defined]
     if isinstance(error, KeyboardInterrupt | typer.Abort):
         return "", STOPPED
     if isinstance(error, BrokenPipeError | SystemExit):  # typer makes the second of the first: our reader went away

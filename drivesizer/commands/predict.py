@@ -11,6 +11,7 @@ import typer
 
 from drivesizer.commands.catalog_files import Names, open_named
 from drivesizer.commands.common import Json, print_notes, working
+from drivesizer.commands.numbers import number_option
 from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
@@ -37,7 +38,9 @@ def predict(
     load: Annotated[str | None, typer.Option(help="Torque at the output; else the continuous torque.")] = None,
     hold: Annotated[str | None, typer.Option(help="Torque held at rest; else the load.")] = None,
     inertia: Annotated[str, typer.Option(help="Of what is mounted at the output.")] = "0 kg*m^2",
-    minutes: Annotated[float, typer.Option(help="How long it runs at the load, and holds.")] = 60.0,
+    minutes: Annotated[
+        float, number_option("--minutes", 60.0, meaning="How long it runs at the load, and holds.")
+    ] = 60.0,
     warm: Annotated[
         str | None, typer.Option(help="Temperature at a warm start; else the housing's after long nominal work.")
     ] = None,
@@ -129,7 +132,7 @@ def _above_zero(option: str, text: str | None, kind: str) -> float:
 
 def _duration(minutes: float) -> float:
     if not 0.0 < minutes <= _LONGEST:
-        raise InputError(f"--minutes {minutes:g} is out of range; expected above 0, at most {_LONGEST:g}")
+        raise InputError(f"--minutes: {minutes:g} is out of range; expected above 0, at most {_LONGEST:g}, e.g. 60")
     return 60.0 * minutes
 
 

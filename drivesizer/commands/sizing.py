@@ -23,6 +23,7 @@ from drivesizer.commands.common import (
     working,
     writing_report,
 )
+from drivesizer.commands.numbers import number_option, whole_option
 from drivesizer.commands.proving import proven
 from drivesizer.commands.setup import start_by_questions
 from drivesizer.commands.starting import at_terminal
@@ -35,14 +36,24 @@ Objective = Annotated[
 ]
 Pareto = Annotated[str | None, typer.Option(metavar="NAMES", help="Also the Pareto front, e.g. of mass,price,energy.")]
 Confidence = Annotated[
-    float | None, typer.Option(help="Only drives of which no check fails with this probability, e.g. 0.95.")
+    float | None,
+    number_option(
+        "--confidence", 0.95, meaning="Only drives of which no check fails with this probability, e.g. 0.95."
+    ),
 ]
-Samples = Annotated[int | None, typer.Option(help="Samples of each drive's tolerances; else the spec's.")]
-Seed = Annotated[int | None, typer.Option(help="Seed of the samples: the same seed gives the same figures.")]
+Samples = Annotated[
+    int | None, whole_option("--samples", 2000, meaning="Samples of each drive's tolerances; else the spec's.")
+]
+Seed = Annotated[
+    int | None, whole_option("--seed", 1, meaning="Seed of the samples: the same seed gives the same figures.")
+]
 LoopSamples = Annotated[
-    int | None, typer.Option(help="Samples in closed loop, of the best drives; 64 with a confidence, else 0.")
+    int | None,
+    whole_option(
+        "--loop-samples", 64, meaning="Samples in closed loop, of the best drives; 64 with a confidence, else 0."
+    ),
 ]
-Processes = Annotated[int, typer.Option(min=1, max=64, help="Processes that share the sampling.")]
+Processes = Annotated[int, whole_option("--processes", 2, 1, 64, meaning="Processes that share the sampling.")]
 _CHOICES = 200  # drives of a page, to choose from by weights
 
 

@@ -12,6 +12,7 @@ import typer
 
 from drivesizer.commands.common import print_notes
 from drivesizer.commands.ends import STOPPED
+from drivesizer.commands.numbers import whole_option
 
 __all__ = ["study"]
 
@@ -26,7 +27,9 @@ def study(
         Path | None,
         typer.Option("--output", "-o", metavar="FOLDER", help="Folder of the results; else here, named as the study."),
     ] = None,
-    processes: Annotated[int, typer.Option(min=0, max=1024, help="Processes; 0 is one for each core.")] = 0,
+    processes: Annotated[
+        int, whole_option("--processes", 2, 0, 1024, meaning="Processes; 0 is one for each core.")
+    ] = 0,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers compute instead.")
     ] = None,

@@ -21,6 +21,7 @@ from drivesizer.commands.common import (
     progress,
     simulating,
 )
+from drivesizer.commands.numbers import whole_option
 from drivesizer.errors import InputError, quoted
 
 __all__ = ["pick", "validate"]
@@ -39,7 +40,7 @@ def validate(
         str | None, typer.Option(metavar="NAME", help="The load case to simulate; else the hardest.")
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="The best drives of the search, ranked anew.")] = False,
-    top: Annotated[int, typer.Option(min=1, max=100, help="How many, with --all.")] = 5,
+    top: Annotated[int, whole_option("--top", 5, 1, 100, meaning="How many, with --all; at most 100.")] = 5,
     second: Annotated[
         bool, typer.Option("--second-look", help="Also analyse the loops by python-control, side by side.")
     ] = False,

@@ -9,6 +9,7 @@ import typer
 
 from drivesizer.commands.common import DEFAULT, Spec
 from drivesizer.commands.ends import STOPPED
+from drivesizer.commands.numbers import whole_option
 from drivesizer.errors import InputError, reason_of
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ _LOCAL = "127.0.0.1"
 
 def serve(
     spec: Spec = DEFAULT,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port; 0 takes a free one.")] = 0,
+    port: Annotated[int, whole_option("--port", 8000, 0, 65535, meaning="Port; 0 takes a free one.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
 ) -> None:
     """Open a page on this machine where the drive follows the figures as they change."""

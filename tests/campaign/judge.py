@@ -20,7 +20,7 @@ _STRANGE = re.compile(  # words of Python and of libraries that say nothing to a
     r"unsupported operand|must be real number|pydantic|numpy|np\.float|list index|invalid literal|positional arg|"
     r"\bnot subscriptable|codec can|unhashable|Errno|\bstr\b.*\bint\b|dtype"
 )
-_OTHERS = ("drivesizer: Invalid value for '--", "drivesizer: a request of the page")  # typer's own, and of no user
+_OTHERS = ("drivesizer: a request of the page",)  # of no user
 _PLACED = re.compile(
     r'[\w./-]+\.(yaml|csv|urdf|xml|json)|--?[a-z]|: (?:[a-z]+ )?"|(parts of one|objective) |/dev/|'
     r"a request of the page|memory"

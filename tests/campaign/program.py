@@ -23,6 +23,7 @@ from changes import damaged_bytes
 
 from drivesizer import cli
 from drivesizer.commands.ends import ended
+from drivesizer.commands.usage import parsed
 from drivesizer.files import cache, text
 from drivesizer.live.engine import JOBS, done
 from drivesizer.live.held import Held
@@ -88,7 +89,7 @@ def ran(case: Case, folder: Path) -> list[Ended]:
 
 def _once(words: list[str]) -> Ended:
     caught: list[BaseException] = []
-    run = INSIDE.get(words[0], lambda _: _COMMAND(words, prog_name="drivesizer", standalone_mode=False))
+    run = INSIDE.get(words[0], _parsed)
 
     def recorded() -> int | None:
         try:
@@ -108,6 +109,10 @@ def _once(words: list[str]) -> Ended:
     seconds = time.process_time() - start
     said, error = (out.getvalue(), err.getvalue()), caught[0] if caught else None
     return Ended(words, status, *said, error, leaked, before, _files(), seconds)
+
+
+def _parsed(words: list[str]) -> int | None:
+    return parsed(lambda: _COMMAND(words, prog_name="drivesizer", standalone_mode=False), cli.app, words)
 
 
 def _files() -> dict[str, bytes]:

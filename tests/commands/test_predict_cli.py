@@ -83,7 +83,7 @@ def test_a_reader_who_has_enough_has_the_figure(form, tmp_path):
         (("--load", "3 J"), "--load: "),
         (("--load", "-1 N*m"), "is below 0"),
         (("--ambient", "25 K/W"), "--ambient: "),
-        (("--minutes", "0"), "--minutes 0 is out of range"),
+        (("--minutes", "0"), "--minutes: 0 is out of range"),
         (("--figure", "bench.pdf"), "expected .svg or .png"),
         (("--controller", "GPX22HPKLSL44D0CPLW"), "is no controller but in gearheads"),
         (("--gearhead", "none"), "is in no catalogue"),

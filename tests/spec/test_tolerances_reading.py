@@ -148,9 +148,9 @@ def test_a_tolerance_that_leads_astray_is_refused(example_text: str, old: str, n
 
 
 @pytest.mark.parametrize(("options", "said"), [
-    (["--confidence", "1.5"], "--confidence 1.5 is not a probability"),
-    (["--samples", "3"], "--samples 3 is out of range"),
-    (["--seed", "-1"], "--seed -1 is out of range"),
+    (["--confidence", "1.5"], "--confidence: 1.5 is not a probability"),
+    (["--samples", "3"], "--samples: 3 is out of range"),
+    (["--seed", "-1"], "--seed: -1 is out of range"),
 ])  # fmt: skip
 def test_options_out_of_range_end_with_status_2(example: Path, options: list[str], said: str) -> None:
     run = subprocess.run(

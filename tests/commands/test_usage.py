@@ -1,0 +1,72 @@
+"""Command lines that cannot be parsed: one line in the words of all refusals, with what is expected and an example."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+# the command line, the beginning of what is said of it, and the end
+SAID = [
+    ("size --top x", '--top: "x" is not a whole number; expected 1 to 1000, e.g. 3', ""),
+    ("size --top 0", '--top: "0" is out of range; expected 1 to 1000, e.g. 3', ""),
+    ("size --top 1e3", '--top: "1e3" is not a whole number; expected 1 to 1000', ""),
+    ("size --samples x", '--samples: "x" is not a whole number; expected e.g. 2000', ""),
+    ("size --confidence x", '--confidence: "x" is not a number; expected e.g. 0.95', ""),
+    ("validate --all --top 101", '--top: "101" is out of range; expected 1 to 100, e.g. 5', ""),
+    ("study --processes -1", '--processes: "-1" is out of range; expected 0 to 1024, e.g. 2', ""),
+    ("serve --port 65536", '--port: "65536" is out of range; expected 0 to 65535, e.g. 8000', ""),
+    ("catalog list --limit 0", '--limit: "0" is out of range; expected 1 or more, e.g. 100', ""),
+    ("predict 1 --minutes x", '--minutes: "x" is not a number; expected e.g. 60', ""),
+    ("size --top", "size: --top has no value; expected one behind it, e.g. `drivesizer size ", "--objective price`"),
+    ("size --json=3", "size: --json takes no value; expected --json alone, e.g. `drivesizer size ", "price`"),
+    ("study --no-maps=3", "study: --no-maps takes no value; expected --no-maps alone, ", "study examples/study.yaml`"),
+    ("init --king hoist", 'init: "--king" is no option; expected --kind, --output, ', "-o robot.yaml`"),
+    ("init --king hoist", 'init: "--king" is no option; ', "; the nearest are --kind, --joint, e.g. `drivesizer init "
+     "--kind wheeled_vehicle -o robot.yaml`"),
+    ("serve -p 1", 'serve: "-p" is no option; expected --port, --browser, --no-browser', "serve robot.yaml`"),
+    ("doctor x", 'doctor: "x" is more than it takes; expected no argument, ', "`drivesizer doctor`"),
+    ("size a b c", 'size: "b c" is more than it takes; expected ROBOT.YAML, e.g. `drivesizer size ', "price`"),
+    ("predict", "predict: MOTOR is missing; expected one, e.g. `drivesizer predict 118752 ", "`"),
+    ("explain", "explain: --motor is missing; expected --motor with its value, e.g. `drivesizer explain ", "`"),
+    ("sise", '"sise" is no command; expected init, size, ', "; the nearest is size, e.g. `drivesizer --help`"),
+    ("catalog foo", 'catalog: "foo" is no command; expected list, show, ', "e.g. `drivesizer catalog --help`"),
+    ("--foo size", '"--foo" is no option; expected --version, ', "e.g. `drivesizer --help`"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("words", "begins", "ends"), SAID)
+def test_a_command_line_that_cannot_be_parsed_is_one_line(run, words, begins, ends, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(*words.split())
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith(f"drivesizer: {begins}")
+    assert err.endswith(f"{ends}\n")
+    assert "; expected " in err and "e.g. " in err
+
+
+def test_what_a_terminal_obeys_is_written_out(run):
+    status, _, err = run("size", "--\x1b[31m")
+    assert status == 2 and r'size: "--\x1b[31m" is no option; expected --top' in err
+
+
+def test_numbers_are_read_as_they_are_typed(run, example):
+    """Spaces and leading zeros as Python takes them; a number beyond its digits is refused like any text."""
+    assert run("size", example, "-q", "--top", " 02 ")[0] == 0
+    assert run("size", example, "--top", "9" * 5000)[0] == 2
+
+
+@pytest.mark.parametrize("words", [[], ["catalog"]])
+@pytest.mark.skipif(os.name == "nt", reason="no such device")
+def test_help_without_words_whose_reader_is_gone(words):
+    """Both ended in a traceback: the help was printed where failures are already dealt with."""
+    command = [sys.executable, "-m", "drivesizer", *words]
+    with open(os.devnull, "rb") as nothing, subprocess.Popen(  # noqa: PTH123
+        command, stdin=nothing, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:  # fmt: skip
+        process.stdout.close()
+        assert (process.wait(60), process.stderr.read()) == (0, b"")
+    with open("/dev/full", "wb") as full:  # noqa: PTH123
+        found = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, check=False)
+    assert found.returncode == 2
+    assert found.stderr == b"drivesizer: the output cannot be written (no space left on device)\n"
