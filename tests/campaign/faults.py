@@ -249,8 +249,8 @@ def _after_kill(command: str, sent: signal.Signals, wait: float, run: Run, folde
         wrong = [line for line in wrong if "missing" not in line]
     if sent == signal.SIGKILL:
         wrong = [line for line in wrong if not line.startswith("leaves")]
-    if b"Fatal Python error: init" in run.err:  # Python itself had not started: no program can be quiet there
-        wrong = []
+    if b"Fatal Python error: init" in run.err or (b"Traceback" in run.err and b"drivesizer" not in run.err):
+        wrong = []  # Python itself had not started: no program can be quiet there
     return _said(command, f"{sent.name} after {wait:.3f} s", wrong, run)
 
 

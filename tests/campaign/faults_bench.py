@@ -16,6 +16,7 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
+from documents import URDF  # noqa: E402
 from small_catalogue import CATALOGUE, MAP, TABLE  # noqa: E402
 from starters import STARTERS  # noqa: E402
 
@@ -55,15 +56,22 @@ class Command(NamedTuple):
 OWN = "--catalog own.yaml"
 COMMANDS: dict[str, Command] = {
     "help": Command("--help"),
+    "no words": Command(""),
     "init": Command("init --kind hoist -o new.yaml", ("new.yaml",)),
+    "init urdf": Command("init --from-urdf robot.urdf -o new.yaml", ("new.yaml",)),
     "size": Command("size --csv out.csv", ("out.csv",)),
     "size json": Command("size --json"),
+    "size machine": Command("size machine.yaml --csv out.csv --pdf out.pdf", ("out.csv", "out.pdf")),
     "explain": Command("explain robot.yaml --motor m1 --gearhead g1"),
     "validate": Command("validate --set m1/g1 --csv out.csv", ("out.csv",)),
+    "validate figures": Command(
+        "validate --set m1/g1 --figures drawn", ("drawn/closed_loop.svg", "drawn/closed_loop.png", "drawn/step.svg")
+    ),
     "drive": Command("drive platform.yaml --csv out.csv", ("out.csv",)),
     "report": Command("report -o out.html -o out.csv", ("out.html", "out.csv")),
     "report pdf": Command("report -o out.pdf", ("out.pdf",)),
     "report xlsx": Command("report -o out.xlsx -o out.json", ("out.xlsx", "out.json")),
+    "report machine": Command("report machine.yaml -o out.html", ("out.html",)),
     "predict": Command(f"predict m1 {OWN} --voltage 24V --figure out.svg", ("out.svg",)),
     "export": Command("export --format mjcf -o out.xml", ("out.xml",)),
     "export fmu": Command("export --format fmu -o out.fmu", ("out.fmu",)),
@@ -71,6 +79,7 @@ COMMANDS: dict[str, Command] = {
     "equations": Command("equations"),
     "schema": Command("schema"),
     "doctor": Command("doctor"),
+    "catalog": Command("catalog"),
     "catalog list": Command(f"catalog list motors {OWN}"),
     "catalog show": Command(f"catalog show m1 {OWN}"),
     "catalog compare": Command(f"catalog compare m1 m2 {OWN}"),
@@ -80,6 +89,13 @@ COMMANDS: dict[str, Command] = {
     "catalog export": Command(f"catalog export motors {OWN} -o out.csv", ("out.csv",)),
     "catalog import": Command("catalog import parts.csv --section motors --map map.yaml -o new.yaml", ("new.yaml",)),
 }
+
+
+def _machine(spec: str) -> str:
+    """A machine of two axes, each with the load of a spec."""
+    shared = yaml.safe_load(spec)
+    axes = {name: {key: yaml.safe_load(spec)[key] for key in ("load", "motion", "transmission")} for name in "ab"}
+    return yaml.safe_dump({**{key: shared[key] for key in shared.keys() - axes["a"].keys()}, "axes": axes})
 
 
 def laid(folder: Path) -> Path:
@@ -92,7 +108,9 @@ def laid(folder: Path) -> Path:
             spec["motion"] = {"waypoints": [{"x": "0 m", "y": "0 m", "heading": "0 deg"},
                                             {"x": "1 m", "y": "0 m", "heading": "0 deg"}]}  # fmt: skip
         (folder / f"{name}.yaml").write_text(yaml.safe_dump(spec, sort_keys=False), encoding="utf-8")
-    for name, text in {"own.yaml": CATALOGUE, "map.yaml": MAP, "parts.csv": TABLE, "study.yaml": STUDY}.items():
+    texts = {"own.yaml": CATALOGUE, "map.yaml": MAP, "parts.csv": TABLE, "study.yaml": STUDY, "robot.urdf": URDF}
+    texts["machine.yaml"] = _machine((folder / "robot.yaml").read_text(encoding="utf-8"))
+    for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
     return folder
 
@@ -163,7 +181,9 @@ def fresh() -> Iterator[Path]:
         shutil.rmtree(place, ignore_errors=True)
 
 
-INPUTS = ("robot.yaml", "platform.yaml", "own.yaml", "map.yaml", "parts.csv", "study.yaml")
+INPUTS = (
+    "robot.yaml", "machine.yaml", "robot.urdf", "platform.yaml", "own.yaml", "map.yaml", "parts.csv", "study.yaml",
+)  # fmt: skip
 
 
 def complaints(command: str, run: Run, folder: Path, whole: dict[str, bytes], before: dict[str, bytes],
