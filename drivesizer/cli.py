@@ -23,6 +23,7 @@ from drivesizer.commands.catalog import app as catalog_commands
 from drivesizer.commands.drive import drive
 from drivesizer.commands.ends import ended
 from drivesizer.commands.export import export
+from drivesizer.commands.idle_threads import let_idle_threads_sleep
 from drivesizer.commands.memory import keep_freed_memory
 from drivesizer.commands.predict import predict
 from drivesizer.commands.setup import doctor, equations, init, schema
@@ -118,6 +119,7 @@ def main() -> None:
     """Run the command line; every failure ends in one line and a status."""
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else every package is searched for some
     keep_freed_memory()
+    let_idle_threads_sleep()
     if "importlib.metadata" not in sys.modules:
         importlib.metadata = sys.modules["importlib.metadata"] = _SearchOfPackages("importlib.metadata")
     gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
