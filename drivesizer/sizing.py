@@ -26,11 +26,11 @@ from drivesizer.results.reliability import Reliability
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Explanation, SizingResult, verdict
 from drivesizer.search.both_methods import other_checks
-from drivesizer.search.columns import paper_method
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import best_in_machine, shortfall, weighing
 from drivesizer.search.own_mass import problem_with_drive_mass
+from drivesizer.search.paper.derivation import vehicle
 from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations
 from drivesizer.search.search import Found
@@ -200,7 +200,7 @@ def _requirements(found: Found, row: int) -> tuple[Requirement, ...]:
         return (*requirements([case.cycle for case in problem.cases]), *of_screw)
     if len(found.evaluation.candidates.motor):
         return tuple(r.at(row) for r in found.evaluation.wheel.values())
-    return tuple(paper_method.vehicle(problem.spec, 0.0).steps.values())
+    return tuple(vehicle(problem.spec, 0.0).steps.values())
 
 
 def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ May import: files, physics.
 from __future__ import annotations
 
 import functools
+import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
@@ -57,7 +58,9 @@ def shipped() -> dict[str, Path]:
 @functools.cache
 def _found_once() -> Mapping[str, Path]:
     """The shipped catalogues, looked for once per process: a hundred are loaded one by one where all are listed."""
-    return {path.stem: path for path in sorted(shipped_folder("catalogs").glob("*.yaml"), key=str)}
+    place = shipped_folder("catalogs")
+    names = os.listdir(place) if place.is_dir() else []  # noqa: PTH208  ten times as quick
+    return {name.removesuffix(".yaml"): place / name for name in sorted(names) if name.endswith(".yaml")}
 
 
 def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Catalog:

@@ -134,7 +134,7 @@ class Table(Generic[Part]):
     @cached_property
     def rows(self) -> dict[str, int]:
         """Row by part number."""
-        return {str(part): row for row, part in enumerate(self.columns["part"])}
+        return {part: row for row, part in enumerate(self.columns["part"].tolist())}
 
     @cached_property
     def alphabetical(self) -> NDArray[np.int64]:

@@ -104,7 +104,8 @@ def search(
     objective
         What ranks those that pass.
     misses
-        How many of the closest rejected to give as well, ``top`` of them when nothing passes; None for none at all.
+        How many of the closest rejected to give as well, ``top`` of them when nothing passes; None for none at all,
+        and by the paper's method without the count of what they fail on.
     pareto
         Objectives of which the front is wanted.
     progress
@@ -396,7 +397,8 @@ def _by_the_paper(
     others: int,
 ) -> Found:
     """The paper's rule over all candidates: it compares the reductions of a family, so all of them are at hand."""
-    found, catalog = evaluate(problem, candidates(problem)), problem.catalog
+    every, catalog = candidates(problem), problem.catalog
+    found = evaluate(problem, every, rejected=misses is not None)
     margin = smallest_margin(found.checks)
     fails = np.sum([check.failed for check in found.checks], axis=0)
     figures = {"margin": margin}
@@ -409,7 +411,7 @@ def _by_the_paper(
     passes = ~found.failed if problem.spec.select.unknown == "allow" else ~found.failed & ~found.unknown
     tally = {check.name: int(check.failed.sum()) for check in found.checks if check.failed.any()}
     left_out = int(np.count_nonzero(~found.failed & ~passes))
-    counts = Counts(considered=len(passes), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
+    counts = Counts(considered=len(every.motor), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
     passing, rejected = order[passes[order]], order[~passes[order]]
     sets = found.candidates
     of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks

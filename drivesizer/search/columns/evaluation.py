@@ -15,7 +15,6 @@ from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Status
-from drivesizer.search.columns import paper_method
 from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows
 from drivesizer.search.columns.controllers import controllers
@@ -23,6 +22,8 @@ from drivesizer.search.columns.encoders import counts_check, encoders_for, offer
 from drivesizer.search.columns.limits_over_time import Wanted
 from drivesizer.search.columns.offers import placed, scattered
 from drivesizer.search.columns.stages import examine
+from drivesizer.search.paper import rule as paper_rule
+from drivesizer.search.paper.derivation import at_the_motor, vehicle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Evaluation", "at_figures", "by_physics", "evaluate", "figures_by_physics"]
@@ -115,7 +116,7 @@ class Evaluation(NamedTuple):
         )
 
 
-def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True) -> Evaluation:
+def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True, rejected: bool = True) -> Evaluation:
     """Every candidate's checks by the spec's method; by the paper's, with its requirements.
 
     Parameters
@@ -126,6 +127,8 @@ def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True) ->
         The candidates.
     exact
         Compute what needs the waveform from it; else by bounds where they decide.
+    rejected
+        By the paper's method: those too that its rule rejects; else it may leave them out.
 
     Returns
     -------
@@ -134,27 +137,45 @@ def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True) ->
     """
     if problem.spec.method == "physics":
         return by_physics(problem, candidates, exact)
-    return _over_bands(_by_the_paper, problem, candidates, "paper")
+    if rejected or len(estimated(problem, candidates, "paper")):  # at one end of a band one may pass
+        return _over_bands(_by_the_paper, problem, candidates, "paper")
+    given = candidates.motor, candidates.gearhead, candidates.belt
+    left = np.flatnonzero(~paper_rule.hopeless(problem.spec, problem.catalog, *given))
+    return _by_the_paper(problem, candidates.on(left), rejected=False)
 
 
-def _by_the_paper(problem: Problem, candidates: Candidates) -> Evaluation:
+def _by_the_paper(problem: Problem, candidates: Candidates, rejected: bool = True) -> Evaluation:
     """The rule of section 3.1.3, and the controller by the torques of (17) and (18)."""
-    spec, catalog = problem.spec, problem.catalog
+    found = _by_the_rule(problem, candidates)
+    return _with_controllers(found if rejected else found.on(np.flatnonzero(~found.failed)))
+
+
+def _by_the_rule(problem: Problem, candidates: Candidates) -> Evaluation:
+    """Requirements, and motor and gearhead by the rule."""
+    spec, catalog, none = problem.spec, problem.catalog, np.full(len(candidates.motor), -1)
     motor, gearhead = Rows(catalog.motors, candidates.motor), Rows(catalog.gearheads, candidates.gearhead)
-    wheel = paper_method.vehicle(spec, motor["rotor_inertia"]).steps
-    shaft = paper_method.at_the_motor(spec, wheel, motor, gearhead, candidates.belt).steps
-    checks = paper_method.rule(spec, wheel, shaft, motor, gearhead, candidates.belt)
+    wheel = vehicle(spec, motor["rotor_inertia"]).steps
+    shaft = at_the_motor(spec, wheel, motor, gearhead, candidates.belt).steps
+    checks = paper_rule.rule(spec, wheel, shaft, motor, gearhead, candidates.belt)
     gear = [check for check in checks if check.name.startswith("gearhead")]
     total = gearhead["ratio"] * candidates.belt
-    checks.append(paper_method.largest_allowed(catalog, candidates.motor, candidates.gearhead, total, gear))
-    torques = shaft["rms_torque_at_motor"].value, paper_method.largest_torque_at_motor(shaft)
+    checks.append(paper_rule.largest_allowed(catalog, candidates.motor, candidates.gearhead, total, gear))
+    listed = fits("compatibility", True, candidates.listed)
+    return Evaluation(problem, candidates, wheel, shaft, [listed, *checks], none, none, none, {})
+
+
+def _with_controllers(found: Evaluation) -> Evaluation:
+    """Candidates with the encoder and the controller of each, and their checks."""
+    spec, catalog, sets = found.spec, found.catalog, found.candidates
+    motor = Rows(catalog.motors, sets.motor)
+    torques = found.shaft["rms_torque_at_motor"].value, paper_rule.largest_torque_at_motor(found.shaft)
     currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
-    controller = controllers(spec, catalog, candidates.motor, *currents)
-    speed = wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
-    encoder = encoders_for(spec, offered_encoders(spec, catalog), candidates.motor, speed, total)
-    counted = counts_check(spec, catalog, encoder)
-    checks = [fits("compatibility", True, candidates.listed), *checks, *controller.checks, *counted]
-    return Evaluation(problem, candidates, wheel, shaft, checks, encoder, controller.row, np.full(len(encoder), -1), {})
+    controller = controllers(spec, catalog, sets.motor, *currents)
+    total = catalog.gearheads["ratio"].take(sets.gearhead) * sets.belt
+    speed = found.wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
+    encoder = encoders_for(spec, offered_encoders(spec, catalog), sets.motor, speed, total)
+    checks = [*found.checks, *controller.checks, *counts_check(spec, catalog, encoder)]
+    return found._replace(checks=checks, controller=controller.row, encoder=encoder)
 
 
 def by_physics(problem: Problem, candidates: Candidates, exact: bool) -> Evaluation:

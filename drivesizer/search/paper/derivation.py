@@ -1,4 +1,4 @@
-"""The paper's method: equations (1)-(20) for a spec, and its selection rule as checks on columns.
+"""The paper's method: equations (1)-(20) for a spec.
 
 One derivation serves everything: with one rotor inertia it gives the figures of one drive, with a column of them
 the figures of all candidates at once. Every step keeps its equation and the numbers put in.
@@ -6,21 +6,19 @@ the figures of all candidates at once. Every step keeps its equation and the num
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivesizer import equations as eq
-from drivesizer.catalog import Catalog
 from drivesizer.loads.wheeled_vehicle import Cylinder, WheeledVehicle
 from drivesizer.physics.equation import Equation
-from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.requirement import Requirement
 from drivesizer.spec.motions import Trapezoid
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Derivation", "at_the_motor", "largest_allowed", "largest_torque_at_motor", "rule", "vehicle"]
+__all__ = ["BRAKING", "Derivation", "at_the_motor", "vehicle"]
+
+BRAKING = eq.braking_torque_per_motor.name
 
 
 class Derivation:
@@ -136,7 +134,7 @@ def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Any:
     )
 
 
-def at_the_motor(spec: RobotSpec, wheel: dict[str, Requirement], motor: Any, gearhead: Any, belt: Any) -> Derivation:
+def at_the_motor(spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Any, gearhead: Any, belt: Any) -> Derivation:
     """Requirements (17)-(20) of candidates.
 
     Parameters
@@ -162,10 +160,10 @@ def at_the_motor(spec: RobotSpec, wheel: dict[str, Requirement], motor: Any, gea
     M_max_m = wheel["maximum_torque_per_motor"].value
     d.step(eq.rms_torque_at_motor, M_rms_m=M_rms_m, **chain)
     M_max_m0 = d.step(eq.maximum_torque_at_motor, M_max_m=M_max_m, **chain)
-    if _BRAKING in wheel:
+    if BRAKING in wheel:
         d.step(
-            eq.maximum_torque_at_motor, name=f"{_BRAKING}_at_motor", symbol="M_brake/m0",
-            title="Largest torque at the motor downhill, while it brakes", M_max_m=wheel[_BRAKING].value, **chain,
+            eq.maximum_torque_at_motor, name=f"{BRAKING}_at_motor", symbol="M_brake/m0",
+            title="Largest torque at the motor downhill, while it brakes", M_max_m=wheel[BRAKING].value, **chain,
         )  # fmt: skip
     V_0 = d.step(
         eq.no_load_speed, n_nom=wheel["nominal_speed"].value, K=K, tau=motor["speed_torque_gradient"], M_max_m0=M_max_m0
@@ -182,102 +180,3 @@ def _as_printed(d: Derivation, declared: Equation, **inputs: Any) -> None:
     d.step(
         declared, name=f"{declared.name}_as_printed", title=f"{declared.title}, as printed (no belt)", **inputs
     )  # fmt: skip
-
-
-_BRAKING = eq.braking_torque_per_motor.name
-
-
-def largest_torque(wheel: dict[str, Requirement]) -> Any:
-    """The largest torque at one wheel by magnitude [N*m]: (11), or downhill that of braking."""
-    return wheel.get(_BRAKING, wheel["maximum_torque_per_motor"]).value
-
-
-def largest_torque_at_motor(shaft: dict[str, Requirement]) -> Any:
-    """The same at the motor, by (18) [N*m]."""
-    return shaft.get(f"{_BRAKING}_at_motor", shaft["maximum_torque_at_motor"]).value
-
-
-def _speed_constant(shaft: dict[str, Requirement], motor: Any) -> Any:
-    """Least speed constant by (19) and (20): at the end of acceleration or where braking begins.
-
-    Uphill and on level ground it is the first, as printed.
-    """
-    printed, first = shaft["speed_constant"].value, shaft["no_load_speed"].inputs
-    if f"{_BRAKING}_at_motor" not in shaft:
-        return printed
-    braked = eq.no_load_speed(**first | {"M_max_m0": -largest_torque_at_motor(shaft)})
-    return np.maximum(np.abs(printed), np.abs(eq.speed_constant(braked, motor["nominal_voltage"])))
-
-
-def rule(
-    spec: RobotSpec, wheel: dict[str, Requirement], shaft: dict[str, Requirement], motor: Any, gearhead: Any, belt: Any
-) -> list[CheckColumn]:
-    """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    wheel, shaft
-        Requirements (1)-(16) and (17)-(20) by name.
-    motor, gearhead, belt
-        As for ``at_the_motor``.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Columns over candidates.
-    """
-    at_gearhead = belt * spec.belt_efficiency
-    n_motor = wheel["nominal_speed"].value * gearhead["ratio"] * belt
-    torque = wheel["rms_torque_per_motor"].value / at_gearhead, largest_torque(wheel) / at_gearhead
-    rms, peak = shaft["rms_torque_at_motor"].value, largest_torque_at_motor(shaft)
-    checks = [
-        at_most("gearhead_continuous_torque", torque[0], gearhead["continuous_torque"]),
-        at_most("gearhead_intermittent_torque", torque[1], gearhead["intermittent_torque"]),
-        at_most("gearhead_input_speed", n_motor, gearhead["continuous_input_speed"]),
-        at_least("motor_speed", n_motor, motor["no_load_speed"]),
-        at_most("motor_continuous_torque", rms, motor["nominal_torque"]),
-        at_most("motor_maximum_torque", peak, motor["stall_torque"]),
-        at_most("motor_power", wheel["rms_power_per_motor"].value, motor["assigned_power"]),
-        at_least("speed_constant", _speed_constant(shaft, motor), motor["speed_constant"]),
-    ]
-    if spec.needs.backlash_at_load is not None:
-        lost = gearhead["backlash"] / belt
-        checks.append(at_most("backlash_at_load", lost, spec.needs.backlash_at_load))
-    return checks
-
-
-def largest_allowed(
-    catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], total: NDArray[Any], gear: list[CheckColumn]
-) -> CheckColumn:
-    """The rule that one reduction remains per motor and gearhead family: the largest that is allowed.
-
-    Parameters
-    ----------
-    catalog
-        The catalogue.
-    motor, gearhead
-        Rows of each candidate's parts.
-    total
-        Total ratio of each candidate.
-    gear
-        The checks on the gearhead's torques and input speed. Where a family has no reduction that passes them and
-        some that are unknown, the largest of those remains.
-
-    Returns
-    -------
-    CheckColumn
-        Columns over candidates.
-    """
-    allowed = np.logical_and.reduce([check.passed for check in gear])
-    possible = ~np.logical_or.reduce([check.failed for check in gear])
-    families = catalog.once("families", lambda: np.unique(catalog.gearheads["family"], return_inverse=True)[1])
-    group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
-    _, group = np.unique(group, return_inverse=True)
-    largest = np.full(group.max(initial=-1) + 1, -np.inf)
-    np.maximum.at(largest, group[allowed], total[allowed])
-    doubtful = possible & ~np.isfinite(largest[group])
-    np.maximum.at(largest, group[doubtful], total[doubtful])
-    required = np.where(np.isfinite(largest[group]), largest[group], total)
-    return at_least("largest_reduction", required, total, by_choice=True)
