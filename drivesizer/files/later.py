@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import import_module
 from typing import Any, get_args
 
@@ -24,11 +25,14 @@ class Later:
     @property
     def models(self) -> tuple[type[BaseModel], ...]:
         """The model, now loaded."""
-        return (getattr(import_module(self.module), self.name),)
+        return (_model(self.module, self.name),)
 
     def read(self, given: object, info: ValidationInfo) -> BaseModel:
         """The group of fields; what is wrong in it is raised with its place."""
-        return self.models[0].model_validate(given, context=info.context)
+        model = _model(self.module, self.name)
+        if isinstance(given, model):  # as it was read before
+            return given
+        return model.model_validate(given, context=info.context)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
         return core_schema.with_info_plain_validator_function(self.read)
@@ -38,6 +42,12 @@ class Later:
         model.model_rebuild()
         found: dict[str, Any] = handler(core_schema.definitions_schema(model.__pydantic_core_schema__, []))
         return found
+
+
+@cache
+def _model(module: str, name: str) -> type[BaseModel]:
+    found: type[BaseModel] = getattr(import_module(module), name)
+    return found
 
 
 class HasLater(Section):

@@ -9,7 +9,7 @@ from typing import Any
 
 from drivesizer.files.fields import Section
 
-__all__ = ["read_before"]
+__all__ = ["left_out_before", "read_before"]
 
 _NAMING = ("kind", "profile")  # what sort of section it is
 
@@ -35,9 +35,32 @@ def read_before(data: dict[str, Any], known: dict[str, Any], before: Section) ->
     return {name: _kept(value, known[name], getattr(before, name, None)) for name, value in inside.items()}
 
 
+def left_out_before(data: dict[str, Any], known: dict[str, Any], before: Section) -> dict[str, Any]:
+    """Groups of a section, and lists of groups, that its data leave out as they did before: each as it was by default.
+
+    Parameters
+    ----------
+    data, known, before
+        As ``read_before`` takes them.
+
+    Returns
+    -------
+    dict
+        Fields to put beside those of ``data``; they do not count as given.
+    """
+    left_out = type(before).model_fields.keys() - data.keys() - known.keys()
+    values = {name: getattr(before, name) for name in left_out}
+    return {name: value for name, value in values.items() if _is_read(value)}
+
+
+def _is_read(value: Any) -> bool:
+    """Whether it is a section, or a list of them."""
+    return all(isinstance(one, Section) for one in (value if isinstance(value, list) else [value]))
+
+
 def _kept(data: Any, known: Any, before: Any) -> Any:
     if isinstance(before, list):
-        return before if data is known and all(isinstance(one, Section) for one in before) else data
+        return before if data is known and _is_read(before) else data
     if not isinstance(before, Section):
         return data
     if data is known:

@@ -163,16 +163,16 @@ def _checks_of_the_battery(problem: Problem, battery: Battery, one: DriveParts) 
     equipment, catalog = problem.spec.equipment, problem.catalog
     return [
         (name, checks_of_battery(spec, battery, equipment, catalog, power))
-        for name, spec, power in _powers(problem, one)
+        for name, spec, power in _powers(problem, one, motors=False)
     ]
 
 
-def _powers(problem: Problem, one: DriveParts) -> Iterator[tuple[str, RobotSpec, DrivePower]]:
+def _powers(problem: Problem, one: DriveParts, *, motors: bool = True) -> Iterator[tuple[str, RobotSpec, DrivePower]]:
     """Each load case of the machine: its name, its spec, and the power that all drives draw in it."""
     names = [name for name, _ in problem.machine.load_cases]
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
-        power = together([drive_power(case.spec, one, case.at_belt) for case in some])
+        power = together([drive_power(case.spec, one, case.at_belt, motors=motors) for case in some])
         yield names[some[0].number], some[0].spec, power
 
 

@@ -18,9 +18,9 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.set_cycle import set_cycle, supplied_in_parts, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.power_stage import Feed, at_input, lost_in_source, of_the_source
+from drivesizer.physics.power_stage import Feed, at_inputs, lost_in_source, of_the_source
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
-from drivesizer.physics.waveform import Wave, energy, largest_power
+from drivesizer.physics.waveform import Energy, Wave, energy, extreme_powers, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
@@ -72,7 +72,7 @@ class DrivePower(NamedTuple):
 _COLUMNS = [name for name in DrivePower._fields if name not in ("duration", "distance")]
 
 
-def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> DrivePower:
+def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, motors: bool = True) -> DrivePower:
     """Power over one cycle in periodic steady state; unknown where the winding's temperature is.
 
     Parameters
@@ -83,6 +83,8 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
         What drives it.
     base
         As ``set_cycle`` takes it.
+    motors
+        Whether to compute what of it the motors draw and return; else that is NaN.
 
     Returns
     -------
@@ -94,19 +96,21 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Dri
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    parts = [*drive_power_in_parts(spec, drive_set, base)]
+    parts = [*drive_power_in_parts(spec, drive_set, base, motors=motors)]
     if len(parts) == 1:
         return parts[0]
     columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("duration", *_COLUMNS)}
     return DrivePower(**columns, distance=parts[0].distance)
 
 
-def drive_power_in_parts(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> Iterator[DrivePower]:
+def drive_power_in_parts(
+    spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, motors: bool = True
+) -> Iterator[DrivePower]:
     """The same, some pieces of the cycle at a time: all columns of a long one take much room.
 
     Parameters
     ----------
-    spec, drive_set, base
+    spec, drive_set, base, motors
         As ``drive_power`` takes them.
 
     Yields
@@ -126,24 +130,24 @@ def drive_power_in_parts(spec: RobotSpec, drive_set: DriveParts, base: Any = Non
     sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
     distance = distance_of(spec, found.cycle.load_cycle)
     finest = _FINEST if len(found.flows.duration) <= _PART else 1
-    for both in supplied_in_parts(found, _PART):
-        (duration, *mean), (_, *as_warm) = (_pieces(x, finest) for x in both)
-        columns = sets * np.array(_powers(mean, as_warm, found.feed))
+    for mean, warm in supplied_in_parts(found, _PART):
+        duration, *ends = _pieces(mean, warm, finest)
+        columns = sets * np.array(_powers(*ends, found.feed, motors))
         yield DrivePower(duration=duration, **dict(zip(_COLUMNS, columns, strict=True)), distance=distance)
 
 
-def _powers(mean: Sequence[Array], as_warm: Sequence[Array], feed: Feed) -> tuple[Array, ...]:
+def _powers(current: Array, mean: Array, as_warm: Array, feed: Feed, motors: bool) -> tuple[Array, ...]:
     """Columns of ``DrivePower`` over some pieces, each a candidate of its own, of one drive [W].
 
-    Current and voltage with the resistance that each piece has in the mean, and with that at its ends.
+    Voltage with the resistance that each piece has in the mean, and with that at its ends.
     """
     standby = feed.stage.standby
-    motor, warm = (Wave(np.ones(1), *(x[:, None] for x in ends)) for ends in (mean, as_warm))
-    inner, one = at_input(motor, feed.stage), at_input(warm, feed.stage)
-    own, sums = energy(motor, storing=False), energy(inner, storing=False)
-    heat = lost_in_source(inner, feed).sum(axis=1)
-    back = largest_power(one._replace(voltage=-one.voltage))[0]
-    out = largest_power(one)[0]
+    motor = Wave(np.ones(1), current[:, None], mean[:, None])
+    inner, one = at_inputs(motor, feed.stage, (motor.voltage, as_warm[:, None]))
+    sums, heat = energy(inner, storing=False), lost_in_source(inner, feed).sum(axis=1)
+    unknown = np.full(len(heat), nan)
+    own = energy(motor, storing=False) if motors else Energy(unknown, unknown, unknown)
+    out, back = extreme_powers(one)
     peak = of_the_source(np.maximum(out, 0.0) + standby, feed)
     return (
         sums.drawn + standby + heat, sums.drawn + standby, sums.returned, peak, np.maximum(back, 0.0), own.drawn,
@@ -243,13 +247,18 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
     return [p.at(duration, some) for p, some in zip(powers, place, strict=True)]
 
 
-def _pieces(found: Wave, finest: int) -> tuple[Array, Array, Array]:
-    """Length of the pieces, and current and voltage at both ends of each; so many of a segment at most."""
-    count = max(1, min(finest, _MOST // len(found.duration)))
+def _pieces(mean: Wave, warm: Wave, finest: int) -> tuple[Array, ...]:
+    """Length of the pieces, and current and both voltages at the ends of each; so many of a segment at most.
+
+    Both waves are of the same current, so that they are cut alike.
+    """
+    count = max(1, min(finest, _MOST // len(mean.duration)))
     cuts = np.linspace(0.0, 1.0, count + 1)
 
     def cut(ends: Array) -> Array:
         points = ends[0, :, :1] + cuts * (ends[0, :, 1:] - ends[0, :, :1])
-        return np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2)
+        pieces = np.empty((len(points), count, 2))
+        pieces[..., 0], pieces[..., 1] = points[:, :-1], points[:, 1:]
+        return pieces.reshape(-1, 2)
 
-    return np.repeat(found.duration / count, count), cut(found.current), cut(found.voltage)
+    return np.repeat(mean.duration / count, count), cut(mean.current), cut(mean.voltage), cut(warm.voltage)

@@ -141,6 +141,14 @@ class CycleAtBelt:
 
     def _counts(self, part: slice) -> NDArray[np.int64]:
         """In how many pieces segments are cut, so that a winding follows the mean of each, to 0.1 %."""
+        return self._cut(part) if self.census is not None else self._all_cut[part]
+
+    @cached_property
+    def _all_cut(self) -> NDArray[np.int64]:
+        """The same of all segments of a cycle that is not long."""
+        return self._cut(slice(None))
+
+    def _cut(self, part: slice) -> NDArray[np.int64]:
         return piece_counts(self.load_cycle.duration[part], np.where(self._changing(part), self.quickest, inf), 1e-3)
 
     def _changing(self, part: slice) -> NDArray[np.bool_]:

@@ -24,6 +24,7 @@ __all__ = [
 ]  # fmt: skip
 
 _FINEST = 200  # pieces of a segment at most
+_SHORT = 512  # segments of a cycle all of whose products fit beside one another
 Array = NDArray[np.float64]
 
 
@@ -110,10 +111,19 @@ def moments(duration: Array, total: float, six: Sequence[Array], acts: NDArray[n
         Shape (6, 6), or (6, 6, cycles).
     """
     found, active = np.zeros((6, 6, *six[0].shape[2:])), np.flatnonzero(acts).tolist()
-    for place, a in enumerate(active):
-        for b in active[: place + 1]:
-            found[a, b] = found[b, a] = integral(duration, six[a], six[b]) / total
+    pairs = [(a, b) for place, a in enumerate(active) for b in active[: place + 1]]
+    short = duration.ndim == 1 and len(duration) <= _SHORT
+    each = _integrals(duration, six, pairs) if short else (integral(duration, six[a], six[b]) for a, b in pairs)
+    for (a, b), one in zip(pairs, each, strict=True):
+        found[a, b] = found[b, a] = one / total
     return found
+
+
+def _integrals(duration: Array, six: Sequence[Array], pairs: Sequence[tuple[int, int]]) -> list[float]:
+    """Integrals of products of two functions over one cycle, side by side: of a short one each alone takes as long."""
+    every = np.stack(six, axis=2)
+    a, b = (every[:, :, [pair[k] for pair in pairs]] for k in (0, 1))
+    return [float(duration @ mean) for mean in np.ascontiguousarray(mean_product(a, b).T)]
 
 
 def scalars(cycle: Any, torque: Array, efficiency: Figure) -> Scalars:

@@ -16,6 +16,7 @@ load, R_s resistance of source and cables, n number of drives; C capacitance of 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ __all__ = [
     "Feed",
     "PowerStage",
     "at_input",
+    "at_inputs",
     "bus_voltage",
     "least_capacitance",
     "lost_in_source",
@@ -212,14 +214,33 @@ def at_input(found: Wave, stage: PowerStage) -> Wave:
     Wave
         In halves that meet where a current changes its sign; the same where nothing is lost.
     """
+    return at_inputs(found, stage, (found.voltage,))[0]
+
+
+def at_inputs(found: Wave, stage: PowerStage, voltages: Sequence[Any]) -> list[Wave]:
+    """The same at several voltages while one current flows.
+
+    Parameters
+    ----------
+    found, stage
+        As ``at_input`` takes them.
+    voltages
+        In place of that of the waveform, each of its shape [V].
+
+    Returns
+    -------
+    list of Wave
+        One for each voltage.
+    """
     if not np.any(stage.loss) and not np.any(stage.resistance):
-        return found
+        return [found._replace(voltage=voltage) for voltage in voltages]
     loss, ohm = (np.reshape(x, (-1, 1, 1)) for x in (stage.loss, stage.resistance))
-    duration, current, voltage = found
+    duration, current = found.duration, found.current
     if np.any(loss):  # all or none: a candidate's energy hangs on no other's current
-        duration, (current, voltage) = in_halves(duration, current, (current, voltage))
+        duration, (current, *voltages) = in_halves(duration, current, (current, *voltages))
     sign = np.sign(current[..., 0] + current[..., 1])[..., None]
-    return Wave(duration, current, voltage + ohm * current + loss * sign)
+    resisted, lost = ohm * current, loss * sign
+    return [Wave(duration, current, voltage + resisted + lost) for voltage in voltages]
 
 
 def of_the_source(power: Any, feed: Feed) -> Any:

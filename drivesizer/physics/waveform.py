@@ -19,8 +19,9 @@ from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.products import product
 
 __all__ = [
-    "Energy", "Wave", "balanced", "crossing", "energy", "highest_powers", "in_halves", "largest_power", "longest_above",
-    "longest_run", "lost", "mean_square", "most_stored", "share_above", "signed_energy", "wave",
+    "Energy", "Wave", "balanced", "crossing", "energy", "extreme_powers", "highest_powers", "in_halves",
+    "largest_power", "longest_above", "longest_run", "lost", "mean_square", "most_stored", "share_above",
+    "signed_energy", "wave",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -190,15 +191,43 @@ def largest_power(found: Wave) -> tuple[Array, Array]:
 
 def highest_powers(found: Wave) -> tuple[Array, Array]:
     """Largest power in each segment [W], and after which share of it: shape (candidates, segments)."""
+    rises, (first, last), bend, vertex = _course_of_power(found)
+    return _power_at(found, rises, np.where(bend < 0.0, vertex, np.nan), last > first)
+
+
+def extreme_powers(found: Wave) -> tuple[Array, Array]:
+    """Largest electrical power of each candidate, and the largest that it returns, below 0 where it only draws [W].
+
+    Parameters
+    ----------
+    found
+        Current and voltage over the segments.
+
+    Returns
+    -------
+    tuple of arrays
+        Of each candidate.
+    """
+    rises, (first, last), bend, vertex = _course_of_power(found)
+    most, _ = _power_at(found, rises, np.where(bend < 0.0, vertex, np.nan), last > first)
+    least, _ = _power_at(found, rises, np.where(bend > 0.0, vertex, np.nan), last < first)
+    return most.max(axis=-1), -least.min(axis=-1)
+
+
+def _course_of_power(found: Wave) -> tuple[tuple[Array, Array], tuple[Array, Array], Array, Array]:
+    """Rises of current and voltage over each segment, power at its ends, its bend, and the share at which it turns."""
     I, V = found.current, found.voltage
     rise_I, rise_V = I[..., 1] - I[..., 0], V[..., 1] - V[..., 0]
-    first, last = I[..., 0] * V[..., 0], I[..., 1] * V[..., 1]
     bend = rise_I * rise_V
     with np.errstate(divide="ignore", invalid="ignore"):
         vertex = -(I[..., 0] * rise_V + V[..., 0] * rise_I) / (2 * bend)
-    inside = (bend < 0.0) & (vertex > 0.0) & (vertex < 1.0)
-    at = np.where(inside, vertex, np.where(last > first, 1.0, 0.0))
-    power: Array = (I[..., 0] + at * rise_I) * (V[..., 0] + at * rise_V)
+    return (rise_I, rise_V), (I[..., 0] * V[..., 0], I[..., 1] * V[..., 1]), bend, vertex
+
+
+def _power_at(found: Wave, rises: tuple[Array, Array], vertex: Array, later: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Power where it turns round within a segment, else at its end or its start [W], and after which share of it."""
+    at = np.where((vertex > 0.0) & (vertex < 1.0), vertex, np.where(later, 1.0, 0.0))
+    power: Array = (found.current[..., 0] + at * rises[0]) * (found.voltage[..., 0] + at * rises[1])
     return power, at
 
 

@@ -59,6 +59,10 @@ class CheckColumn:
 
         What neither passes nor fails has none, whatever its figures: they may be least ones.
         """
+        return self._margin_or(nan)
+
+    def _margin_or(self, none: float) -> NDArray[np.float64]:
+        """The margin, and another figure where there is none."""
         limit, demand = self.limit, self.demand
         if not isinstance(self.zero, float) or self.zero != 0.0:  # most count from 0
             limit, demand = limit - self.zero, demand - self.zero
@@ -66,7 +70,7 @@ class CheckColumn:
             found = limit / demand - 1.0
         decided = self.passed | self.failed if self.opened is None else self.passed | self.failed | self.opened
         known = decided & (self.demand != self.zero)
-        return np.where(known & ~np.isinf(found), found, nan)
+        return np.where(known & np.isfinite(found), found, none)
 
     @property
     def tightness(self) -> NDArray[np.float64]:
@@ -74,12 +78,18 @@ class CheckColumn:
 
         Of what hangs on estimated figures the smaller one of the two ends of their bands.
         """
-        return self.tight(self.margin)
+        if self.advice or self.least_margin is not None:
+            return self.tight(self.margin)
+        found = self._margin_or(np.inf)
+        return np.where(self.passed, np.inf, found) if self.by_choice else found
 
     def tight(self, margin: NDArray[np.float64]) -> NDArray[np.float64]:
         """The tightness where the margin is at hand."""
         margin = margin if self.least_margin is None else self.least_margin
-        return np.where(np.isnan(margin) | (self.by_choice & self.passed) | self.advice, np.inf, margin)
+        if self.advice:
+            return np.full(margin.shape, np.inf)
+        beside = np.isnan(margin) | self.passed if self.by_choice else np.isnan(margin)
+        return np.where(beside, np.inf, margin)
 
     def at(
         self,
@@ -190,20 +200,16 @@ def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     zero = more.get("zero", 0.0)
     above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
     passed, failed = above <= limit, above > limit
-    idle, unbounded, unlimited = demand == zero, demand == np.inf, np.isposinf(limit)
-    if unbounded.any():  # it passes no limit, known or not
-        passed, failed = passed & ~unbounded, failed | unbounded
-    if unlimited.any():  # without a limit any demand will do
-        idle = idle | (unlimited & ~unbounded)
-    if idle.any():
+    idle, unbounded, unlimited = demand == zero, demand == np.inf, limit == np.inf
+    if np.count_nonzero(idle | unbounded | unlimited):  # of most columns nothing is
+        passed, failed = passed & ~unbounded, failed | unbounded  # it passes no limit, known or not
+        idle = idle | (unlimited & ~unbounded)  # without a limit any demand will do
         passed, failed = passed | idle, failed & ~idle
-    shape = np.broadcast(demand, limit, passed).shape
-
-    def whole(x: NDArray[Any]) -> NDArray[Any]:
-        return x if x.shape == shape else np.full(shape, x)
-
-    demand, limit, passed, failed = (whole(np.asarray(x)) for x in (demand, limit, passed, failed))
-    return CheckColumn(name=name, demand=demand, limit=limit, passed=passed, failed=failed, **more)
+    shape = passed.shape  # of all of them, if one is a figure that all candidates have
+    demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
+    return CheckColumn(
+        name=name, demand=demand, limit=limit, passed=np.asarray(passed), failed=np.asarray(failed), **more
+    )
 
 
 def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:

@@ -164,7 +164,7 @@ def search(
     held = _held_back(problem, kept, *value, best)
     rank = np.stack([precedence, value[1], ranking.rounded(value[0])])
     unlike = _of_other_families(judge, kept.sets, in_full, order, best[:1], catalog, others, rank, bounded)
-    extra = np.concatenate([on_front[~np.isin(on_front, best)], short, held, unlike[~np.isin(unlike, best)]])
+    extra = np.concatenate([_without_rows(on_front, best), short, held, _without_rows(unlike, best)])
     shown = _shown(looked_at, kept, nearest, (head, best, extra))
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + len(nearest.motor) + n for n, row in enumerate(extra)}
@@ -363,6 +363,11 @@ def _without(counts: Counts, kept_in_machine: Kept) -> Counts:
     return replace(counts, feasible=left, judged=kept_in_machine.judged, failed_by_budget=by)
 
 
+def _without_rows(rows: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Some rows without others; mostly there are none, and nothing is to be compared."""
+    return rows[~np.isin(rows, others)] if len(rows) else rows
+
+
 def _before(kept_in_machine: Kept, order: NDArray[np.int64]) -> int:
     """Number of drives that fail on a budget before the first that passes."""
     if not len(kept_in_machine.best):
@@ -399,18 +404,18 @@ def _by_the_paper(
     """The paper's rule over all candidates: it compares the reductions of a family, so all of them are at hand."""
     every, catalog = candidates(problem), problem.catalog
     found = evaluate(problem, every, rejected=misses is not None)
-    margin = smallest_margin(found.checks)
+    margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
     fails = np.sum([check.failed for check in found.checks], axis=0)
     figures = {"margin": margin}
     value = ranking.values(catalog, found.candidates, figures, objective)
     order = ranking.order(catalog, found.candidates, *value, margin=margin, before=[
-        np.where(found.failed, 2, found.unknown.astype(int)),
-        np.where(found.failed, -margin, 0.0),
-        np.where(found.failed, fails, 0),
+        np.where(failed, 2, unknown.astype(int)),
+        np.where(failed, -margin, 0.0),
+        np.where(failed, fails, 0),
     ])  # fmt: skip
-    passes = ~found.failed if problem.spec.select.unknown == "allow" else ~found.failed & ~found.unknown
-    tally = {check.name: int(check.failed.sum()) for check in found.checks if check.failed.any()}
-    left_out = int(np.count_nonzero(~found.failed & ~passes))
+    passes = ~failed if problem.spec.select.unknown == "allow" else ~failed & ~unknown
+    tally = {check.name: count for check in found.checks if (count := np.count_nonzero(check.failed))}
+    left_out = int(np.count_nonzero(~failed & ~passes))
     counts = Counts(considered=len(every.motor), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
     passing, rejected = order[passes[order]], order[~passes[order]]
     sets = found.candidates
@@ -422,14 +427,16 @@ def _by_the_paper(
     if pareto:
         of_all = ranking.front(catalog, sets.on(kept_in_machine.best), {"margin": margin[kept_in_machine.best]}, pareto)
         on_front = kept_in_machine.best[of_all]
-    rank = np.stack([found.unknown, value[1], ranking.rounded(value[0])])
-    unlike = _of_other_families(judge, sets, found.on, passing, best[:1], catalog, others, rank)
-    few = np.concatenate([best, near, on_front[~np.isin(on_front, best)], short, unlike[~np.isin(unlike, best)]])
+    unlike = best[:0]
+    if others:
+        rank = np.stack([unknown, value[1], ranking.rounded(value[0])])
+        unlike = _of_other_families(judge, sets, found.on, passing, best[:1], catalog, others, rank)
+    few = np.concatenate([best, near, _without_rows(on_front, best), short, _without_rows(unlike, best)])
     places = {int(row): n for n, row in enumerate(few)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
     return Found(
         found.on(few), len(best), _without(counts, kept_in_machine), front, below, _before(kept_in_machine, passing),
         others=beside,
-        every=Passing(sets.on(passing), found.unknown[passing] * UNKNOWN, {"margin": margin[passing]},
+        every=Passing(sets.on(passing), unknown[passing] * UNKNOWN, {"margin": margin[passing]},
                       np.flatnonzero(np.isin(passing, best)), lambda rows: found.on(passing[rows])),
     )  # fmt: skip

@@ -21,7 +21,7 @@ from drivesizer.catalog import Brake, Controller
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.fields import default
 from drivesizer.files.later import HasLater, Later
-from drivesizer.files.read_before import read_before
+from drivesizer.files.read_before import left_out_before, read_before
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES, MODULES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -558,21 +558,24 @@ def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str
 
 def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before: RobotSpec | None = None) -> RobotSpec:
     axis = _axis(data)
+    known = {**data, **_unchanged(data, axis, before)}
     try:
-        spec = RobotSpec.model_validate({**data, **_unchanged(data, axis, before)}, context={"axis": axis})
+        spec = RobotSpec.model_validate(known, context={"axis": axis})
     except ValidationError as error:
         if before is not None:
             return _validated(source, data, at)  # whose message has what the user wrote
         raise explained(error, source, RobotSpec, data, at) from None
+    spec.model_fields_set.difference_update(known.keys() - data.keys())
     spec._source = source
     return spec
 
 
 def _unchanged(data: dict[str, Any], axis: str, before: RobotSpec | None) -> dict[str, Any]:
-    """Sections of a spec that was read before where their data are the very same."""
+    """Sections of a spec that was read before where their data are the very same, or both leave them out."""
     if before is None or before._source is None or _axis(before._source.data) != axis:
         return {}
-    return read_before(data, before._source.data, before)
+    written = before._source.data
+    return {**left_out_before(data, written, before), **read_before(data, written, before)}
 
 
 def _axis(data: Mapping[str, Any]) -> str:
