@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from drivesizer.control.closed_loop.set_up import FOLLOWS
 from drivesizer.control.loop_design import stated_margin
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import held_by_the_floor
-from drivesizer.loads.course import course
+from drivesizer.loads.course import Profile, course
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.lasting_speed import lasting_speeds
@@ -38,7 +39,7 @@ from drivesizer.results.ratings import continuous_speed_limit, controller_curren
 from drivesizer.results.sizing import Check
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 
-__all__ = ["METHOD", "checks"]
+__all__ = ["METHOD", "checks", "electrical_checks"]
 
 METHOD = "closed loop"
 
@@ -58,6 +59,11 @@ def checks(case: ClosedLoop) -> tuple[Check, ...]:
     """
     found = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_load(case))
     return tuple(check for check in found if check.limit != math.inf)
+
+
+def electrical_checks(case: ClosedLoop) -> tuple[Check, ...]:
+    """Those of what the controller must supply alone: of the others none hangs on the periodic steady state's cycle."""
+    return tuple(check for check in _electrical(case) if check.limit != math.inf)
 
 
 def _check(column: CheckColumn, at_time: float | None = None, note: str = "", *, rotary: bool = False) -> Check:
@@ -257,8 +263,7 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
         _most(case, "gear_torque", lambda x: at_most("gearhead_intermittent_torque", x, gearhead.intermittent_torque)),
         case.figure("gear_torque_time"),
     )
-    moved = course(case.profile)
-    mean, sustained = lasting_speeds(moved.duration, moved.speed).values()
+    mean, sustained = _lasting(case.profile)
     yield _check(
         continuous_speed_limit(by_name(gearhead), mean, sustained, case.train.motor_per_speed),
         note="of the reference: the lasting speed by the maker's rule, or the mean",
@@ -267,6 +272,13 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
         _most(case, "speed", lambda x: at_most("gearhead_intermittent_speed", x, gearhead.intermittent_input_speed)),
         when,
     )
+
+
+@lru_cache(maxsize=1)  # of samples on one motion it is the same
+def _lasting(profile: Profile) -> tuple[Any, ...]:
+    """Mean speed of a profile and the one that it sustains."""
+    moved = course(profile)
+    return tuple(lasting_speeds(moved.duration, moved.speed).values())
 
 
 def _held_torque(case: ClosedLoop) -> float:

@@ -8,7 +8,6 @@ periodic steady state.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import zip_longest
@@ -17,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.control.closed_loop.checks import checks
+from drivesizer.control.closed_loop.checks import checks, electrical_checks
 from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, limited, run, unlimited, without_limits
 from drivesizer.control.closed_loop.set_up import Prepared, prepared
 from drivesizer.control.engine import Simulation, Task, simulate_many
@@ -31,6 +30,7 @@ from drivesizer.results.sizing import Check
 from drivesizer.search.uncertainty.deviating import deviating_drive
 from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
+from drivesizer.search.uncertainty.warm_bounds import Judged, alike, warm_at_most, weakest
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["deviating", "loop_share"]
@@ -70,11 +70,17 @@ def loop_share(
     nominal = run(spec, one, motion_of(spec))
     each = max(samples // REPLICATES, 1)
     rows = (np.arange(REPLICATES)[:, None] * (len(values) // REPLICATES) + np.arange(each)).reshape(-1)
-    found = _checked(nominal, [deviating(spec, one, given, values[row]) for row in rows])
-    share = mean_and_error(np.array([not any(check.status == "fail" for check in several) for several in found]))
-    unknown = (check.title for several in found for check in several if check.status == "unknown" and not check.advice)
+    machines = [deviating(spec, one, given, values[row]) for row in rows]
+    found = _checked(nominal, machines)
+    first = weakest(found)
+    if first is None:
+        found = _checked(nominal, machines, every=True)
+        first = weakest(found)
+    several = [judged.checks for judged in found]
+    share = mean_and_error(np.array([not any(check.status == "fail" for check in checks) for checks in several]))
+    unknown = (check.title for checks in several for check in checks if check.status == "unknown" and not check.advice)
     return LoopShare(
-        samples=len(rows), probability=share.value, error=share.error, weakest=_weakest(found),
+        samples=len(rows), probability=share.value, error=share.error, weakest=first or "",
         unknown=tuple(dict.fromkeys(unknown)),
     )  # fmt: skip
 
@@ -118,18 +124,20 @@ class _Sample(NamedTuple):
     out: Simulation
 
 
-def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]]) -> list[tuple[Check, ...]]:
-    """The checks of each machine, with the nominal one's controller.
+def _checked(
+    nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]], *, every: bool = False
+) -> list[Judged]:
+    """The checks of each machine, with the nominal one's controller; every: in periodic steady state each is simulated.
 
     A machine that lacks voltage fails, whatever further runs would say; and these say something of three checks alone.
     Unless one of the other two fails elsewhere, neither fails more often than that of the voltage, which comes first.
     """
     samples = _from_cold(nominal, machines)
     lacks = [_lacks_voltage(one) for one in samples]
-    whole = _by_further_runs(nominal, [one for one, short in zip(samples, lacks, strict=True) if not short])
+    whole = _by_further_runs(nominal, [one for one, short in zip(samples, lacks, strict=True) if not short], every)
     lacking = [one for one, short in zip(samples, lacks, strict=True) if short]
-    if any(check.name in _FURTHER and check.status == "fail" for several in whole for check in several):
-        less = _by_further_runs(nominal, lacking)
+    if any(check.name in _FURTHER and check.status == "fail" for one in whole for check in one.checks):
+        less = _by_further_runs(nominal, lacking, every)
     else:
         less = [_by_the_first_run(nominal, one) for one in lacking]
     found = {False: iter(whole), True: iter(less)}
@@ -158,17 +166,36 @@ def _lacks_voltage(one: _Sample) -> bool:
     return bool(met) and known and not one.machine[0].resists and not one.out.problems[0]
 
 
-def _by_further_runs(nominal: ClosedLoop, samples: Sequence[_Sample]) -> list[tuple[Check, ...]]:
-    """The checks of machines, simulated without limits and in periodic steady state too."""
-    made, cold = [one.made for one in samples], [one.out for one in samples]
-    runs = zip(samples, _freed(made, cold, nominal), _warm(made, nominal), strict=True)
-    return [_checks(nominal, one, free, warm) for one, free, warm in runs]
+def _by_further_runs(nominal: ClosedLoop, samples: Sequence[_Sample], every: bool) -> list[Judged]:
+    """The checks of machines, simulated without limits too, and in periodic steady state where that may decide one."""
+    free = _freed([one.made for one in samples], [one.out for one in samples], nominal)
+    found = [None if every else _while_cold(nominal, *each) for each in zip(samples, free, strict=True)]
+    places = [n for n, judged in enumerate(found) if judged is None]
+    warm = dict(zip(places, _warm([samples[n].made for n in places], nominal), strict=True))
+    return [
+        judged or alike(_checks(nominal, samples[n], free[n], warm[n])) for n, judged in enumerate(found)
+    ]  # fmt: skip
 
 
-def _by_the_first_run(nominal: ClosedLoop, one: _Sample) -> tuple[Check, ...]:
+def _while_cold(nominal: ClosedLoop, one: _Sample, free: Simulation) -> Judged | None:
+    """The checks without a simulation in periodic steady state; None where that may decide one of them."""
+    heat, start = one.made.drive.heat, nominal.steady_start
+    if heat is None or start is None:
+        return None
+    if one.out.problems[0]:
+        return alike(_checks(nominal, one, free, ()))
+    bound = warm_at_most(heat, one.out, free, start)
+    cold = _checks(nominal, one, free, ())
+    more = {check.name: check for check in electrical_checks(_case(nominal, one, free, (bound, bound)))}
+    least = tuple(more.get(check.name, check) for check in cold)
+    same = all(a.status == b.status for a, b in zip(cold, least, strict=True))
+    return Judged(cold, least) if same else None
+
+
+def _by_the_first_run(nominal: ClosedLoop, one: _Sample) -> Judged:
     """The checks that the simulation from cold decides, and those that a missing figure leaves open."""
     found = _checks(nominal, one, one.out, ())
-    return tuple(check for check in found if check.name not in _FURTHER or check.status == "unknown")
+    return alike(tuple(check for check in found if check.name not in _FURTHER or check.status == "unknown"))
 
 
 def _brief(one: Prepared) -> Prepared:
@@ -236,24 +263,15 @@ def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
 
 def _checks(nominal: ClosedLoop, sample: _Sample, free: Simulation, warm: tuple[Simulation, ...]) -> tuple[Check, ...]:
     """Demand against limit of one sample, simulated from cold, without limits, and in periodic steady state."""
-    machine, motion, made, out = sample
-    if out.problems[0]:
+    if sample.out.problems[0]:
         return (replace(checks(nominal)[0], status="fail", title=_LOST),)
-    case = ClosedLoop(
+    return tuple(check for check in checks(_case(nominal, sample, free, warm)) if check.name not in _LEFT)
+
+
+def _case(nominal: ClosedLoop, sample: _Sample, free: Simulation, warm: tuple[Simulation, ...]) -> ClosedLoop:
+    """One sample as a closed loop."""
+    machine, motion, made, out = sample
+    return ClosedLoop(
         *machine, motion, made.train, made.controller, nominal.loops, made.usable_voltage, made.task,
         out, free, {}, made.assumptions, steady_cycle=warm,
     )  # fmt: skip
-    return tuple(check for check in checks(case) if check.name not in _LEFT)
-
-
-def _weakest(found: Sequence[tuple[Check, ...]]) -> str:
-    """The check that fails most often, else that with the smallest margin in the mean."""
-    failed = Counter(check.title for several in found for check in several if check.status == "fail")
-    if failed:
-        return failed.most_common(1)[0][0]
-    margins: dict[str, list[float]] = {}
-    for several in found:
-        for check in several:
-            if check.margin == check.margin:
-                margins.setdefault(check.title, []).append(check.margin)
-    return min(margins, key=lambda title: float(np.mean(margins[title])), default="")
