@@ -1,7 +1,8 @@
 """A load cycle behind several belts at once: candidates in the order of their belts, each with its own belt.
 
 What hangs on the belt is computed belt by belt, from the same rows as for that belt alone, so that not a bit of it
-differs; whatever else there is to compute is then done for all belts in one go.
+differs; whatever else there is to compute is then done for all belts in one go. So are bounds, which may round
+otherwise: behind a belt of ratio 1, the others' scales of the functions being in the coefficients.
 """
 
 from __future__ import annotations
@@ -14,9 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak, Turning
-from drivesizer.physics.stress import on
+from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.stress import Heat, on
 
-__all__ = ["AtGearheads", "behind_each", "belts_of", "put_together", "scales"]
+__all__ = [
+    "AtGearheads", "at_a_time", "behind_each", "behind_one", "belts_of", "heat_behind_one", "put_together", "scales",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 _FIGURES = ("belt", "rms_torque", "peak_torque", "held", "peak_speed", "mean_speed", "sustained_speed", "mean_power",
@@ -146,6 +150,76 @@ def scales(at: AtGearhead, count: int) -> Array:
         found: Array = np.stack([one.scale for one in at.ats])[at.which]
         return found
     return np.broadcast_to(at.scale, (count, len(at.scale)))
+
+
+def behind_one(at: AtGearhead, demand: Demands) -> tuple[AtGearhead, Demands]:
+    """Candidates behind any belts as such behind one of ratio 1: what is computed of them may round otherwise.
+
+    Parameters
+    ----------
+    at
+        The load cycle behind their belts.
+    demand
+        Columns over candidates, of ``demands``.
+
+    Returns
+    -------
+    tuple
+        The load cycle behind that belt, and the columns by its functions.
+    """
+    if _is_of_one(at):
+        return at, demand
+    scaled, ratio = demand.coefficients * scales(at, len(demand.total_ratio)), demand.total_ratio * at.belt
+    return at.base.behind(1.0), demand._replace(coefficients=scaled, total_ratio=ratio)
+
+
+def heat_behind_one(at: AtGearhead, heating: Heat) -> Heat:
+    """Losses of candidates behind any belts as those behind one of ratio 1, see ``behind_one``.
+
+    Parameters
+    ----------
+    at
+        The load cycle behind their belts.
+    heating
+        Columns over candidates, of ``heat``.
+
+    Returns
+    -------
+    Heat
+        Friction and iron by the speed before the belt.
+    """
+    if _is_of_one(at):
+        return heating
+    return heating._replace(friction=heating.friction * at.belt, iron=heating.iron * at.belt**2)
+
+
+def _is_of_one(at: AtGearhead) -> bool:
+    return not isinstance(at, AtGearheads) and bool(at.belt == 1.0)
+
+
+def at_a_time(count: int, size: int, compute: Callable[..., Any], *columns: Any) -> Any:
+    """A function of candidates behind one belt, applied to so many of them at a time.
+
+    Parameters
+    ----------
+    count
+        Number of candidates.
+    size
+        Of which so many go together, 1 at least.
+    compute
+        Function of columns over candidates: columns, or records of columns.
+    columns
+        Over all candidates: arrays, records of them, or parts.
+
+    Returns
+    -------
+    array or record of arrays
+        Columns over all candidates.
+    """
+    rows = [slice(k, k + size) for k in range(0, count, size)]
+    if len(rows) < 2:
+        return compute(*columns)
+    return put_together([compute(*(_some(column, some) for column in columns)) for some in rows])
 
 
 def _some(column: Any, rows: slice) -> Any:

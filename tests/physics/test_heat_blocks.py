@@ -236,12 +236,15 @@ def test_blocks_keep_means_and_no_integral_strays_further(count):
         assert (-walk.min(axis=0) <= found.below[k] + scale).all()
 
 
-def test_a_belt_scales_blocks_as_it_scales_functions():
-    dt, functions = random_functions(np.random.default_rng(1), 90, "noisy")
+def test_a_belt_scales_coefficients_as_it_scales_functions():
+    """So candidates behind several belts are bounded in one go, by the blocks of the cycle before them."""
+    motors, dt, functions, coefficients, friction, iron = random_case(np.random.default_rng(1), 9, 400, "noisy", 0.2)
     scale = np.array([0.4, 0.4, 0.4, 2.5, 1.0, 2.5])
-    plain = Blocks(*(np.copy(x) for x in blocks(dt, functions, 90)))
-    for found, expected in zip(plain.behind(scale), blocks(dt, functions * scale, 90), strict=True):
-        assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    expected = bracket(motors, AMBIENT, blocks(dt, functions * scale, 400), coefficients, friction, iron)
+    fast = scale[SPEED]
+    found = bracket(motors, AMBIENT, blocks(dt, functions, 400), coefficients * scale, friction * fast, iron * fast**2)
+    for one, other in zip(found, expected, strict=True):
+        assert one == pytest.approx(other, rel=1e-9)
 
 
 def test_blocks_end_where_a_current_jumps():

@@ -6,20 +6,23 @@ computed from the waveform itself (``limits_over_time``).
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
+from drivesizer.physics.extremes import Envelope, distinct, highest_and_lowest
 from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket
+from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.power_stage import Feed, of_the_source, source_power
+from drivesizer.physics.power_stage import Feed, at_input, of_the_source
 from drivesizer.physics.products import product
-from drivesizer.physics.several_belts import scales
-from drivesizer.physics.stress import Heat, Parts, Stress, on, volts_of
+from drivesizer.physics.several_belts import behind_one, heat_behind_one
+from drivesizer.physics.stress import Heat, Parts, Stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
-from drivesizer.physics.waveform import balanced, wave
+from drivesizer.physics.waveform import Wave, balanced, highest_powers
 from drivesizer.search.columns.limits_over_time import Moments, Pair
 from drivesizer.search.columns.waveform_bounds import at_source, resisted
 from drivesizer.spec.robot import RobotSpec
@@ -29,6 +32,8 @@ __all__ = ["by_segments", "closer", "closer_power"]
 Array = NDArray[np.float64]
 _ROUNDING = 1e-12  # share of a power that rounding may take
 _ALIKE = 1e-9  # and more than that
+_PIECES = 1024  # of a cycle, by which it is found where a drive's power may be largest
+_AT_ONCE = 1 << 15  # drives times segments of which the power is computed
 
 
 def _bracketed(cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts, ambient: float, count: int) -> Bracket:
@@ -38,11 +43,6 @@ def _bracketed(cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts, 
 
 
 def _blocks(cycle: AtGearhead, count: int) -> Blocks:
-    """The cycle in so many blocks at most."""
-    return _blocks_before_belt(cycle, count).behind(cycle.scale)
-
-
-def _blocks_before_belt(cycle: AtGearhead, count: int) -> Blocks:
     """The cycle behind a belt of ratio 1 in so many blocks at most."""
     store, name = cycle.base.coarse, ("blocks", count)
     if name not in store:
@@ -79,6 +79,7 @@ def closer(
     Pair
         Lower and upper bounds, no wider than they were.
     """
+    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
     T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count)
     pair = low._replace(winding=T.lower), high._replace(winding=T.upper)
     low, high = resisted(spec, cycle, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
@@ -117,11 +118,8 @@ def by_segments(
     Pair
         Lower and upper bounds.
     """
-    scale = scales(cycle, len(demand.rms_current))
-    current = demand.coefficients * scale / parts.motor["torque_constant"][:, None]
-    fast, each = scale[:, SPEED], _blocks_before_belt(cycle, len(cycle.load_cycle.duration))
-    losses = heating.friction * fast, heating.iron * fast**2
-    T = bracket(two_bodies(parts.motor), spec.environment.ambient, each, current, *losses)
+    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
+    T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, len(cycle.load_cycle.duration))
     pair = low._replace(winding=T.lower), high._replace(winding=T.upper)
     return resisted(spec, cycle, demand, heating, stresses, parts, pair, T.coolest.min(axis=1))
 
@@ -132,20 +130,20 @@ def _in_blocks(
     """Bounds of the motor's largest power [W] and voltage [V], the winding no cooler and no warmer than it may be."""
     k_t = motor["torque_constant"]
     c, induced = demand.coefficients / k_t[:, None], volts_of(demand, k_t, np.zeros_like(k_t))
-    cool, _ = _resistances(motor, T)
-    top, bottom, high, low = _ends_in_blocks(demand, motor, T, pieces)
+    ohms = _resistances(motor, T)
+    top, bottom, high, low = _ends_in_blocks(demand, k_t, ohms, (pieces.most, pieces.least))
     with np.errstate(invalid="ignore"):  # of what runs away
         volts_above = high + leads * np.maximum(top, 0.0)
         volts_below = low + leads * np.minimum(bottom, 0.0)
-    powers = _most_in_blocks(demand, k_t, (top, bottom, high, low), pieces)
+    powers = _most_in_blocks(demand, k_t, (top, bottom, high, low), (pieces.most, pieces.least))
     surplus = demand.surplus(k_t)
     rows = np.flatnonzero(surplus != 0.0)  # an unknown one is among them
     most = powers.max(axis=1), np.maximum(volts_above.max(axis=1), -volts_below.min(axis=1))
-    points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
+    points = np.concatenate([cycle.extremes.high, cycle.extremes.low])
     time = np.concatenate([cycle.extremes.high_time, cycle.extremes.low_time])
     place = np.minimum(np.searchsorted(np.cumsum(pieces.duration), time), len(pieces.duration) - 1)
     current = product(c, points.T)
-    volts = product(induced, points.T) + cool[:, place] * current
+    volts = product(induced, points.T) + ohms[0][:, place] * current
     power = current * volts
     least = np.where(power > 0.0, np.abs(volts + leads * current), 0.0).max(axis=1)
     power[rows] += _beyond(surplus[rows, None] * points[:, SPEED] * current[rows])
@@ -158,19 +156,22 @@ def _resistances(motor: Any, T: Bracket) -> tuple[Array, Array]:
     return np.asarray(resistance_at(R_25, T.coolest)), np.asarray(resistance_at(R_25, T.warmest))
 
 
-def _ends_in_blocks(demand: Demands, motor: Any, T: Bracket, pieces: Blocks) -> tuple[Array, Array, Array, Array]:
-    """Largest and smallest current [A] and voltage [V] that there may be in each block."""
-    k_t = motor["torque_constant"]
+def _ends_in_blocks(
+    demand: Demands, k_t: Array, ohms: tuple[Array, Array], reached: tuple[Array, Array]
+) -> tuple[Array, Array, Array, Array]:
+    """Largest and smallest current [A] and voltage [V] that there may be in blocks, by what the functions reach."""
     c, induced = demand.coefficients / k_t[:, None], volts_of(demand, k_t, np.zeros_like(k_t))
-    cool, hot = _resistances(motor, T)
-    top, bottom = product(c, pieces.most.T), product(c, pieces.least.T)
+    (cool, hot), (most, least) = ohms, reached
+    top, bottom = product(c, most.T), product(c, least.T)
     with np.errstate(invalid="ignore"):  # of what runs away
-        high = product(induced, pieces.most.T) + np.maximum(cool * top, hot * top)
-        low = product(induced, pieces.least.T) + np.minimum(cool * bottom, hot * bottom)
+        high = product(induced, most.T) + np.maximum(cool * top, hot * top)
+        low = product(induced, least.T) + np.minimum(cool * bottom, hot * bottom)
     return top, bottom, high, low
 
 
-def _most_in_blocks(demand: Demands, k_t: Array, ends: tuple[Array, Array, Array, Array], pieces: Blocks) -> Array:
+def _most_in_blocks(
+    demand: Demands, k_t: Array, ends: tuple[Array, Array, Array, Array], reached: tuple[Array, Array]
+) -> Array:
     """More than the motor's power is in each block [W]."""
     top, bottom, high, low = ends
     with np.errstate(invalid="ignore"):  # of what runs away
@@ -178,7 +179,7 @@ def _most_in_blocks(demand: Demands, k_t: Array, ends: tuple[Array, Array, Array
     powers: Array = np.maximum(*both)
     surplus = demand.surplus(k_t)
     rows = np.flatnonzero(surplus != 0.0)  # an unknown one is among them
-    turning = surplus[rows, None] * pieces.most[:, SPEED], surplus[rows, None] * pieces.least[:, SPEED]
+    turning = [surplus[rows, None] * functions[:, SPEED] for functions in reached]
     powers[rows] += _beyond(np.minimum.reduce([a * b[rows] for a in turning for b in (top, bottom)]))
     return powers
 
@@ -197,8 +198,8 @@ def closer_power(
 ) -> Pair:
     """Bounds of the power over a long cycle, closer than those of ``closer``: of the moments in the blocks that decide.
 
-    A block counts in which the power may exceed what it certainly reaches somewhere. In it current and voltage of each
-    moment are known but for the winding's resistance, by which the power rises.
+    A piece of a block counts in which the power may exceed what it certainly reaches somewhere. In it current and
+    voltage of each moment are known but for the winding's resistance, by which the power rises.
 
     Parameters
     ----------
@@ -207,53 +208,97 @@ def closer_power(
     low, high
         Its result, or that of ``closer``.
     count
-        Of blocks at most.
+        Of blocks at most, in which the winding is bounded.
 
     Returns
     -------
     Pair
         Lower and upper bounds, no wider than they were.
     """
-    pieces, feed = _blocks(cycle, count), spec.feed(parts.controller, parts.brake).broadcast(len(low.power))
+    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
+    blocks_, k_t = _blocks(cycle, count), parts.motor["torque_constant"]
+    pieces = _pieces(cycle, count, blocks_)
     T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count)
-    ends = _ends_in_blocks(demand, parts.motor, T, pieces)
-    powers = _most_in_blocks(demand, parts.motor["torque_constant"], ends, pieces)
-    largest = np.maximum(np.abs(ends[0]), np.abs(ends[1]))
-    each = feed.reshaped((-1, 1))
-    reached = low.power - _ALIKE * np.abs(low.power)  # so that rounding leaves out no block
+    owner = np.searchsorted(blocks_.first, pieces.first, side="right") - 1
+    ohms = tuple(R[:, owner] for R in _resistances(parts.motor, T))
+    ends = _ends_in_blocks(demand, k_t, ohms, (pieces.high, pieces.low))
+    powers = _most_in_blocks(demand, k_t, ends, (pieces.high, pieces.low))
+    feed = spec.feed(parts.controller, parts.brake).broadcast(len(low.power))
+    each, largest = feed.reshaped((-1, 1)), np.maximum(np.abs(ends[0]), np.abs(ends[1]))
+    reached = low.power - _ALIKE * np.abs(low.power)  # so that rounding leaves out no piece
     with np.errstate(invalid="ignore"):  # of what runs away
         may = ~(of_the_source(powers + each.lost(largest) + each.stage.standby, each) < reached[:, None])
+    may &= np.isfinite(low.power + T.warmest.max(axis=1))[:, None]
     least, most = low.power.copy(), high.power.copy()
-    for row in np.flatnonzero(np.isfinite(low.power + T.warmest.max(axis=1))).tolist():
-        some = slice(row, row + 1)
-        one = feed.on(some), on(demand, some), parts.motor.on(some), _resistances(parts.motor.on(some), on(T, some))
-        found = _powers_at(cycle, pieces, np.flatnonzero(may[row]), *one)
-        least[row], most[row] = np.fmax(least[row], found[0]), np.fmin(most[row], found[1])
+    for some in _few_rows(may, pieces, len(cycle.load_cycle.duration)):
+        rows, found = some.rows, _powers_at(cycle, some, ohms, demand, k_t, feed)
+        least[rows], most[rows] = np.fmax(least[rows], found[0]), np.fmin(most[rows], found[1])
     return low._replace(power=least), high._replace(power=most)
 
 
+def _pieces(cycle: AtGearhead, count: int, blocks_: Blocks) -> Envelope:
+    """The blocks in pieces, and what the functions reach in each."""
+    store, name = cycle.base.coarse, ("pieces of blocks", count)
+    if name not in store:
+        duration = cycle.load_cycle.duration
+        starts = np.linspace(0, len(duration), _PIECES, endpoint=False).astype(np.int64)
+        starts = distinct(np.append(starts, blocks_.first))
+        reached = highest_and_lowest(len(duration), cycle.base.six, starts)
+        store[name] = Envelope(np.add.reduceat(duration, starts), *reached, starts)
+    found: Envelope = store[name]
+    return found
+
+
+class _Some(NamedTuple):
+    """Segments of some drives, those of one after those of another."""
+
+    rows: NDArray[np.int64]  # of the drives
+    first: NDArray[np.int64]  # where the segments of each begin
+    drive: NDArray[np.int64]  # row of each segment's drive
+    piece: NDArray[np.int64]  # in which it is
+    segment: NDArray[np.int64]
+
+
+def _few_rows(may: NDArray[np.bool_], pieces: Envelope, count: int) -> Iterator[_Some]:
+    """The segments of the pieces that count of each drive, of a few drives at a time."""
+    size = np.diff(np.append(pieces.first, count))
+    every = may @ size
+    for drives in _split(every):
+        if not every[drives].any():
+            continue
+        row, piece = np.nonzero(may[drives])
+        drive, place = places(size[piece])
+        rows = drives.start + row[drive]
+        first = np.flatnonzero(np.append(True, rows[1:] != rows[:-1]))
+        yield _Some(rows[first], first, rows, piece[drive], pieces.first[piece[drive]] + place)
+
+
+def _split(sizes: NDArray[np.int64]) -> list[slice]:
+    """Rows that together are of no more than so much, one at least."""
+    ends = np.cumsum(sizes)
+    found, start = list[slice](), 0
+    while start < len(sizes):
+        stop = max(int(np.searchsorted(ends, ends[start] - sizes[start] + _AT_ONCE, side="right")), start + 1)
+        found.append(slice(start, stop))
+        start = stop
+    return found
+
+
 def _powers_at(
-    cycle: AtGearhead,
-    pieces: Blocks,
-    blocks: NDArray[np.int64],
-    feed: Feed,
-    demand: Demands,
-    motor: Any,
-    resistances: tuple[Array, Array],
-) -> tuple[float, float]:
-    """Bounds of the largest power out of the source in some blocks of one drive [W]; NaN where there is none."""
-    ends = np.append(pieces.first, len(cycle.load_cycle.duration))
-    segments = np.concatenate([np.arange(ends[k], ends[k + 1]) for k in blocks])
-    owner = np.repeat(blocks, np.diff(ends)[blocks])
-    functions, k_t = cycle.base.six[segments] * cycle.scale, motor["torque_constant"]
-    induced = volts_of(demand, k_t, np.zeros_like(k_t))
-    flows = wave(cycle.load_cycle.duration[segments], functions, demand.coefficients, induced, k_t)
-    surplus, speed = demand.surplus(k_t), functions[:, :, SPEED]
+    cycle: AtGearhead, some: _Some, ohms: Sequence[Array], demand: Demands, k_t: Array, feed: Feed
+) -> tuple[Array, Array]:
+    """Bounds of the largest power out of the source of drives in their segments [W]."""
+    functions, duration = cycle.base.six[some.segment], cycle.load_cycle.duration[some.segment][:, None]
+    c, induced = demand.coefficients / k_t[:, None], volts_of(demand, k_t, np.zeros_like(k_t))
+    current, volts = (np.einsum("nef,nf->ne", functions, x[some.drive])[:, None] for x in (c, induced))
+    surplus, speed, of = demand.surplus(k_t)[some.drive], functions[:, None, :, SPEED], feed.on(some.drive)
     found = []
-    for R, sign in zip(resistances, (-1.0, 1.0), strict=True):
-        at = flows._replace(voltage=flows.voltage + R[:, owner, None] * flows.current)
-        power = float(source_power(balanced(at, surplus, speed), feed)[0][0])
-        found.append(power + sign * _ROUNDING * abs(power))
+    for R, sign in zip(ohms, (-1.0, 1.0), strict=True):
+        at = Wave(duration, current, volts + R[some.drive, some.piece][:, None, None] * current)
+        inner = at_input(balanced(at, surplus, speed), of.stage)
+        power = np.maximum.reduceat(highest_powers(inner)[0].max(axis=1), some.first)
+        source = of_the_source(power + of.stage.standby[some.first], feed.on(some.rows))
+        found.append(source + sign * _ROUNDING * np.abs(source))
     return found[0], found[1]
 
 

@@ -21,6 +21,7 @@ from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.extremes import Envelope, refined
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.products import product
+from drivesizer.physics.several_belts import behind_one, heat_behind_one
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.waveform import most_stored
@@ -105,6 +106,7 @@ def closer_stored(
     Pair
         Lower and upper bounds.
     """
+    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
     losing = _losing(spec, cycle, demand, heating, stresses, parts, high)
     found = _stored(cycle, cycle.envelope(count), demand, losing, kept_on_the_bus(spec))
     return _no_wider(low, high, *found)
@@ -134,6 +136,7 @@ def stored_by_segments(
     Pair
         Lower and upper bounds.
     """
+    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
     losing, pieces = _losing(spec, cycle, demand, heating, stresses, parts, high), cycle.envelope(count)
     duration, functions = cycle.load_cycle.duration, cycle.base.six
     size = np.diff(np.append(pieces.first, len(duration)))

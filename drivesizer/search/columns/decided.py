@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.several_belts import behind_each
+from drivesizer.physics.several_belts import at_a_time, behind_each, behind_one, heat_behind_one
 from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
@@ -39,8 +39,10 @@ __all__ = ["decided"]
 Array = NDArray[np.float64]
 _LONG = 256  # pieces of a cycle, from where blocks of it decide sooner than the cycle itself
 _BLOCKS = (64, 1024)
+_CELLS, _TOGETHER = 1 << 17, 64  # candidates times pieces in one go, and candidates at least
 _MORE = 4  # times as many pieces as segments, from where the segments of a short cycle decide sooner
 _FEW_PIECES, _PIECES = 256, 8192
+_SOME_PIECES = (512, 2048)
 _WINDING = 2  # so many of the limits are those of the winding
 _VOLTAGE = 1  # of the motor
 _BUS = 3  # the voltage of the bus
@@ -183,7 +185,7 @@ def decided(
     left = case.open(found, alive)
     long = cycle.base.pieces > _LONG
     if long:
-        found, left = _closer(case, alive, found, left)
+        found, left = _closer(case, alive, found, left, nearness)
     elif not nearness and _MORE * len(cycle.load_cycle.duration) <= cycle.base.pieces:
         found, left = _passing_by_segments(case, found, left)
     return _exactly(case, alive, found, left, long)
@@ -234,9 +236,15 @@ def _passing_by_segments(
     rows = np.flatnonzero(np.logical_or.reduce(left) & case.told)
     if not len(rows):
         return found, left
-    some = case.bounded(rows)
-    few = by_segments(*some, on(found[0], rows), on(found[1], rows))
-    limits = waveform_limits(case.spec, few[1], few[1], some[-1])
+    few = by_segments(*case.bounded(rows), on(found[0], rows), on(found[1], rows))
+    return _where_it_passes(case, rows, found, few, left)
+
+
+def _where_it_passes(
+    case: _Case, rows: NDArray[np.int64], found: Pair, few: Pair, left: list[NDArray[np.bool_]]
+) -> tuple[Pair, list[NDArray[np.bool_]]]:
+    """Closer bounds of some candidates taken where all that is open of one passes by them."""
+    limits = waveform_limits(case.spec, few[1], few[1], case.bounding.on(rows))
     holds = [check.passed | ~mask[rows] for check, mask in zip(limits, left, strict=True)]
     good = np.flatnonzero(np.logical_and.reduce([*holds, limits[_VOLTAGE].passed]))
     found = _replaced(found, rows[good], [on(side, good) for side in few])
@@ -246,44 +254,77 @@ def _passing_by_segments(
 
 
 def _closer(
-    case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDArray[np.bool_]]
+    case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDArray[np.bool_]], nearness: bool
 ) -> tuple[Pair, list[NDArray[np.bool_]]]:
     """The same bounds and what they leave open, closer where that is winding, voltage, power or time of overload."""
-    for count in _BLOCKS:
-        mask = np.logical_or.reduce([x for k, x in enumerate(left) if k not in _NOT_BY_HEAT]) & case.told
-        if mask.any():
-            found = _of_some(case, mask, found, partial(closer_in_blocks, count=count))
-            left = case.open(found, alive)
-    if case.staged and left[_POWER:] and (mask := np.logical_or.reduce(left[_POWER:]) & case.told).any():
-        found = _of_some(case, mask, found, partial(closer_power, count=_BLOCKS[-1]))
-        left = case.open(found, alive)
-    for count in (_FEW_PIECES, _PIECES):
-        mask = left[_BUS]
-        if mask.any():
-            found = _of_some(case, mask, found, partial(closer_stored, count=count))
-            left = case.open(found, alive)
-    if (mask := left[_BUS]).any() and (case.staged or case.spec.supply.capacitance is None):
-        found = _of_some(case, mask, found, partial(stored_by_segments, count=_PIECES))
-        left = case.open(found, alive)
-    mask = left[_WINDING]
-    if mask.any():
-        spec, cycle, demand, _, stresses, parts = case.some(mask)
-        times = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts, _PIECES)
-        found = _replaced(found, mask, [on(m, mask)._replace(above=a) for m, a in zip(found, times, strict=True)])
-        left = case.open(found, alive)
+    for closer, count, opened, only_passing in _steps(case, nearness):
+        mask = opened(case, left)
+        if not mask.any():
+            continue
+        few = _of_some(case, mask, found, partial(closer, count=count), max(_CELLS // count, _TOGETHER))
+        if only_passing:
+            found, left = _where_it_passes(case, _numbers(mask), found, few, left)
+        else:
+            found = _replaced(found, mask, few)
+            left = case.open_again(found, alive, left, mask)
     if (mask := left[_WINDING]).any():  # the current alone decides
         spec, cycle, demand, heating, _, parts = case.some(mask)
         above = time_above(spec, cycle, demand, heating, parts)
         found = _replaced(found, mask, [on(m, mask)._replace(above=above) for m in found])
-        left = case.open(found, alive)
+        left = case.open_again(found, alive, left, mask)
     return found, left
 
 
-def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable[..., Pair]) -> Pair:
-    """Bounds with those of some candidates closer."""
-    spec, cycle, *columns = case.bounded(mask)
-    few = behind_each(cycle, partial(closer, spec), *columns, *(on(side, mask) for side in found))
-    return _replaced(found, mask, few)
+_Opened = Callable[[_Case, list[NDArray[np.bool_]]], NDArray[np.bool_]]
+
+
+def _steps(case: _Case, nearness: bool) -> list[tuple[Callable[..., Pair], int, _Opened, bool]]:
+    """Bounds that are closer and closer: of how many pieces, of which candidates, and whether only what passes counts.
+
+    What fails is rejected by bounds that are as close as can be, for of the rejected the closest are shown.
+    """
+    (coarse, fine), above = _BLOCKS, waveform_bounds.closer_above
+    steps = [(closer_in_blocks, coarse, _by_heat, False)]
+    if not nearness:
+        steps.append((closer_power, coarse, _by_power, True))
+    steps.append((closer_in_blocks, fine, _by_heat, False))
+    if case.staged:
+        steps.append((closer_power, fine, _by_power, False))
+    steps += [(closer_stored, count, _by_bus, False) for count in (_FEW_PIECES, _PIECES)]
+    if case.staged or case.spec.supply.capacitance is None:
+        steps.append((stored_by_segments, _PIECES, _by_bus, False))
+    if not nearness:
+        steps += [(above, count, _by_time, True) for count in _SOME_PIECES]
+    return [*steps, (above, _PIECES, _by_time, False)]
+
+
+def _by_heat(case: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
+    """Where winding, voltage or power are open, and the course of temperatures is known."""
+    found: NDArray[np.bool_] = np.logical_or.reduce([x for k, x in enumerate(left) if k not in _NOT_BY_HEAT])
+    return found & case.told
+
+
+def _by_power(case: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
+    """Where the power is, alike."""
+    found: NDArray[np.bool_] = np.logical_or.reduce([np.zeros_like(case.told), *left[_POWER:]])
+    return found & case.told
+
+
+def _by_bus(_: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
+    return left[_BUS]
+
+
+def _by_time(_: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
+    return left[_WINDING]
+
+
+def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable[..., Pair], size: int) -> Pair:
+    """Closer bounds of some candidates, so many at a time."""
+    spec, cycle, demand, heating, *others = case.bounded(mask)
+    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
+    columns, sides = (demand, heating, *others), (on(side, mask) for side in found)
+    few: Pair = at_a_time(len(demand.rms_current), size, partial(closer, spec, cycle), *columns, *sides)
+    return few
 
 
 def _replaced(found: Pair, mask: NDArray[Any], few: Sequence[Moments]) -> Pair:

@@ -45,9 +45,11 @@ from drivesizer.spec.mounting import loss_at_flange
 __all__ = ["Examined", "brakes_of", "encoders_of", "examine", "felt"]
 
 Array = NDArray[np.float64]
-_SHORT = 256  # pieces of a cycle: a longer one is first looked at in so many blocks
-_BLOCKS = 64
-_SHORT_CELLS, _CELLS = 1_000_000, 400_000  # candidates times these, up to which several belts are looked at together
+_SHORT = 256  # pieces of a cycle: a longer one is first looked at by bounds, some candidates at a time
+_CELLS, _MOST = (
+    1_000_000,
+    1 << 16,
+)  # candidates times these, and of a long cycle candidates, that are looked at together
 
 
 class Examined(NamedTuple):
@@ -286,7 +288,7 @@ def _powered(
 def _places(problem: Problem, moved: _Moved) -> list[slice]:
     """Candidates that are looked at together: behind as many belts as their waveforms have room."""
     steppers, pieces = has_steppers(problem.catalog), max(c.base.pieces for c in moved.cycles)
-    most = (_SHORT_CELLS // pieces) if pieces <= _SHORT else _CELLS // _BLOCKS
+    most = _CELLS // pieces if pieces <= _SHORT else _MOST
     found = list[slice]()
     for rows in belts_of(moved.cycles[0], len(moved.parts.motor.rows)):
         start = found[-1].start if found else 0

@@ -8,6 +8,7 @@ Symbols: R resistance [ohm], T temperature [K].
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -20,7 +21,7 @@ from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bound
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.products import product
-from drivesizer.physics.several_belts import AtGearheads, behind_each, scales
+from drivesizer.physics.several_belts import at_a_time, behind_one, heat_behind_one
 from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import longest_run
@@ -29,7 +30,7 @@ from drivesizer.search.columns.bus_bounds import most_kept
 from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_passing
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["above_bounds", "at_source", "bounds", "most_cold_power", "resisted"]
+__all__ = ["above_bounds", "at_source", "bounds", "closer_above", "most_cold_power", "resisted"]
 
 Array = NDArray[np.float64]
 _PIECES = 256  # of a cycle, that bound the time of overload at first
@@ -56,6 +57,7 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
     Pair
         Lower and upper bounds, columns over candidates.
     """
+    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
     nothing = np.full_like(demand.rms_current, np.nan)
     none = Moments(*[nothing] * len(Moments._fields))
     T_low, T_high = winding_limits(spec, cycle, demand, heating, stresses, parts.motor)
@@ -102,39 +104,30 @@ def resisted(
     k_t = motor["torque_constant"]
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
-    leads = spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0
-    cycle, demand = _behind_one(cycle, demand)
-    cold_volts, hot_volts = stresses.cold_voltage.value, cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value
-    at_hot = most_volts = np.maximum(hot_volts, cold_volts)
-    if spec.resists:
-        most_volts = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + leads), demand.left_out).value)
-    least = behind_each(cycle, _least_voltage, demand, cool + leads, k_t, cold_volts)
+    leads = np.broadcast_to(spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0, k_t.shape)
+    cold_volts = stresses.cold_voltage.value
+    least, at_hot, most_volts = _each(
+        cycle, partial(_voltages, resists=spec.resists), k_t, demand, cool, hot, leads, cold_volts
+    )
     low = low._replace(voltage=least)
     high = high._replace(voltage=most_volts)
-    kept = behind_each(cycle, partial(most_kept, spec), demand, motor)
+    kept = most_kept(spec, cycle, demand, motor)
     low, high = low._replace(stored=np.zeros_like(k_t)), high._replace(stored=kept)
     if not (spec.supply.current or spec.supply.power):
         return low, high
     feed = spec.feed(parts.controller, parts.brake)
-    feeding = feed.broadcast(len(k_t))
-    least = behind_each(cycle, _corner_power, demand, cool, k_t, feeding) + feed.stage.standby
-    most = np.minimum(behind_each(cycle, _power_bound, demand, hot, k_t), stresses.current.value * at_hot)
+    least = _each(cycle, _corner_power, k_t, demand, cool, feed.broadcast(len(k_t))) + feed.stage.standby
+    most = np.minimum(_each(cycle, _power_bound, k_t, demand, hot), stresses.current.value * at_hot)
     most = most + _most_beyond(cycle, demand, stresses, k_t)
     low = low._replace(power=of_the_source(least, feed))
     high = high._replace(power=at_source(most, stresses, feed))
     return low, high
 
 
-def _behind_one(cycle: AtGearhead, demand: Demands) -> tuple[AtGearhead, Demands]:
-    """Candidates behind several belts as such behind one of ratio 1, to be computed in one go; where that has room.
-
-    The belt's scale of the functions is in their coefficients then. Bounds may round otherwise.
-    """
+def _each(cycle: AtGearhead, compute: Callable[..., Any], *columns: Any) -> Any:
+    """A function of the cycle's extreme points and candidates, of so many of these at a time as stay in the cache."""
     points = len(cycle.extremes.high) + len(cycle.extremes.low)
-    if not isinstance(cycle, AtGearheads) or points * len(demand.total_ratio) > _CELLS:
-        return cycle, demand
-    scaled, ratio = demand.coefficients * scales(cycle, len(demand.total_ratio)), demand.total_ratio * cycle.belt
-    return cycle.base.behind(1.0), demand._replace(coefficients=scaled, total_ratio=ratio)
+    return at_a_time(len(columns[0]), max(_CELLS // points, 1), partial(compute, cycle), *columns)
 
 
 def most_cold_power(
@@ -158,9 +151,10 @@ def most_cold_power(
     Array
         [W], shape (rows,).
     """
+    cycle, demand = behind_one(cycle, demand)
     k_t = parts.motor["torque_constant"]
     cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
-    most = behind_each(cycle, _power_bound, demand, cold, k_t) + _most_beyond(cycle, demand, stresses, k_t)
+    most = _each(cycle, _power_bound, k_t, demand, cold) + _most_beyond(cycle, demand, stresses, k_t)
     return at_source(most, stresses, spec.feed(parts.controller, parts.brake))
 
 
@@ -189,6 +183,16 @@ def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Arra
     """Bound of the power above V I [W] where two constants differ (``waveform.balanced``); infinite if unknown."""
     found = 2.0 * np.abs(demand.surplus(k_t)) * cycle.peak_speed * stresses.current.value
     return np.where(np.isnan(found), np.inf, found)
+
+
+def _voltages(
+    cycle: AtGearhead, k_t: Array, demand: Demands, cool: Array, hot: Array, leads: Array, cold: Array, *, resists: bool
+) -> tuple[Array, Array, Array]:
+    """Less than the largest voltage, and more than it without and with what ``leads`` take [V]."""
+    at_hot = most = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, cold)
+    if resists:
+        most = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + leads), demand.left_out).value)
+    return _least_voltage(cycle, demand, cool + leads, k_t, cold), at_hot, most
 
 
 def _least_voltage(cycle: AtGearhead, demand: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
@@ -242,14 +246,46 @@ def above_bounds(
         Lower and upper bound [s], each of shape (rows,).
     """
     peak, limit = stresses.current.value, controller_current(parts.controller, spec.environment.ambient)
+    cycle, demand = behind_one(cycle, demand)
     low = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0)
     high = low.copy()
     rows = np.flatnonzero(peak > limit)
     if len(rows):
         current = demand.coefficients.take(rows, axis=0) / parts.motor["torque_constant"][rows, None]
-        current *= scales(cycle.on(rows), len(rows))
         low[rows], high[rows] = _times_above(cycle.envelope(pieces), current, limit[rows, None])
     return low, high
+
+
+def closer_above(
+    spec: RobotSpec,
+    cycle: AtGearhead,
+    demand: Demands,
+    _: Heat,
+    stresses: Stress,
+    parts: Parts,
+    low: Moments,
+    high: Moments,
+    *,
+    count: int,
+) -> Pair:
+    """Bounds with those of the time of overload from a cycle in so many pieces, see ``above_bounds``.
+
+    Parameters
+    ----------
+    spec, cycle, demand, stresses, parts
+        As in ``bounds``.
+    low, high
+        Its result.
+    count
+        Of pieces at most.
+
+    Returns
+    -------
+    Pair
+        Lower and upper bounds.
+    """
+    shortest, longest = above_bounds(spec, cycle, demand, stresses, parts, count)
+    return low._replace(above=shortest), high._replace(above=longest)
 
 
 def _times_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, Array]:
@@ -272,7 +308,7 @@ def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, A
     return least, longest_run(*pieces, perhaps)
 
 
-def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array, feed: Feed) -> Array:
+def _corner_power(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array, feed: Feed) -> Array:
     """Largest power into the stage at the extreme points [W]: between them it may be more."""
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
     current = product(points, (demand.coefficients / k_t[:, None]).T)
@@ -281,7 +317,7 @@ def _corner_power(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array, fe
     return found
 
 
-def _power_bound(cycle: AtGearhead, demand: Demands, hot: Array, k_t: Array) -> Array:
+def _power_bound(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> Array:
     """More than the electrical power ever is [W]: where current and voltage are both positive, or both negative."""
     current, volts = (demand.coefficients / k_t[:, None] * cycle.scale, volts_of(demand, k_t, hot) * cycle.scale)
     found = np.zeros(len(hot))
