@@ -24,7 +24,7 @@ from drivesizer.physics.groups import kernel as groups
 from drivesizer.physics.one_pass import kernel as one_pass
 
 KERNELS = {
-    "engine": (of_the_drive.KERNEL, 9), "one pass": (one_pass.KERNEL, 5), "platform": (following.KERNEL, 5),
+    "engine": (of_the_drive.KERNEL, 9), "one pass": (one_pass.KERNEL, 6), "platform": (following.KERNEL, 5),
     "groups": (groups.KERNEL, 2),
     "stepper": (stepper.KERNEL, 2),
 }  # fmt: skip

@@ -102,7 +102,7 @@ def test_the_cases_meet_what_is_rare(catalog, tmp_path):
 def test_machine_code_is_plain_python_to_the_last_bit():
     rng = np.random.default_rng(5)
     count = 60
-    duration = rng.uniform(0.1, 4.0, count)
+    duration = np.where(np.arange(count) < count // 2, 0.01, 1.0) * rng.uniform(0.1, 4.0, count)  # both series
     ends = [rng.normal(size=2 * count) for _ in range(3)]
     for column in ends:
         column[::7] = 0.0
@@ -116,12 +116,13 @@ def test_machine_code_is_plain_python_to_the_last_bit():
     d[at.SOURCE], d[at.RESISTANCE], d[at.DRIVES] = 24.0, 0.2, 1.0
     d[at.KEPT], d[at.LIMIT], d[at.WANTED] = 0.8, 1.0, 2.0
     d[at.INVERSE + 1 : at.INVERSE + at.MOST + 1] = 1.0 / np.arange(1, at.MOST + 1)
-    d[at.NODES : at.NODES + at.POINTS], d[at.NODES + at.POINTS :] = np.linspace(0.1, 0.9, at.POINTS), 1.0 / at.POINTS
+    d[at.NODES : at.NODES + at.POINTS], d[at.NODES + at.POINTS : at.FACTORS] = np.linspace(0.1, 0.9, 6), 1.0 / at.POINTS
+    d[at.FACTORS + 2 :] = 1.0 / np.cumprod(np.arange(1.0, at.TERMS + 1.0))[1:]
     found = []
     for run in (kernel.KERNEL.functions[-1], kernel.compiled()):
         figures, g = d.copy(), np.zeros(at.FOUND)
         g[[at.WINDING, at.WINDING + 1, at.VOLTAGE, at.VOLTAGE + 1, at.POWER, at.POWER + 1]] = -np.inf
         g[at.BEGIN] = -1.0
-        assert run(figures, g, duration, *ends, strides) == 0
+        assert run(figures, g, np.zeros(at.CELLS), duration, *ends, strides) == 0
         found.append((g.tobytes(), figures.tobytes()))
     assert found[0] == found[1]

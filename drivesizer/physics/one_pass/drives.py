@@ -102,7 +102,8 @@ def figures(
         table[:, place] = column
     table[:, at.INVERSE + 1 : at.INVERSE + at.MOST + 1] = 1.0 / np.arange(1.0, at.MOST + 1.0)
     table[:, at.NODES : at.NODES + at.POINTS] = (_ORDER[0] + 1.0) / 2.0
-    table[:, at.NODES + at.POINTS :] = _ORDER[1] / 2.0
+    table[:, at.NODES + at.POINTS : at.FACTORS] = _ORDER[1] / 2.0
+    table[:, at.FACTORS :] = 1.0 / np.cumprod(np.maximum(np.arange(at.TERMS + 1.0), 1.0))
     known = bodies.known & ~np.isnan(table[:, : at.SPEED + 1].sum(axis=1) + heat.friction + heat.iron + ambient)
     return Figures(table, ambient, np.broadcast_to(known, len(table)))
 
@@ -164,7 +165,7 @@ def _one(
     for place in (at.WINDING, at.VOLTAGE, at.POWER):
         g[place : place + 2] = _LEAST
     g[at.BEGIN] = -1.0
-    if pass_over(d, g, *columns, strides):
+    if pass_over(d, g, np.zeros(at.CELLS), *columns, strides):
         return (np.inf, *[np.nan] * (len(Found._fields) - 1))
     winding = (np.nan, np.nan) if d[at.FIXED] else (g[at.WINDING], g[at.WINDING + 2])
     voltage = _peak(g, at.VOLTAGE) if d[at.WANTED] >= 0.0 else (np.nan, np.nan)

@@ -2,6 +2,7 @@
 
 The equations are those of ``heat_step``: rises x' = A x + b. Pieces are short, so the series of the exponential is
 summed as a polynomial of A, which by Cayley and Hamilton is of first degree: phi_2(A t) = q_0 + q_1 A.
+What a piece adds to the rises is linear in them; of short pieces that is worked out of many before it is summed up.
 """
 
 from __future__ import annotations
@@ -11,7 +12,13 @@ from drivesizer.physics.one_pass.layout import Array
 
 __all__: list[str] = []  # compiled into ``kernel``
 
+Factors = tuple[float, float, float, float, float, float, float, float]
 Map = tuple[float, float, float, float, float, float]  # w and h by the winding's rise, by the housing's, and constant
+
+
+def rates(d: Array, square: float) -> tuple[float, float, float, float]:
+    """The matrix A of a piece, row by row [1/s]."""
+    return d[at.FEEDBACK] * square + d[at.W_W], d[at.W_H], d[at.H_W], d[at.H_H]
 
 
 def reach(d: Array, square: float, t: float) -> float:
@@ -20,19 +27,8 @@ def reach(d: Array, square: float, t: float) -> float:
     return found
 
 
-def short_series(T: float, D: float) -> tuple[float, float]:
-    """q_0 and q_1 / t of a piece so short that five terms do, by trace and determinant of A t."""
-    square = T * T
-    third, fourth = T * (square - 2.0 * D), square * (square - 3.0 * D) + D * D
-    q_0 = 0.5 - D * ((1.0 / 24.0 + T / 120.0) + ((square - D) / 720.0 + third / 5040.0))
-    return q_0, (1.0 / 6.0 + T / 24.0) + ((square - D) / 120.0 + (third / 720.0 + fourth / 5040.0))
-
-
 def series(d: Array, trace: float, determinant: float, size: float, t: float) -> tuple[float, float]:
     """q_0 [1] and q_1 [s] of phi_2 over a piece."""
-    if size < at.BRIEF:
-        q_0, q_1 = short_series(trace * t, determinant * t * t)
-        return q_0, q_1 * t
     a, b = 0.5, 0.0
     q_0, q_1 = a, b
     for k in range(3, at.MOST):
@@ -101,6 +97,44 @@ def followed(d: Array, m: Map, square: float, loss: float, t: float) -> Map:
     more = d[at.HEAT_W] * square, d[at.HEAT_H] * loss
     x, y = moved(d, (m[4], m[5]), more, ww, p_0, p_1)
     return m[0] + a, m[1] + b, m[2] + c, m[3] + e, m[4] + x, m[5] + y
+
+
+def short_series(c: Factors, T: float, D: float) -> tuple[float, float]:
+    """q_0 and q_1 / t of a piece so short that a few terms do, by trace and determinant of A t."""
+    q_0, q_1 = c[6], c[7]
+    q_0, q_1 = c[5] - q_1 * D, q_0 + q_1 * T
+    q_0, q_1 = c[4] - q_1 * D, q_0 + q_1 * T
+    q_0, q_1 = c[3] - q_1 * D, q_0 + q_1 * T
+    q_0, q_1 = c[2] - q_1 * D, q_0 + q_1 * T
+    q_0, q_1 = c[1] - q_1 * D, q_0 + q_1 * T
+    return c[0] - q_1 * D, q_0 + q_1 * T
+
+
+def transition(
+    c: Factors, rates: tuple[float, float, float, float], t: float, heat: float, loss: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """phi_2 over a short piece, and what it adds to both rises: t (p_0 + p_1 A) (A x + b)."""
+    ww, wh, hw, hh = rates
+    trace, determinant = ww + hh, ww * hh - wh * hw
+    q_0, q_1 = short_series(c, trace * t, determinant * (t * t))
+    q_1 *= t
+    p_0, p_1 = (1.0 - q_1 * determinant * t) * t, (q_0 + q_1 * trace) * t * t
+    own_w, own_h, from_h, from_w = p_0 + p_1 * ww, p_0 + p_1 * hh, p_1 * wh, p_1 * hw
+    return (
+        q_0, q_1, own_w * ww + from_h * hw, own_w * wh + from_h * hh, own_w * heat + from_h * loss,
+        from_w * ww + own_h * hw, from_w * wh + own_h * hh, from_w * heat + own_h * loss,
+    )  # fmt: skip
+
+
+def joined(m: Map, s: Array, k: int) -> Map:
+    """A map less one with a short piece after it."""
+    a, c, more_w = s[at.BY_W_W + k], s[at.BY_H_W + k], s[at.MORE_W + k]
+    b, e, more_h = s[at.BY_W_H + k], s[at.BY_H_H + k], s[at.MORE_H + k]
+    return (
+        m[0] + (a + (a * m[0] + c * m[1])), m[1] + (b + (b * m[0] + e * m[1])),
+        m[2] + (c + (a * m[2] + c * m[3])), m[3] + (e + (b * m[2] + e * m[3])),
+        m[4] + (more_w + (a * m[4] + c * m[5])), m[5] + (more_h + (b * m[4] + e * m[5])),
+    )  # fmt: skip
 
 
 def put_before(g: Array, m: Map) -> None:

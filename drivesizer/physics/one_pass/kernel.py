@@ -7,16 +7,16 @@ from functools import cache
 
 from drivesizer.files.machine_code import Kernel, defined_in, machine_code
 from drivesizer.physics.groups import look
-from drivesizer.physics.one_pass import feeding, heating, layout, through
+from drivesizer.physics.one_pass import feeding, heating, layout, pieces, through
 
 __all__ = ["KERNEL", "compiled"]
 
 KERNEL = Kernel(
-    functions=(look.below, *defined_in((heating, feeding, through))),
-    modules=(layout, look, heating, feeding, through),
+    functions=(look.below, *defined_in((heating, feeding, pieces, through))),
+    modules=(layout, look, heating, feeding, pieces, through),
     inline=True,
     slow="numba is not installed: long load cycles take some times longer",
-    arguments="d1 d1 d1 d1 d1 d1 q1",
+    arguments="d1 d1 d1 d1 d1 d1 d1 q1",
 )
 
 

@@ -53,7 +53,9 @@ INVERSE = 36  # 1 / k of the whole numbers up to the most
 MOST = 40  # terms of a series
 NODES = INVERSE + MOST + 1  # nodes and weights of a quadrature from 0 to 1
 POINTS = 6
-FIGURES = NODES + 2 * POINTS
+FACTORS = NODES + 2 * POINTS  # 1 / k! of the whole numbers up to the last term of a short series
+TERMS = 9
+FIGURES = FACTORS + TERMS + 1
 
 # --- what is found: three places of a peak are its value, and value and time of the first that is no less but rounding
 WINDING, VOLTAGE, POWER = 0, 3, 6  # K of rise, V, W into the stage without standby power
@@ -68,8 +70,24 @@ FOUND = 30
 
 ALIKE = 1e-9  # share by which values differ that are alike, as in ``extremes``
 FINEST, CLOSE = 200, 12e-3  # pieces of a segment at most; as in ``cycle_at_gearhead.piece_counts``
-BRIEF = 2e-3  # exponent up to which five terms of a series do
+BRIEF = 0.06  # exponent up to which so many terms of a series do
 NEGLIGIBLE = 1e-18  # first term that a series leaves out
 FORGOTTEN = 1e-15  # share of a rise that is left when what was before is of no effect
 AT_ONCE = 4096  # segments of a block
 BEYOND = 1e9  # K: a winding that is warmer has run away
+
+# --- pieces at a time, a stretch of ROOM places for each figure: one loop over them after the other. That all stretches
+# are of one array, so far apart that none reaches another, lets several pieces be computed by one instruction
+ROOM = 2 * FINEST
+T, I_0, I_1, W_0, W_1 = 0, 1 * ROOM, 2 * ROOM, 3 * ROOM, 4 * ROOM  # s, A, A, rad/s, rad/s at the load
+A_0, A_1, LOAD_0, LOAD_1 = 5 * ROOM, 6 * ROOM, 7 * ROOM, 8 * ROOM  # rad/s^2, N*m
+SQUARE, HOUSING = 9 * ROOM, 10 * ROOM  # A^2, W at the housing: means
+STEADY, LONG = 11 * ROOM, 12 * ROOM  # 1: nothing changes within it; 1: too long for a short series
+Q_0, Q_1 = 13 * ROOM, 14 * ROOM  # 1, s: phi_2 over it
+BY_W_W, BY_H_W, MORE_W = 15 * ROOM, 16 * ROOM, 17 * ROOM  # what it adds to the winding's rise: by both rises, and K
+BY_W_H, BY_H_H, MORE_H = 18 * ROOM, 19 * ROOM, 20 * ROOM  # and to the housing's
+START, END, MEAN = 21 * ROOM, 22 * ROOM, 23 * ROOM  # K, rises of the winding as voltages take them
+SLOPE_0, SLOPE_1 = 24 * ROOM, 25 * ROOM  # K/s, slopes of the winding's rise at the ends
+W, H = 26 * ROOM, 28 * ROOM  # K, rises of winding and housing at the start of each, and behind the last
+COUNT = 30 * ROOM  # pieces of a segment
+CELLS = 31 * ROOM
