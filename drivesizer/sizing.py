@@ -32,7 +32,7 @@ from drivesizer.search.machine_filter import best_in_machine, shortfall, weighin
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.paper.derivation import vehicle
 from drivesizer.search.ranking import Ranking, title_of
-from drivesizer.search.relaxations import changes_for, relaxations
+from drivesizer.search.relaxations import changes_for, relaxations, tried
 from drivesizer.search.search import Found
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.shortlist import Shortlist, shortlist
@@ -159,7 +159,8 @@ def size(
     sets = passing(picked.best)
     unsure = passing(picked.unsure, len(sets))
     rejected = [*short, *picked.rejected][: None if sets else top]
-    budgets = shortfall((picked.weigh(found.evaluation, row) for row in short), found.better)
+    weighed = (picked.weigh(found.evaluation, row) for row in short)
+    budgets = shortfall(weighed, found.better, any_passes=bool(found.passing))
     return SizingResult(
         problem=problem,
         method=spec.method,
@@ -167,7 +168,8 @@ def size(
         requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *short)), 0)),
         sets=sets,
         misses=tuple(picked.record(row, rank) for rank, row in enumerate(rejected, len(sets) + len(unsure) + 1)),
-        relaxations=() if brief or found.passing or found.short else relaxations(problem, objective, going_on),
+        relaxations=() if brief or found.passing else relaxations(problem, objective, going_on),
+        tried=() if brief or found.passing else tried(problem),
         counts=found.counts,
         assumptions=(
             *_assumptions(problem.spec),

@@ -57,6 +57,7 @@ class SizingResult:
     unsure: tuple[DriveSet, ...] = ()  # that pass with less than the required confidence; the most probable first
     uncertainty: Uncertainty | None = None  # what was uncertain, where tolerances were sampled
     alternatives: tuple[DriveSet, ...] = ()  # the best of other motor families than the first one's, in order
+    tried: tuple[str, ...] = ()  # figures of the spec that were moved for relaxations, by name
     choices: Choices | None = None  # drives that pass, to choose from by weights, where any were requested
 
     def _repr_html_(self) -> str:

@@ -270,7 +270,7 @@ def divided(found: Found, weigh: Weigh, top: int, rows: Iterable[int], *, short:
     return list(islice((row for row in rows if fails(row) == short), top))
 
 
-def shortfall(short: Iterable[MachineBudget], better: int) -> list[str]:
+def shortfall(short: Iterable[MachineBudget], better: int, *, any_passes: bool) -> list[str]:
     """A warning that better drives fail on a budget: how many, and which budgets.
 
     Parameters
@@ -279,6 +279,8 @@ def shortfall(short: Iterable[MachineBudget], better: int) -> list[str]:
         Budgets of drives that fail on them.
     better
         Number of drives that fail on a budget before the first that passes.
+    any_passes
+        Whether any does: else they are better than nothing, and the answer itself says what they fail on.
 
     Returns
     -------
@@ -288,5 +290,10 @@ def shortfall(short: Iterable[MachineBudget], better: int) -> list[str]:
     names = sorted({in_a_sentence(check.title) for one in short for check in one.checks if check.status == "fail"})
     if not better or not names:
         return []
-    drives = "1 better drive is" if better == 1 else f"{better} better drives are"
+    if any_passes:
+        drives = "1 better drive is" if better == 1 else f"{better} better drives are"
+    else:
+        drives = (
+            "1 drive meets its own limits and is" if better == 1 else f"{better} drives meet their own limits and are"
+        )
     return [f"{drives} not enough for the machine ({', '.join(names)})"]

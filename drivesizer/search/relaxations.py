@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,13 +17,14 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import any_in_machine, best_in_machine, passes_budgets
+from drivesizer.search.movable_figures import HOLDING, movable
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, MotorChoice
 from drivesizer.units import show
 
-__all__ = ["changes_for", "relaxations"]
+__all__ = ["changes_for", "relaxations", "tried"]
 
 _STEPS = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)  # times
 _NEAR_ENOUGH = 1.01
@@ -37,40 +38,6 @@ class _Passing(NamedTuple):
     label: Callable[[Problem], str]  # of the best one
 
 
-class _Figure(NamedTuple):
-    """A figure that may move."""
-
-    path: tuple[str, ...]
-    kind: str
-    unit: str
-    direction: int  # +1 when more helps
-    rotary: tuple[str, str] | None = None  # kind and unit where the load turns
-
-
-_HOLDING = ("needs", "holding_factor")
-_FIGURES = (
-    _Figure(("motion", "speed"), "speed", "m/s", -1, ("rotary_speed", "rpm")),
-    _Figure(("motion", "acceleration_time"), "time", "s", +1),
-    _Figure(("motion", "acceleration"), "acceleration", "m/s^2", -1, ("angular_acceleration", "rad/s^2")),
-    _Figure(("motion", "time"), "time", "s", +1),
-    _Figure(("motion", "period"), "time", "s", +1),
-    _Figure(("motion", "rest_time"), "time", "s", +1),
-    _Figure(("load", "mass"), "mass", "kg", -1),
-    _Figure(("load", "inertia"), "inertia", "kg*m^2", -1),
-    _Figure(("supply", "nominal"), "voltage", "V", +1),
-    _Figure(("supply", "current"), "current", "A", +1),
-    _Figure(("supply", "power"), "power", "W", +1),
-    _Figure(("supply", "capacitance"), "capacitance", "mF", +1),
-    _Figure(("needs", "backlash_at_load"), "angle", "deg", +1),
-    _Figure(("needs", "resolution_at_load"), "angle", "deg", +1),
-    _Figure(("needs", "inertia_ratio"), "dimensionless", "1", +1),
-    _Figure(("needs", "resonance"), "frequency", "Hz", -1),
-    _Figure(_HOLDING, "dimensionless", "1", -1),
-    _Figure(("needs", "diameter"), "length", "mm", +1),
-    _Figure(("needs", "length"), "length", "mm", +1),
-    _Figure(("needs", "mass"), "mass", "g", +1),
-    _Figure(("needs", "price"), "price", "EUR", +1),
-)
 _AMBIENT = ("environment", "ambient")
 
 
@@ -137,6 +104,12 @@ def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
     return (*_other_reductions(problem, one), *_found(problem, _Passing(passes, lambda _: one.label)))
 
 
+def tried(problem: Problem) -> tuple[str, ...]:
+    """Names of the figures of a spec that are moved, each alone, to look for a drive that passes."""
+    ambient = [".".join(_AMBIENT)] if problem.spec.environment.ambient > _ROOM else []
+    return (*(".".join(figure.path) for figure, _ in movable(problem)), *ambient)
+
+
 def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]:
     """The nearest reduction of the same family that passes with the same motor and belt; not of an actuator."""
     if one.actuator:
@@ -175,10 +148,7 @@ def _found(problem: Problem, passing: _Passing) -> list[Relaxation]:
 
 def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
     turns = problem.spec.load.axis == "rotary"
-    for figure in _FIGURES:
-        now = _value(problem.spec, figure.path)
-        if not isinstance(now, float) or now == 0.0 or (figure.path == _HOLDING and not _may_hold_less(problem)):
-            continue
+    for figure, now in movable(problem):
         factor = _least_change(partial(_passes_at, problem, passing, figure.path, now), figure.direction)
         if factor is not None:
             kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
@@ -191,12 +161,7 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
 
 def _passes_at(problem: Problem, passing: _Passing, path: tuple[str, ...], now: float, factor: float) -> bool:
     """Whether a drive passes with one figure times a factor; a safety factor stays at least 1."""
-    return not (path == _HOLDING and now * factor < 1.0) and passing.any(_changed(problem, path, factor))
-
-
-def _may_hold_less(problem: Problem) -> bool:
-    """Whether a drive must hold without power, with a factor above 1: below that nothing is held."""
-    return problem.spec.needs.hold_unpowered and problem.spec.needs.holding_factor > 1.0
+    return not (path == HOLDING and now * factor < 1.0) and passing.any(_changed(problem, path, factor))
 
 
 def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
@@ -220,13 +185,6 @@ def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
         needed=show(now - high, "degC", "temperature", 3), set_label=passing.label(cooled(high)), share=high / now,
         kind="temperature", unit="degC", before=now, after=now - high,
     )  # fmt: skip
-
-
-def _value(spec: RobotSpec, path: tuple[str, ...]) -> Any:
-    found: Any = spec
-    for name in path:
-        found = getattr(found, name, None)
-    return found
 
 
 def _changed(problem: Problem, path: tuple[str, ...], factor: float) -> Problem:

@@ -200,3 +200,31 @@ def test_a_brake_counts_among_what_ranks(capsys, monkeypatch):
     assert objective(best, "mass") == f"{1000 * best.mass:.4g} g"
     bare = replace(best, objective_of=("motor", "gearhead"))
     assert objective(bare, "price").endswith("\n(motor and gearhead only)")
+
+
+def none_of(starter, **counts):
+    """A sizing in which nothing passes, whose closest rejected fails on one check and lacks a figure for another."""
+    best = starter.sets[0]
+    bad = [replace(check, status="fail", margin=-0.5) for check in best.checks if check.name == "motor_nominal_current"]
+    rest = [replace(check, status="unknown", margin=nan) for check in best.checks[:3]]
+    miss = replace(best, status="fail", checks=(*bad, *rest))
+    return replace(
+        starter, sets=(), alternatives=(), misses=(miss,), counts=replace(starter.counts, feasible=0, **counts)
+    )
+
+
+def test_where_the_machine_rejects_what_passes_alone_its_budget_is_named(starter, capsys, monkeypatch):
+    none = none_of(starter, judged=3, failed_by_budget={"battery_autonomy": 3})
+    out = " ".join(told(replace(none, tried=("load.mass", "battery.capacity")), capsys, monkeypatch).split())
+    assert "3 drives meet their own limits; in the machine they fail on battery autonomy." in out
+    assert "None of these figures is enough, changed alone by up to a factor of 20: load.mass, battery.capacity." in out
+    assert "Most frequent failure" not in out and "more check" not in out  # what is unknown is no failure
+    one = none_of(starter, judged=1, failed_by_budget={"battery_autonomy": 1})
+    out = " ".join(told(one, capsys, monkeypatch).split())
+    assert "1 drive meets its own limits; in the machine it fails on battery autonomy." in out
+
+
+def test_where_none_passes_alone_the_check_is_named_that_most_fail(starter, capsys, monkeypatch):
+    none = none_of(starter, considered=1, failed_by={"motor_speed": 1})
+    out = " ".join(told(none, capsys, monkeypatch).split())
+    assert "Most frequent failure: motor permissible speed, in 1 of 1 drive." in out

@@ -12,9 +12,10 @@ from specs import estimates_off, selecting
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import changed, problem
+from drivesizer.search import movable_figures
 from drivesizer.search import relaxations as module
 from drivesizer.search.machine_filter import any_in_machine, best_in_machine
-from drivesizer.search.relaxations import relaxations
+from drivesizer.search.relaxations import relaxations, tried
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 
@@ -30,8 +31,8 @@ select: {catalogs: [maxon], motor: {family: DCX 22 S}, gearhead: {family: GPX 22
 """
 TRAPEZOID = "{profile: trapezoid, speed: 60 rpm, acceleration_time: 0.3 s, cruise_time: 1 s, rest_time: 1 s}"
 FURTHEST = {  # times what is given, in the sense that helps
-    "load.inertia": 1 / 20, "supply.nominal": 20, "supply.current": 20, "supply.power": 20,
-    "supply.capacitance": 20,
+    "load.inertia": 1 / 20, "load.friction_torque": 1 / 20, "supply.nominal": 20, "supply.current": 20,
+    "supply.power": 20, "supply.capacitance": 20,
     "needs.backlash_at_load": 20, "needs.resolution_at_load": 20, "needs.inertia_ratio": 20, "needs.resonance": 1 / 20,
     "needs.diameter": 20, "needs.length": 20, "needs.mass": 20, "needs.price": 20,
 }  # fmt: skip
@@ -180,7 +181,8 @@ def test_the_drive_that_is_named_is_the_best_of_the_objective_once_the_figure_ha
     spec = spec_of()
     spec = spec.model_copy(update={"needs": type(spec.needs)(backlash_at_load="0.1 deg")})
     path, named = ("needs", "backlash_at_load"), {}
-    monkeypatch.setattr(module, "_FIGURES", [figure for figure in module._FIGURES if figure.path == path])
+    only = [figure for figure in movable_figures.FIGURES if figure.path == path]
+    monkeypatch.setattr(movable_figures, "FIGURES", only)
     for objective in ("mass", "energy"):
         (move,) = (
             one for one in relaxations(problem(spec, catalog), objective) if one.field == "needs.backlash_at_load"
@@ -191,3 +193,41 @@ def test_the_drive_that_is_named_is_the_best_of_the_objective_once_the_figure_ha
         named[objective] = move
     assert named["mass"].needed == named["energy"].needed
     assert named["mass"].set_label != named["energy"].set_label
+
+
+CART = """
+name: cart
+load: {kind: wheeled_vehicle, mass: 120 kg, driven_wheels: 2, wheel_diameter: 200 mm, rolling_resistance: 1.5 %,
+       inertia: 60 kg*cm^2, friction_coefficient: 0.6}
+motion: {speed: 1.4 m/s, acceleration_time: 2 s, cruise_time: 30 s, rest_time: 8 s}
+supply: {nominal: 48 V, min: 42 V, max: 54 V, current: 20 A}
+battery: {nominal_voltage: 12 V, series: 4, capacity: 20 A*h, rated_time: 20 h, chemistry: lead-acid,
+          peukert_exponent: 1.2, autonomy: 6 h}
+margins: {torque: 10 %}
+select: {catalogs: [maxon], motor: {family: EC 60 flat}, gearhead: {family: GP 52 C}}
+cases: [{name: ramp, load: {slope: 6 %}}]
+"""
+
+
+def test_where_only_the_machine_rejects_what_would_help_is_found_too(catalog, monkeypatch):
+    """6 h out of 20 A*h fail; at the capacity that is named a drive passes, and at 1 % less none."""
+    spec = read_spec(YamlSource(CART, "cart.yaml"))
+    few = [figure for figure in movable_figures.FIGURES if figure.path[0] == "battery"]
+    monkeypatch.setattr(movable_figures, "FIGURES", few)
+    result = size(spec, catalog=catalog, top=1)
+    assert not result.sets and set(result.counts.failed_by_budget) == {"battery_autonomy"}
+    assert result.counts.judged > 5 and result.tried == ("battery.capacity", "battery.autonomy")
+    moves = {r.field: r for r in result.relaxations}
+    assert set(moves) == {"battery.capacity", "battery.autonomy"}
+    enough = moves["battery.capacity"].after
+    for charge, passes in ((enough, True), (enough / 1.011, False)):
+        text = CART.replace("capacity: 20 A*h", f"capacity: {charge / 3600!r} A*h")
+        found = size(read_spec(YamlSource(text, "cart.yaml")), catalog=catalog, top=1, brief=True)
+        assert bool(found.sets) == passes
+    assert (moves["battery.capacity"].now, moves["battery.autonomy"].now) == ("20 A·h", "6 h")
+
+
+def test_a_figure_of_one_load_case_moves_and_the_grip_does_not(catalog):
+    names = tried(problem(read_spec(YamlSource(CART, "cart.yaml")), catalog))
+    assert {"load.slope", "load.rolling_resistance", "margins.torque", "battery.capacity"} <= set(names)
+    assert "load.friction_coefficient" not in names and "margins.speed" not in names

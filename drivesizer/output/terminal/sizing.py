@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog
+from drivesizer.output.no_drive import most_fail_on, not_enough
 from drivesizer.output.pieces_table import by_case
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.answer import next_commands, recommended, side_by_side
@@ -138,16 +139,14 @@ def _both(found: DriveSet) -> Table:
 def _none(console: Console, result: SizingResult, *, whole: bool) -> None:
     """The changes that would let a drive pass, and the checks on which the closest rejected fails; or all of them."""
     console.print(Text("No drive meets all limits.", style="bold red"))
-    if result.counts.failed_by:
-        name, count = max(result.counts.failed_by.items(), key=lambda item: item[1])
-        title = in_a_sentence(CHECKS[result.method][name].title)
-        console.print(f"Most frequent failure: {title}, in {count:,} of {result.counts.considered:,} drives.")
+    if failure := most_fail_on(result):
+        console.print(failure)
     if result.relaxations:
         console.print("Any one of these changes alone would let a drive pass:")
     for r in result.relaxations:
         console.print(Text(f"  {r.field} {r.now} → {r.needed}: {r.set_label}"))
     if not result.relaxations and result.counts.considered:
-        console.print("  No single figure of the spec, changed by up to a factor of 20, is enough.")
+        console.print(not_enough(result))
     if not result.counts.considered:
         console.print("  The families and parts that the spec names leave no listed combination of motor and gearhead.")
     if result.misses:
@@ -173,7 +172,8 @@ def _rejected(misses: tuple[DriveSet, ...]) -> Table:
         title="Closest rejected",
     )  # fmt: skip
     for found in misses:
-        failed = [check for check in found.deciding if check.status != "pass"]
+        missed = [check for check in found.deciding if check.status != "pass"]
+        failed = [check for check in missed if check.status == "fail"] or missed
         check = worst(tuple(failed)) or failed[0]
         others = {1: "", 2: " and 1 more check"}.get(len(failed), f" and {len(failed) - 1} more checks")
         table.add_row(
@@ -264,12 +264,18 @@ def explained(pair: Explanation, catalog: Catalog) -> None:
     tolerances_of(console, pair)
 
 
+_NO_CHANGE = {
+    "physics": "None of the spec's figures, changed alone by up to a factor of 20, would let it pass.",
+    "paper": "No other reduction of the gearhead's family would let it pass.",  # by that rule no figure is tried
+}
+
+
 def _changes(console: Console, found: DriveSet) -> None:
     """Changes of the spec that would let a failing drive pass."""
     if found.status != "fail":
         return
     if not found.changes:
-        console.print("No single change of the spec, by up to a factor of 20, would let it pass.")
+        console.print(_NO_CHANGE[found.checks[0].method])
         return
     console.print("Any one of these changes alone would let it pass, smallest first:")
     for change in found.changes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from drivesizer.output.no_drive import not_enough
 from drivesizer.output.part_line import PartLine
 from drivesizer.output.part_totals import LEAST, Total, totals
 from drivesizer.output.parts import machine_parts
@@ -70,7 +71,7 @@ def change_blocks(content: Content) -> Iterator[Block]:
     if content.outcome == "missed" and result.relaxations:
         yield changes_table("Changes after which a drive passes, one figure at a time", result.relaxations)
     elif content.outcome == "missed" and result.counts.considered:
-        yield Words("No single figure of the spec, changed up to 20 times, is enough for a drive to pass.")
+        yield Words(not_enough(result))
 
 
 def meet(count: int, of: int, status: str = "pass") -> str:

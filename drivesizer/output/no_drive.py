@@ -1,0 +1,32 @@
+"""Words for a sizing in which no drive meets all limits: what most fail on, and what was tried in vain."""
+
+from __future__ import annotations
+
+from drivesizer.results.check import in_a_sentence
+from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.sizing import SizingResult
+
+__all__ = ["most_fail_on", "not_enough"]
+
+
+def most_fail_on(result: SizingResult) -> str:
+    """The check that rejects most drives: of the machine where some meet their own limits; empty without any."""
+    counts = result.counts
+    if counts.failed_by_budget:
+        name, _ = max(counts.failed_by_budget.items(), key=lambda item: item[1])
+        those = "1 drive meets its" if counts.judged == 1 else f"{counts.judged:,} drives meet their"
+        fails = "it fails" if counts.judged == 1 else "they fail"
+        return f"{those} own limits; in the machine {fails} on {in_a_sentence(CHECKS['budget'][name].title)}."
+    if not counts.failed_by:
+        return ""
+    name, count = max(counts.failed_by.items(), key=lambda item: item[1])
+    title = in_a_sentence(CHECKS[result.method][name].title)
+    drives = "1 drive" if counts.considered == 1 else f"{counts.considered:,} drives"
+    return f"Most frequent failure: {title}, in {count:,} of {drives}."
+
+
+def not_enough(result: SizingResult) -> str:
+    """The figures of the spec of which none, moved alone, lets a drive pass."""
+    if not result.tried:
+        return "The spec has no single figure whose change was tried."
+    return f"None of these figures is enough, changed alone by up to a factor of 20: {', '.join(result.tried)}."
