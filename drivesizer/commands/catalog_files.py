@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.output.counted import number_of
 from drivesizer.version import __version__
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def export(
         put({output: f"{_text(as_document(shelf, hits))}\n".encode()})
     else:
         raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .csv or .json")
-    typer.echo(f"{output}: {len(hits)} parts")
+    typer.echo(f"{output}: {number_of(len(hits), 'part')}")
     raise typer.Exit(0 if hits else 1)
 
 

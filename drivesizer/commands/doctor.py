@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drivesizer.errors import DrivesizerError, reason_of
+from drivesizer.output.counted import number_of
 from drivesizer.version import __version__
 
 __all__ = ["Finding", "examined", "print_findings"]
@@ -98,7 +99,7 @@ def _cache() -> Iterator[Finding]:
         return
     files = [path for path in place.rglob("*") if path.is_file()]
     size = sum(path.stat().st_size for path in files) / 1e6
-    yield Finding("cache", f"{place}: {len(files)} files, {size:.1f} MB", True)
+    yield Finding("cache", f"{place}: {number_of(len(files), 'file')}, {size:.1f} MB", True)
 
 
 def _catalogues() -> Iterator[Finding]:
@@ -109,7 +110,12 @@ def _catalogues() -> Iterator[Finding]:
         warnings.simplefilter("ignore", CacheWarning)  # the cache's own finding says it
         parts = load(("all",))
     counts = ", ".join(f"{len(getattr(parts, name).rows)} {name}" for name in ("motors", "gearheads", "actuators"))
-    yield Finding("catalogues", f"{len(parts.digests)} files: {counts}", bool(parts.digests), "install drivesizer anew")
+    yield Finding(
+        "catalogues",
+        f"{number_of(len(parts.digests), 'file')}: {counts}",
+        bool(parts.digests),
+        "install drivesizer anew",
+    )
 
 
 def _machine_code() -> Iterator[Finding]:

@@ -13,6 +13,7 @@ import typer
 from drivesizer.commands.common import print_notes
 from drivesizer.commands.ends import STOPPED
 from drivesizer.commands.numbers import whole_option
+from drivesizer.output.counted import number_of
 
 __all__ = ["study"]
 
@@ -58,7 +59,8 @@ def study(
             typer.echo(text, err=True)
             raise typer.Exit(STOPPED) from None
     status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
-    typer.echo(f"{found.variants.total()} variants: {status}; {found.examined} drives examined")
+    variants, drives = number_of(found.variants.total(), "variant"), number_of(found.examined, "drive")
+    typer.echo(f"{variants}: {status}; {drives} examined")
     for written in found.written:
         typer.echo(written)
     print_notes(tuple(found.notes))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from drivesizer.output.counted import number_of
 from drivesizer.results.check import in_a_sentence
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.sizing import SizingResult
@@ -21,8 +22,7 @@ def most_fail_on(result: SizingResult) -> str:
         return ""
     name, count = max(counts.failed_by.items(), key=lambda item: item[1])
     title = in_a_sentence(CHECKS[result.method][name].title)
-    drives = "1 drive" if counts.considered == 1 else f"{counts.considered:,} drives"
-    return f"Most frequent failure: {title}, in {count:,} of {drives}."
+    return f"Most frequent failure: {title}, in {count:,} of {number_of(counts.considered, 'drive')}."
 
 
 def not_enough(result: SizingResult) -> str:

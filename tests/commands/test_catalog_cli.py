@@ -450,7 +450,7 @@ def test_what_is_exported_and_imported_is_the_same(run, section, name):
     catalog = load([name])
     assert len(catalog.table(section)) > 3
     status, out, _ = run("export", section, "--catalog", name, "-o", "parts.csv")
-    assert (status, out) == (0, f"parts.csv: {len(catalog.table(section))} parts\n")
+    assert (status, out) == (0, f"parts.csv: {len(catalog.table(section)):,} parts\n")
     given = ("--document", "the export", "--confidence", "secondary")
     status, out, err = run("import", "parts.csv", "--section", section, "-o", "mine.yaml", *given)
     assert (status, err) == (0, "")

@@ -214,7 +214,7 @@ def in_words(fit: Fit) -> str:
     if fit.source:
         return f"{terms}; assumed: {fit.source}".removeprefix("; ")
     peers = f"{fit.parts} {fit.law.of} {fit.law.section}".replace("  ", " ")
-    return f"{terms or 'all alike'}; {peers}, {fit.families} families"
+    return f"{terms or 'all alike'}; {peers}, {fit.families} {'family' if fit.families == 1 else 'families'}"
 
 
 @cache

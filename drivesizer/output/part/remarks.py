@@ -9,6 +9,7 @@ from drivesizer.catalog.compare import Row
 from drivesizer.catalog.lookup import origins, partners, tolerances
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.view.search_view import CLAMPING_HUB
+from drivesizer.output.counted import number_of
 
 __all__ = [
     "DIFFERS", "EXCLUDED", "closing", "documents", "head", "note_line", "of_families", "partner_lines", "source_line",
@@ -31,7 +32,7 @@ def of_families(count: int) -> str:
     >>> of_families(1), of_families(2)
     ('1 family', '2 families')
     """
-    return f"{count} family" if count == 1 else f"{count} families"
+    return number_of(count, "family", "families")
 
 
 def partner_lines(hit: Hit) -> list[tuple[str, dict[str, int]]]:

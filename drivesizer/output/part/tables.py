@@ -98,11 +98,15 @@ def estimates(hit: Hit) -> PartTable | None:
     return PartTable(heads, rows, closing=closing) if rows else None
 
 
+def _all_print(count: int) -> str:
+    return "the one other part prints it" if count == 1 else f"{count} parts print it, all alike"
+
+
 def limits_of_family(hit: Hit) -> PartTable | None:
     """Permitted limits that all others of a part's family have; None where there are none."""
     rows = [
         (one.figure.replace("_", " "), _shown(hit, one.figure, one.value, 3),
-         f"{SAME_FAMILY}; {one.members} parts print it, all alike")
+         f"{SAME_FAMILY}; {_all_print(one.members)}")
         for one in family_limits(hit.table, hit.row)
     ]  # fmt: skip
     heads = (("limits of the family", "left"), ("", "right"), ("from", "left"))

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.machine.battery_pack import lacking, pack_of
+from drivesizer.output.counted import number_of
 from drivesizer.output.figure_confidence import not_quoted
 from drivesizer.output.part_line import PartLine
 from drivesizer.output.part_totals import Total, mass_text, money_text, total_text, total_texts
@@ -51,7 +52,7 @@ def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
     console.print(_parts(lines, best, wide=console.width >= _WIDE))
     console.print(Text.assemble(("total: ", "bold"), total_texts(lines, _summed), _unpriced(lines)))
     console.print()
-    title = f"{MARK[best.status]}: the tightest of {len(best.deciding)} checks"
+    title = f"{MARK[best.status]}: the tightest of {number_of(len(best.deciding), 'check')}"
     console.print(tables.checks(tightest(best.deciding, _TIGHT), title, edged=False))
     for line in _certainty(best, result):
         console.print(line)

@@ -17,6 +17,7 @@ from drivesizer.catalog.compare import Row
 from drivesizer.catalog.conditions import OPTIONS
 from drivesizer.catalog.lookup import families
 from drivesizer.catalog.query import Hit, Selection
+from drivesizer.output.counted import number_of
 from drivesizer.output.part.figures import FIRST_NOTES, figure, first_columns
 from drivesizer.output.part.remarks import DIFFERS, closing, of_families
 from drivesizer.output.terminal.tables import bare, console, heading, width_of
@@ -37,7 +38,7 @@ def overview(shelf: Mapping[str, Catalog]) -> None:
         hits = [hit for some in names.values() for hit in some]
         if not hits:
             continue
-        heading(out, section, f"{len(hits)} parts in {of_families(len(names))}")
+        heading(out, section, f"{number_of(len(hits), 'part')} in {of_families(len(names))}")
         if len(shelf) > _FEW:
             counts: Mapping[str, int] = dict(Counter(hit["manufacturer"] for hit in hits).most_common())
         else:
@@ -175,7 +176,7 @@ def searched(groups: Mapping[str, Mapping[str, Sequence[Hit]]], parts: Sequence[
             table.add_row(hit.section, *map(Text, (hit.part, hit["family"], hit.catalogue)))
         out.print(table)
     if len(parts) > limit:
-        out.print(Text(f"the first {limit} of {len(parts)} parts; --limit shows more"))
+        out.print(Text(f"the first {limit} of {number_of(len(parts), 'part')}; --limit shows more"))
 
 
 def _kinds(hits: Sequence[Hit]) -> str:

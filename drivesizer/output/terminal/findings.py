@@ -17,6 +17,7 @@ from drivesizer.catalog.laws.check import Finding
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import printable
+from drivesizer.output.counted import number_of
 from drivesizer.output.part.remarks import of_families
 from drivesizer.output.terminal.catalog import counted
 from drivesizer.output.terminal.tables import bare, console, heading
@@ -128,7 +129,9 @@ def taken(found: Imported, *, guessed: bool = False) -> None:
         Whether its columns were guessed.
     """
     out = console()
-    out.print(counted(found.families, out.width, f"{found.parts} parts in {of_families(len(found.families))}: "))
+    out.print(
+        counted(found.families, out.width, f"{number_of(found.parts, 'part')} in {of_families(len(found.families))}: ")
+    )
     if guessed:
         out.print(Text("columns guessed by name and unit, to be looked at:", style="yellow"))
     for theirs, ours in found.columns.items():

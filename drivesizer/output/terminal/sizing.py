@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog
+from drivesizer.output.counted import number_of
 from drivesizer.output.no_drive import most_fail_on, not_enough
 from drivesizer.output.pieces_table import by_case
 from drivesizer.output.terminal import tables as tables
@@ -201,7 +202,7 @@ def _front(result: SizingResult) -> Table:
 def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
     """Number of drives that were considered and that meet all limits; what the others fail on, where it is wanted."""
     counts = result.counts
-    drives = "1 drive" if counts.considered == 1 else f"{counts.considered:,} drives"
+    drives = number_of(counts.considered, "drive")
     meet = "meets" if counts.feasible == 1 else "meet"
     ranked = f", ranked by {result.objective.replace('_', ' ')}" if counts.feasible > 1 else ""
     alone = (
@@ -321,7 +322,9 @@ def validations(proofs: Sequence[Validation], objective: str) -> None:
     """
     console = tables.console()
     first = proofs[0]
-    tables.heading(console, f"{first.spec.name}: {first.profile}", f"{len(proofs)} drives in {first.loop}", "")
+    tables.heading(
+        console, f"{first.spec.name}: {first.profile}", f"{number_of(len(proofs), 'drive')} in {first.loop}", ""
+    )
     table = tables.bare(
         ("", "right"), ("was", "right"), ("drive", "left"), (objective.replace("_", " "), "right"),
         ("tightest", "right"), ("", "left"),

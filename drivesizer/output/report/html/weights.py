@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drivesizer.output.counted import number_of
 from drivesizer.output.json.loops import number
 from drivesizer.output.report.sections.blocks import Picture, as_data
 from drivesizer.output.report.sections.candidates import gearhead_words
@@ -92,7 +93,7 @@ def _criteria(drives: tuple[Choice, ...]) -> Iterator[Criterion]:
         figures = used_share(np.array(values)).tolist() if declared.more_is_better else values
         yield Criterion(name, declared.title, [_text(name, value) for value in values], [*map(_rounded, figures)])
     counts = [len(one.parts.parts) for one in drives]
-    yield Criterion(_PARTS, "number of parts", [f"{count} parts" for count in counts], [*map(float, counts)])
+    yield Criterion(_PARTS, "number of parts", [number_of(count, "part") for count in counts], [*map(float, counts)])
 
 
 def _text(name: str, value: float) -> str:
@@ -129,8 +130,9 @@ def _names(one: Choice) -> dict[str, str]:
 
 def _intro(content: Content, chosen: Choices) -> str:
     result, count = content.result, len(chosen.drives)
-    met = "meet all limits" if result.sets and result.sets[0].status == "pass" else "fail no check"
-    picked = f"The {count} drives below {met}"
+    met = "all limits" if result.sets and result.sets[0].status == "pass" else ""
+    each = ("meets " if count == 1 else "meet ") if met else ("fails " if count == 1 else "fail ")
+    picked = f"The {'drive' if count == 1 else f'{count} drives'} below {each}{met or 'no check'}"
     if chosen.judged:
         picked += f", in the machine as well; {chosen.passing} meet their own limits"
     elif chosen.passing > count:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from drivesizer.output.counted import number_of
 from drivesizer.output.report.machine.axis_chapter import axis_sections, opening
 from drivesizer.output.report.machine.chapters import BACK, FRONT, Chapter
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
@@ -34,7 +35,7 @@ def document(content: MachineContent, date: str | None = None) -> dict[str, Any]
     sizing = content.sizing
     sections = [*_chapters(content, FRONT), *(part for one in content.axes for part in _axis(one))]
     sections += _chapters(content, BACK)
-    words = f"Machine of {len(content.axes)} axes: {', '.join(one.name for one in content.axes)}"
+    words = f"Machine of {number_of(len(content.axes), 'axis', 'axes')}: {', '.join(one.name for one in content.axes)}"
     return assembled(sizing.machine.name, words, content.title_block, sections, date, found=sizing.complete)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import inf, isnan
 from typing import Any
 
+from drivesizer.output.counted import number_of
 from drivesizer.output.part_totals import LEAST, Total, totals
 from drivesizer.output.report.lines.drive import check_row, tight_of
 from drivesizer.output.report.machine.content import AxisContent, MachineContent
@@ -51,7 +52,7 @@ def verdict_text(content: MachineContent) -> tuple[Any, ...]:
     """Axes that have a drive, as a text with marks."""
     sizing = content.sizing
     without = [one.name for one in sizing.axes if one.best is None]
-    drives = f"{content.drives} drive{'' if content.drives == 1 else 's'}"
+    drives = number_of(content.drives, "drive")
     ranked = f"ranked by {sizing.objective.replace('_', ' ')}"
     if without:
         others = f" The others: {drives}, {ranked}." if content.drives else ""
@@ -62,7 +63,7 @@ def verdict_text(content: MachineContent) -> tuple[Any, ...]:
         Strong("Every axis has a drive."),
         *together,
         *_simulated(content),
-        f" {drives} on {len(sizing.axes)} axes, {ranked}.",
+        f" {drives} on {number_of(len(sizing.axes), 'axis', 'axes')}, {ranked}.",
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import isnan, nan
 from typing import Any
 
+from drivesizer.output.counted import number_of
 from drivesizer.output.json.loops import number
 from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines import rows as table
@@ -32,7 +33,8 @@ _LONGEST_FRONT = 40  # drives of it that are printed
 def _blocks(content: Content) -> Iterator[Block]:
     result = content.result
     counts = result.counts
-    yield Words(f"{counts.considered} combinations of motor and gearhead, with the belt, were examined; "
+    yield Words(f"{number_of(counts.considered, 'combination')} of motor and gearhead, with the belt, "
+                f"{'was' if counts.considered == 1 else 'were'} examined; "
                 f"{_passing(content)}. "
                 f"Ranked by {result.objective.replace('_', ' ')}.")  # fmt: skip
     if result.alternatives:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 
+from drivesizer.output.counted import number_of
 from drivesizer.output.probability import confidence, moved
 from drivesizer.output.report.lines.reliability import check_cells, drive_cells, driver_cells, none_reaches, reported
 from drivesizer.output.report.lines.reliability_rows import every_list, method_of, reliability_rows, sampling_rows
@@ -63,13 +64,13 @@ def _reached(content: Content, sampled: Uncertainty) -> Iterator[str | Strong]:
     none = none_reaches(content.result)
     if none:
         yield from (
-            f" Of {sampled.examined} drives that were sampled ",
+            f" Of {number_of(sampled.examined, 'drive')} that {'was' if sampled.examined == 1 else 'were'} sampled ",
             Strong(none),
             "; the most probable come first.",
         )
     elif sampled.confidence is not None:
         reach = "reaches" if sampled.reached == 1 else "reach"
-        yield (f" Of {sampled.examined} drives {sampled.reached} {reach} the required confidence of "
+        yield (f" Of {number_of(sampled.examined, 'drive')} {sampled.reached} {reach} the required confidence of "
                f"{confidence(sampled.confidence)}.")  # fmt: skip
 
 

@@ -96,9 +96,10 @@ def meet(count: int, of: int, status: str = "pass") -> str:
     >>> meet(7, 35, "unknown")
     '7 of 35 candidates fail no check'
     """
+    those = f"{count:,}" if count else "None"
     if status != "pass":
-        return f"{count or 'None'} of {of} candidates {'fails' if count < 2 else 'fail'} no check"
-    return f"{count or 'None'} of {of} candidates {'meets' if count < 2 else 'meet'} all limits"
+        return f"{those} of {of:,} candidates {'fails' if count < 2 else 'fail'} no check"
+    return f"{those} of {of:,} candidates {'meets' if count < 2 else 'meet'} all limits"
 
 
 def outcome_texts(content: Content) -> Iterator[Text]:
