@@ -62,7 +62,11 @@ def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> 
     RobotSpec
         The spec.
     """
-    found = _read(path, more)
+    return _single(_read(path, more), path, axis)
+
+
+def _single(found: Any, path: Path, axis: str | None) -> Any:
+    """The spec of a single axis, out of what a file has."""
     if not hasattr(found, "axes"):
         if axis is not None:
             raise InputError(f"--axis: {path} has no axes; leave it out")
@@ -88,8 +92,8 @@ def load_whole(path: Path, more: list[str] | None = None, axis: str | None = Non
     RobotSpec or MachineSpec
         The latter of several axes.
     """
-    found = _read(path, more)
-    return found if axis is None and getattr(found, "is_several", False) else load(path, more, axis)
+    found = _read(path, more)  # once: a pipe has nothing more to read
+    return found if axis is None and getattr(found, "is_several", False) else _single(found, path, axis)
 
 
 def _read(path: Path, more: list[str] | None) -> Any:

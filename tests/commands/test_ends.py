@@ -112,6 +112,22 @@ def test_standard_output_as_a_file_name(folder):
     assert "M 25" in lines[1] and len(lines) > 6  # the drives, and the text after them
 
 
+@pytest.mark.parametrize(
+    "command",
+    [["size", "-q"], ["validate", "--set", "m1/g1"], ["explain", "--motor", "m1", "--gearhead", "g1"],
+     ["report", "-o", "out.csv"], ["export", "--format", "json", "-o", "out.json"]],
+)  # fmt: skip
+def test_a_spec_through_a_pipe(run, folder, command):
+    """What a pipe has can be read once: size, validate, explain and report read it twice, and found no fields."""
+    spec = Path("robot.yaml").read_text().replace("own.yaml", str(folder / "own.yaml"))
+    end, begin = os.pipe()
+    os.write(begin, spec.encode())
+    os.close(begin)
+    status, _, err = run(*command, f"/dev/fd/{end}")
+    os.close(end)
+    assert status == 0, err
+
+
 def test_what_is_protected_or_no_place_for_a_file_is_refused(folder, monkeypatch):
     Path("kept.csv").write_text("older")
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "kept.csv")  # root may write everywhere
