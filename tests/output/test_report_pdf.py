@@ -15,6 +15,7 @@ from synthetic_validation import synthetic_validation
 
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import pdf
 from drivesizer.output.report.sections.content import Content
 from drivesizer.results.sizing import SizingResult
@@ -140,6 +141,15 @@ def test_long_and_hostile_names_stay_within_the_page_and_are_printed(name, paper
     assert name.replace(" ", "") in text and FAMILY.replace(" ", "") in text
     assert text.count(HOSTILE.replace(" ", "")) >= 2 + len(made.pictures)  # as the date on every page
     assert "тяжёлыйгруз" in text and "X" * 60 in text
+
+
+def test_a_file_whose_name_is_no_text_goes_with_the_report(result):
+    """Its letters are spelled out with backslashes, which the typesetter refused in the name of an attachment."""
+    named = replace(result, problem=replace(result.problem, machine=result.spec.model_copy()))
+    named.spec._source = YamlSource(result.spec.text, "folder/a\udcff\x01.yaml")
+    made = printed(named, None).content
+    assert "a_udcff_x01.yaml" in pypdf.PdfReader(io.BytesIO(made)).attachments
+    assert "attachedtothisPDFasa_udcff_x01.yaml" in "".join(text_of(made).split())
 
 
 def test_sixty_candidates_run_over_pages_with_their_head_repeated(tmp_path, catalog):
