@@ -1,7 +1,5 @@
 """Fields that the models of all kinds of load have in common."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar
 
 from pydantic import Field

@@ -12,10 +12,8 @@ Worked example: 45 kg on 4 wheels of 152.4 mm, C_rr 0.02, level, at 1.5 m/s: 0.0
 = 0.168 N·m at 19.69 rad/s (equations (3), (5) of Appl. Sci. 2021, 11, 6631, with bearing factor 1).
 """
 
-from __future__ import annotations
-
 import math
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -58,7 +56,7 @@ class Cylinder(Section):
     width: Length
 
     @model_validator(mode="after")
-    def _hollow(self) -> Cylinder:
+    def _hollow(self) -> Self:
         if not self.inner_diameter < self.outer_diameter:
             raise ValueError("inner_diameter must be below outer_diameter")
         return self
@@ -96,7 +94,7 @@ class WheeledVehicle(LoadModel):
     inertia: Inertia | None = Field(default=None, description="of one wheel with its shaft; or give cylinders")
 
     @model_validator(mode="after")
-    def _one_of_each(self) -> WheeledVehicle:
+    def _one_of_each(self) -> Self:
         exactly_one(self, "rolling_resistance", "sinkage")
         exactly_one(self, "cylinders", "inertia")
         if self.sinkage is not None and self.sinkage >= self.wheel_diameter:

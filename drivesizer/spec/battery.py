@@ -1,8 +1,6 @@
 """Sections of a spec on its battery and on further consumers."""
 
-from __future__ import annotations
-
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -37,7 +35,7 @@ class Run(Section):
     time: Duration
 
     @model_validator(mode="after")
-    def _one_held(self) -> Run:
+    def _one_held(self) -> Self:
         if (self.current is None) == (self.power is None):
             raise ValueError("give current or power, exactly one of them")
         return self
@@ -50,7 +48,7 @@ class OpenCircuit(Section):
     empty: Voltage
 
     @model_validator(mode="after")
-    def _falling(self) -> OpenCircuit:
+    def _falling(self) -> Self:
         if self.empty > self.full:
             raise ValueError("expected empty <= full")
         return self
@@ -94,7 +92,7 @@ class Battery(Section):
     reserve: Allowance = Field(default=0, description="by which autonomy and range must exceed what is required")
 
     @model_validator(mode="after")
-    def _known(self) -> Battery:
+    def _known(self) -> Self:
         lacking = [n for n in ("nominal_voltage", "capacity") if getattr(self, n) is None]
         if self.part is None and lacking:
             raise ValueError(f"give a part of a catalogue, or {' and '.join(lacking)} as well")
@@ -118,7 +116,7 @@ class Consumer(Section):
     assumed: bool = Field(default=False, description="whether its figures are assumed, and reported so")
 
     @model_validator(mode="after")
-    def _consistent(self) -> Consumer:
+    def _consistent(self) -> Self:
         if self.duty is not None and self.time is not None:
             raise ValueError("give duty or time, not both")
         if self.peak_power is not None and self.peak_power < self.power:

@@ -1,12 +1,10 @@
 """Sections of a spec on the closed loop: the controller's structure and gains, and the model of the machine."""
 
-from __future__ import annotations
-
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Angle, Duration, Frequency, Gain, Part, Section, Stiffness
+from drivesizer.files.fields import Angle, Duration, Frequency, Gain, Part, Section, Stiffness, at_defaults
 
 __all__ = ["Control", "Plant"]
 
@@ -54,10 +52,10 @@ class Control(Section):
     ki: Gain = Field(default=0, description="integral gain of voltage_pid [V per rad]")
     kd: Gain = Field(default=0, description="derivative gain of voltage_pid [V per rad/s^2]")
     bandwidth: Frequency | None = Field(default=None, description="closed-loop bandwidth to design voltage_pid for")
-    current: CurrentLoop = Field(default_factory=CurrentLoop)
-    velocity: VelocityLoop = Field(default_factory=VelocityLoop)
+    current: CurrentLoop = at_defaults()
+    velocity: VelocityLoop = at_defaults()
     position: PositionLoop | None = None
-    feedforward: Feedforward = Field(default_factory=Feedforward)
+    feedforward: Feedforward = at_defaults()
     rate: Frequency | None = Field(
         default=None, description="at which the velocity loop runs; the controller's own where not given"
     )
@@ -80,7 +78,7 @@ class Control(Section):
     )
 
     @model_validator(mode="after")
-    def _whole(self) -> Control:
+    def _whole(self) -> Self:
         if self.kp is None and (self.ki or self.kd):
             raise ValueError("ki and kd need kp")
         if self.count_time is not None and self.speed_from == "exact":
@@ -105,7 +103,7 @@ class Plant(Section):
     warming: bool = Field(default=True, description="whether the winding warms along the run")
 
     @model_validator(mode="after")
-    def _of_two_masses(self) -> Plant:
+    def _of_two_masses(self) -> Self:
         if self.model == "rigid" and {"stiffness", "damping_ratio", "backlash"} & self.model_fields_set:
             raise ValueError("stiffness, damping_ratio and backlash belong to model: two_mass")
         return self

@@ -16,6 +16,7 @@ from drivesizer.files.fields import (
     Speed,
     TorqueAbove,
     default,
+    no_entries,
 )
 from drivesizer.files.inertia import Inertia
 
@@ -53,7 +54,7 @@ class Following(Section):
     compare: bool = Field(
         default=False, description="whether both models are driven with either loop, with and without what is misjudged"
     )
-    measured: Annotated[list[Measured], Field(max_length=20)] = Field(default_factory=list)
+    measured: Annotated[list[Measured], Field(max_length=20)] = no_entries()
 
     @model_validator(mode="after")
     def _of_its_loop(self) -> Following:

@@ -1,8 +1,6 @@
 """Required life: of all parts that have one, or of some of them by name."""
 
-from __future__ import annotations
-
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -21,7 +19,7 @@ class Lives(Section):
     output_bearing: Duration | None = Field(default=None, description="of the gearhead's output, under section shaft")
 
     @model_validator(mode="after")
-    def _some(self) -> Lives:
+    def _some(self) -> Self:
         if self.screw is self.gearhead is self.output_bearing is None:
             raise ValueError("give screw, gearhead or output_bearing, or one time for all, e.g. life: 20000 h")
         return self

@@ -1,7 +1,5 @@
 """Motions of a spec: one cycle, repeated, linear or rotary as the load is."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -98,7 +96,7 @@ class Move(_Repeated):
     deceleration_time: Duration | None = Field(default=None, description="acceleration_time where not given")
 
     @model_validator(mode="after")
-    def _shaped(self) -> Move:
+    def _shaped(self) -> Self:
         if self.law != "trapezoid" and (self.acceleration_time or self.deceleration_time):
             raise ValueError("expected acceleration_time and deceleration_time with law: trapezoid only")
         if sum(self.ramps) > self.time * (1.0 + _ROUNDING):
@@ -154,7 +152,7 @@ class Segments(Section):
     segments: Annotated[list[Segment], Field(min_length=1, max_length=10_000)]
 
     @model_validator(mode="after")
-    def _ends_at_rest(self) -> Segments:
+    def _ends_at_rest(self) -> Self:
         speeds = [s.to for s in self.segments if s.to is not None]
         if speeds and speeds[-1] != 0.0:
             raise ValueError("expected the last speed to be 0: a cycle starts and ends at standstill")

@@ -24,7 +24,9 @@ from drivesizer.files.fields import (
     Speed,
     Thickness,
     Turning,
+    at_defaults,
     default,
+    no_entries,
 )
 from drivesizer.files.inertia import Inertia, InertiaAbove
 from drivesizer.platform.envelope import Passage, Size
@@ -132,29 +134,29 @@ class Platform(Section):
 
     wheels: Annotated[list[WheelPlace], Field(min_length=1, max_length=100)] | None = None
     layout: Layout | None = Field(default=None, description="of the wheels, instead of one by one")
-    casters: Annotated[list[CasterPlace], Field(max_length=100)] = Field(default_factory=list)
+    casters: Annotated[list[CasterPlace], Field(max_length=100)] = no_entries()
     roller_resistance: Coefficient = Field(default=0, description="C_rr of rollers on their pins")
     inertia: InertiaAbove | None = Field(
         default=None,
         description="about the vertical through the centre of mass, without payloads; of a homogeneous box of the "
         "size where not given",
     )
-    centre_of_mass: CentreOfMass = Field(default_factory=CentreOfMass)
-    payloads: Annotated[list[PayloadSection], Field(max_length=100)] = Field(
-        default_factory=list, description="part of the load's mass; inertia and centre_of_mass are without them"
+    centre_of_mass: CentreOfMass = at_defaults()
+    payloads: Annotated[list[PayloadSection], Field(max_length=100)] = no_entries(
+        description="part of the load's mass; inertia and centre_of_mass are without them"
     )
     size: SizeSection | None = None
-    passages: Annotated[list[PassageSection], Field(max_length=100)] = Field(default_factory=list)
-    limits: Limits = Field(default_factory=Limits)
+    passages: Annotated[list[PassageSection], Field(max_length=100)] = no_entries()
+    limits: Limits = at_defaults()
     uphill: Bearing = default("0 deg", description="direction of the load's slope in the world")
-    failed: Annotated[list[Annotated[int, Field(ge=1)]], Field(max_length=100)] = Field(
-        default_factory=list, description="wheels whose motor has failed, by number: for a load case"
+    failed: Annotated[list[Annotated[int, Field(ge=1)]], Field(max_length=100)] = no_entries(
+        description="wheels whose motor has failed, by number: for a load case"
     )
     blocked: bool = Field(
         default=False, description="whether those are held by brake or gear; they turn freely otherwise"
     )
-    misjudged: Unknown = Field(default_factory=Unknown, description="for `drivesizer drive --follow`")
-    following: Following = Field(default_factory=Following, description="for `drivesizer drive --follow`")
+    misjudged: Unknown = at_defaults(description="for `drivesizer drive --follow`")
+    following: Following = at_defaults(description="for `drivesizer drive --follow`")
 
     @model_validator(mode="after")
     def _moves(self) -> Platform:
@@ -206,7 +208,7 @@ class Budget(Section):
 
     mass: Mass | None = Field(default=None, description="permitted total")
     structure: Mass | None = Field(default=None, description="frame, wheels, covers; unknown where not given")
-    others: Annotated[list[Item], Field(max_length=1000)] = Field(default_factory=list, description="equipment")
+    others: Annotated[list[Item], Field(max_length=1000)] = no_entries(description="equipment")
     drive_counts: bool = Field(
         default=False, description="whether the moved mass follows from the budget, including the drive's own"
     )

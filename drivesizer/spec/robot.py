@@ -19,7 +19,7 @@ from pydantic import Field, PrivateAttr, ValidationError, field_validator, model
 
 from drivesizer.catalog import Brake, Controller
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.fields import default
+from drivesizer.files.fields import at_defaults, default, no_entries
 from drivesizer.files.later import HasLater, Later
 from drivesizer.files.read_before import left_out_before, read_before
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
@@ -90,34 +90,34 @@ class RobotSpec(HasLater):
     transmission: Annotated[list[Stage], Field(min_length=1, max_length=3)] = default(
         [{"kind": "gearhead"}], description="from the motor to the load"
     )
-    paper_factors: PaperFactors = Field(default_factory=PaperFactors)
-    margins: Margins = Field(default_factory=Margins)
+    paper_factors: PaperFactors = at_defaults()
+    margins: Margins = at_defaults()
     supply: Supply
     brake_resistor: BrakeResistor | None = Field(
         default=None,
         description="that burns what is regenerated; none where not given",
         json_schema_extra=_or_any,
     )
-    power_stage: PowerStage = Field(default_factory=PowerStage)
+    power_stage: PowerStage = at_defaults()
     shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
-    environment: Environment = Field(default_factory=Environment)
+    environment: Environment = at_defaults()
     mounting: Mounting | None = Field(default=None, description="of the motor; as printed where not given")
-    needs: Needs = Field(default_factory=Needs)
+    needs: Needs = at_defaults()
     brake: OwnBrake | None = Field(default=None, description="out of the catalogues where not given")
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
     battery: Battery | None = Field(default=None, description="that feeds the machine; only the supply where not given")
-    equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(
-        default_factory=list, description="further consumers on the battery"
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = no_entries(
+        description="further consumers on the battery"
     )
     platform: Platform | None = Field(default=None, description="of a wheeled vehicle: wheels, mass, room, limits")
     budget: Budget | None = Field(default=None, description="of the machine's mass")
-    control: Control = Field(default_factory=Control)
-    plant: Plant = Field(default_factory=Plant)
-    select: Select = Field(default_factory=Select)
-    tolerances: Tolerances = Field(default_factory=Tolerances)
-    report: TitleBlock = Field(default_factory=TitleBlock, description="for the head of reports")
-    cases: Annotated[list[Case], Field(max_length=100)] = Field(
-        default_factory=list, description="further load cases; a drive must pass all"
+    control: Control = at_defaults()
+    plant: Plant = at_defaults()
+    select: Select = at_defaults()
+    tolerances: Tolerances = at_defaults()
+    report: TitleBlock = at_defaults(description="for the head of reports")
+    cases: Annotated[list[Case], Field(max_length=100)] = no_entries(
+        description="further load cases; a drive must pass all"
     )
 
     _source: YamlSource | None = PrivateAttr(default=None)

@@ -22,8 +22,10 @@ from drivesizer.files.fields import (
     Pause,
     Place,
     Section,
+    at_defaults,
     default,
     exactly_one,
+    no_entries,
 )
 from drivesizer.files.frozen import dataclass
 from drivesizer.units import KINDS, label, noun, to_si
@@ -180,25 +182,21 @@ class RobotSection(Section):
     law: Literal["fastest", "poly5"] = Field(
         default="fastest", description="of moves between waypoints: fastest within limits, or a polynomial of 5th order"
     )
-    limits: dict[Name, JointLimits] = Field(
-        default_factory=dict, description="of moves between waypoints, by joint; `all` for those that are not named"
+    limits: dict[Name, JointLimits] = at_defaults(
+        description="of moves between waypoints, by joint; `all` for those that are not named"
     )
-    held: dict[Name, Position] = Field(
-        default_factory=dict, description="positions of joints that do not move; 0 where not given"
-    )
+    held: dict[Name, Position] = at_defaults(description="positions of joints that do not move; 0 where not given")
     payload: PointMass | None = Field(default=None, description="or its mass alone", json_schema_extra=_or_mass)
-    payloads: Annotated[list[PayloadCase], Field(max_length=100)] = Field(
-        default_factory=list, description="other payloads at the same point, as load cases"
+    payloads: Annotated[list[PayloadCase], Field(max_length=100)] = no_entries(
+        description="other payloads at the same point, as load cases"
     )
-    holds: Annotated[list[Hold], Field(max_length=100)] = Field(
-        default_factory=list, description="poses that are held, as load cases"
-    )
-    mounting: Mounting = Field(default_factory=Mounting, description="of the base; upright where not given")
+    holds: Annotated[list[Hold], Field(max_length=100)] = no_entries(description="poses that are held, as load cases")
+    mounting: Mounting = at_defaults(description="of the base; upright where not given")
     friction: Literal["keep", "leave"] = Field(
         default="keep", description="of the joints in the description: kept as that of bearings, or left out"
     )
-    drives: dict[Name, DrivePlace] = Field(
-        default_factory=dict, description="by joint; at the joint on the link before it where not given"
+    drives: dict[Name, DrivePlace] = at_defaults(
+        description="by joint; at the joint on the link before it where not given"
     )
 
     @field_validator("payload", mode="before")

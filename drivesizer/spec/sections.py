@@ -1,8 +1,6 @@
 """The sections of robot.yaml that are not load, motion, transmission, loop, choice, battery or platform."""
 
-from __future__ import annotations
-
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -33,6 +31,7 @@ from drivesizer.files.fields import (
     TorqueAbove,
     Turning,
     Voltage,
+    at_defaults,
     default,
 )
 from drivesizer.spec.lives import Life
@@ -85,13 +84,13 @@ class Supply(Section):
     capacitance: Capacitance | None = Field(default=None, description="of the bus, where what is not accepted stays")
 
     @model_validator(mode="after")
-    def _ordered(self) -> Supply:
+    def _ordered(self) -> Self:
         if not (self.min or self.nominal) <= self.nominal <= (self.max or self.nominal):
             raise ValueError("expected min <= nominal <= max")
         return self
 
     @model_validator(mode="after")
-    def _of_one_kind(self) -> Supply:
+    def _of_one_kind(self) -> Self:
         if self.kind == "power_supply" and (self.regeneration or self.accepts == "all"):
             raise ValueError("a power_supply takes nothing back; leave regeneration and accepts out, or another kind")
         if self.kind == "battery" and self.accepts == "share":
@@ -101,7 +100,7 @@ class Supply(Section):
         return self
 
     @model_validator(mode="after")
-    def _peaks(self) -> Supply:
+    def _peaks(self) -> Self:
         if self.peak_time is not None and self.peak_current is None and self.part is None:
             raise ValueError("give peak_current with peak_time")
         if self.peak_current is not None:
@@ -203,7 +202,7 @@ class Needs(Section):
     price: Price | None = Field(default=None, description="of motor, gearhead and brake together, at most")
 
     @model_validator(mode="after")
-    def _held(self) -> Needs:
+    def _held(self) -> Self:
         if self.holding_friction == "counted" and not self.hold_unpowered:
             raise ValueError("give hold_unpowered: true with holding_friction: counted")
         return self
@@ -213,11 +212,11 @@ class Case(Section):
     """Changes of a further load case; everything else is as in the spec."""
 
     name: str = Field(min_length=1, max_length=60)
-    load: dict[str, Any] = Field(default_factory=dict)
-    motion: dict[str, Any] = Field(default_factory=dict)
-    supply: dict[str, Any] = Field(default_factory=dict)
-    environment: dict[str, Any] = Field(default_factory=dict)
-    platform: dict[str, Any] = Field(default_factory=dict)
+    load: dict[str, Any] = at_defaults()
+    motion: dict[str, Any] = at_defaults()
+    supply: dict[str, Any] = at_defaults()
+    environment: dict[str, Any] = at_defaults()
+    platform: dict[str, Any] = at_defaults()
 
 
 _Line = Annotated[str, Field(min_length=1, max_length=200)]

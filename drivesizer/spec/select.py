@@ -1,12 +1,10 @@
 """Section of a spec on permitted parts and the objective of the ranking."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from drivesizer.files.fields import Names, Ratio, Section
+from drivesizer.files.fields import Names, Ratio, Section, at_defaults
 from drivesizer.files.frozen import dataclass
 
 __all__ = [
@@ -100,11 +98,11 @@ class Select(Section):
     """Permitted parts, and the objective of the ranking."""
 
     catalogs: Names = Field(default=["maxon"])
-    motor: MotorChoice = Field(default_factory=MotorChoice)
-    gearhead: Choice = Field(default_factory=Choice)
-    encoder: EncoderChoice = Field(default_factory=EncoderChoice)
-    controller: ControllerChoice = Field(default_factory=ControllerChoice)
-    brake: Choice = Field(default_factory=Choice)
+    motor: MotorChoice = at_defaults()
+    gearhead: Choice = at_defaults()
+    encoder: EncoderChoice = at_defaults()
+    controller: ControllerChoice = at_defaults()
+    brake: Choice = at_defaults()
     objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
     unknown: Literal["allow", "reject"] = Field(default="allow", description="drives with a check that is unknown")
 

@@ -1,14 +1,12 @@
 """Section ``tolerances`` of a spec: required confidence, samples, and tolerances of catalogue figures."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
 from drivesizer.catalog.tolerances.classes import NOT_OF_STEPPERS, OF_STEPPERS
 from drivesizer.catalog.tolerances.factors import share
-from drivesizer.files.fields import Section, Share
+from drivesizer.files.fields import Section, Share, at_defaults
 
 __all__ = ["FEWEST", "MOST", "ControllerTolerances", "GearheadTolerances", "MotorTolerances", "Tolerances"]
 
@@ -68,9 +66,9 @@ class Tolerances(Section):
         default=64, description="of the best drives in closed loop, where a confidence is required; 0 for none"
     )
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = Field(default=1, description="the same seed, the same figures")
-    motor: MotorTolerances = Field(default_factory=MotorTolerances)
-    gearhead: GearheadTolerances = Field(default_factory=GearheadTolerances)
-    controller: ControllerTolerances = Field(default_factory=ControllerTolerances)
+    motor: MotorTolerances = at_defaults()
+    gearhead: GearheadTolerances = at_defaults()
+    controller: ControllerTolerances = at_defaults()
 
     @property
     def given(self) -> dict[tuple[str, str], str]:

@@ -1,8 +1,6 @@
 """The stages between motor and load that a spec may name."""
 
-from __future__ import annotations
-
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -54,7 +52,7 @@ class Pulleys(Section):
     adjustable: Thickness = default("3 mm", description="by how much the shafts may be moved, either way")
 
     @model_validator(mode="after")
-    def _ordered(self) -> Pulleys:
+    def _ordered(self) -> Self:
         if not self.ratio_min <= self.ratio_max:
             raise ValueError("expected ratio_min <= ratio_max")
         return self
@@ -81,7 +79,7 @@ class BeltStage(Section):
     max_speed: Speed | None = Field(default=None, description="permitted belt speed, with a known pulley")
 
     @model_validator(mode="after")
-    def _one_of_each(self) -> BeltStage:
+    def _one_of_each(self) -> Self:
         exactly_one(self, "ratio", "ratios", "pulleys")
         if self.pulleys is not None and self.pulley_diameter is not None:
             raise ValueError("give pulleys or pulley_diameter, not both: diameters of pulleys follow from their teeth")
@@ -117,7 +115,7 @@ class GearStage(Section):
     mass: Mass | None = Field(default=None, description="of the whole stage; unknown where not given")
 
     @model_validator(mode="after")
-    def _forces(self) -> GearStage:
+    def _forces(self) -> Self:
         if self.kind == "worm" and self.pinion_diameter is not None:
             raise ValueError("forces of a worm are not computed; leave pinion_diameter out, see needs.radial_load")
         return self

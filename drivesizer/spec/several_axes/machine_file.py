@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, field_validator
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.fields import Allowance, Duration, Pause, Place, Section, default
+from drivesizer.files.fields import Allowance, Duration, Pause, Place, Section, at_defaults, default, no_entries
 from drivesizer.files.yaml_overlay import overlay
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.spec.battery import Battery, Consumer
@@ -59,8 +59,8 @@ class CarriedPlace(Section):
 class AxisFields(Section):
     """Fields of an axis that a robot.yaml lacks."""
 
-    carries: list[str] | dict[str, CarriedPlace] = Field(
-        default_factory=list, description="axes whose drives ride on this one; where it turns, each with its distance"
+    carries: list[str] | dict[str, CarriedPlace] = no_entries(
+        description="axes whose drives ride on this one; where it turns, each with its distance"
     )
 
     @field_validator("carries", mode="before")
@@ -85,8 +85,8 @@ class MachineFields(Section):
     """Fields of a machine beside the sections that are defaults of its axes."""
 
     name: str = Field(min_length=1, max_length=200)
-    axes: Annotated[dict[str, dict[str, Any]], Field(max_length=100)] = Field(
-        default_factory=dict, description="by name, each with sections of a robot.yaml over those of the machine"
+    axes: Annotated[dict[str, dict[str, Any]], Field(max_length=100)] = at_defaults(
+        description="by name, each with sections of a robot.yaml over those of the machine"
     )
     robot: RobotSection | None = Field(default=None, description="joints of a description, each an axis by its name")
     timing: Literal["synchronised", "independent"] = Field(
@@ -103,14 +103,14 @@ class MachineFields(Section):
         description="by how much the sum of the objective may grow for common motors and gearheads",
     )
     supply: Supply
-    environment: Environment = Field(default_factory=Environment)
-    margins: Margins = Field(default_factory=Margins)
+    environment: Environment = at_defaults()
+    margins: Margins = at_defaults()
     mission: Mission | None = None
     battery: Battery | None = None
-    equipment: Annotated[list[Consumer], Field(max_length=100)] = Field(default_factory=list)
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = no_entries()
     budget: Budget | None = None
     brake_resistor: BrakeResistor | None = None
-    report: TitleBlock = Field(default_factory=TitleBlock)
+    report: TitleBlock = at_defaults()
 
     @field_validator("axes", mode="before")
     @classmethod
