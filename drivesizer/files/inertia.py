@@ -14,10 +14,8 @@ Worked example: a ball screw of steel, 7800 kg/m³, of 40 mm by 1000 mm has 19.6
 MELDAS MDS-B-SVJ2 series, selection, example of servo selection).
 """
 
-from __future__ import annotations
-
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic_core import core_schema
@@ -60,7 +58,7 @@ class Solid(Section):
     count: Annotated[int, Field(ge=1, le=1000)] = Field(default=1, description="bodies alike")
 
     @model_validator(mode="after")
-    def _whole(self) -> Solid:
+    def _whole(self) -> Self:
         for name in _OTHERS[self.shape]:
             if getattr(self, name) is not None:
                 raise ValueError(f"expected shape: {self.shape} without {name}")
@@ -103,7 +101,7 @@ class OfSolids(float):
 
     solids: Solid | list[Any]
 
-    def __new__(cls, solids: Solid | list[Any]) -> OfSolids:
+    def __new__(cls, solids: Solid | list[Any]) -> Self:
         """The inertia of one body, or of several and figures together."""
         made = super().__new__(cls, moment(solids))
         made.solids = solids

@@ -11,10 +11,8 @@ shoulder with 7.0 · 9.8 · 0.50 = 34 N·m level and 24 N·m at 45° below (Knig
 rotation of a rigid body, exercise on the athlete with a steel ball).
 """
 
-from __future__ import annotations
-
 import math
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -45,7 +43,7 @@ class Arm(SharedLoad):
     friction_torque: Torque = default("0 N*m", description="of the joint, against the motion")
 
     @model_validator(mode="after")
-    def _heavy_enough(self) -> Arm:
+    def _heavy_enough(self) -> Self:
         if self.inertia is not None:
             check_inertia(self.inertia, self.mass, self.length, "length")
         return self

@@ -14,8 +14,6 @@ behind gears of 100 mm and 20 mm, 5 : 1 at 90 %: 745 rpm, 0.0669 N·m and 2.69 k
 (Yaskawa, JUNMA series, selection of servomotor size).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import ClassVar, Literal
 

@@ -11,8 +11,6 @@ Worked example: goods and belt 20 kg, μ 0.3, drum 90 mm, efficiency 0.9: 0.3 ·
 (Oriental Motor, technical reference, motor sizing: belt conveyor).
 """
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 import numpy as np

@@ -13,9 +13,7 @@ to rest in 5.0 minutes by a friction of 1.0 N·m: on that ramp its shaft takes n
 Physics, rotational mechanics).
 """
 
-from __future__ import annotations
-
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -44,7 +42,7 @@ class Fan(SharedLoad):
     friction_torque: Torque = default("0 N*m", description="at any speed, against the motion")
 
     @model_validator(mode="after")
-    def _rated(self) -> Fan:
+    def _rated(self) -> Self:
         if self.rated_torque and self.rated_speed is None:
             raise ValueError("give rated_speed beside rated_torque")
         if self.exponent < 1.0:

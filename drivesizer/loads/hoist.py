@@ -13,8 +13,6 @@ Worked example: a cab of 1200 kg and a counterweight of 950 kg that rise 54 m in
 elevator).
 """
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 import numpy as np

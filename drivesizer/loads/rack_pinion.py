@@ -10,8 +10,6 @@ Worked examples: 820 kg on the level in 1 s to 2 m/s, μ 0.1: 820 · 9.81 · 0.1
 calculation and selection).
 """
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 import numpy as np

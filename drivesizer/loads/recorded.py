@@ -19,8 +19,6 @@ falls with it. RMS torque: the root of (9/3 + 9 + 9/3)/3 (N*m)^2, 2.236 N*m; mea
 both however unevenly it was sampled, as long as the corners are samples.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from math import nan

@@ -11,10 +11,8 @@ Worked example: a merry-go-round as a disc of 50.0 kg and 1.50 m radius (56.25 k
 rotational motion).
 """
 
-from __future__ import annotations
-
 import math
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -53,7 +51,7 @@ class RotaryTable(SharedLoad):
     start_angle: Bearing = default("0 deg", description="of the centre from the level line, when the cycle starts")
 
     @model_validator(mode="after")
-    def _heavy_enough(self) -> RotaryTable:
+    def _heavy_enough(self) -> Self:
         check_inertia(self.inertia, self.mass, self.eccentricity, "eccentricity")
         return self
 

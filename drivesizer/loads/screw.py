@@ -23,11 +23,9 @@ Worked examples: 20 kN on a lead of 10 mm at 70 % efficiency: 20 000 · 0.010 / 
 technical reference, motor sizing: ball screw).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -85,7 +83,7 @@ class ScrewChoice(Section):
     play_max: Thickness | None = Field(default=None, description="axial; then a screw of unknown play is left out")
 
     @model_validator(mode="after")
-    def _ordered(self) -> ScrewChoice:
+    def _ordered(self) -> Self:
         for name in ("diameter", "lead"):
             least, most = getattr(self, f"{name}_min"), getattr(self, f"{name}_max")
             if least is not None and most is not None and least > most:
@@ -157,7 +155,7 @@ class Screw(SharedLoad):
     dn_max: Ratio | None = Field(default=None, description="ball_diameter times speed that the nut permits, in mm rpm")
 
     @model_validator(mode="after")
-    def _complete(self) -> Screw:
+    def _complete(self) -> Self:
         exactly_one(self, "lead", "screw")
         if self.screw is not None:
             return self._left_open()
@@ -170,7 +168,7 @@ class Screw(SharedLoad):
             raise ValueError("give inertia, or diameter and length of a steel screw")
         return self
 
-    def _left_open(self) -> Screw:
+    def _left_open(self) -> Self:
         """Refuse figures of the screw beside a choice of it, and a choice without a length."""
         given = [name for name in _OF_CATALOGUE if getattr(self, name) is not None]
         if given:
@@ -182,7 +180,7 @@ class Screw(SharedLoad):
         return self
 
     @model_validator(mode="after")
-    def _dimensions(self) -> Screw:
+    def _dimensions(self) -> Self:
         if self.diameter and self.root_diameter and not self.root_diameter < self.diameter:
             raise ValueError("root_diameter must be below diameter")
         if self.ends and self.length is None:

@@ -1,8 +1,6 @@
 """Section of a spec on a holding brake of its own, and what is required of one."""
 
-from __future__ import annotations
-
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -48,7 +46,7 @@ class OwnBrake(Section):
     emergency_stops: Annotated[int, Field(ge=1)] | None = Field(default=None, description="permitted in its life")
 
     @model_validator(mode="after")
-    def _one_in_all(self) -> OwnBrake:
+    def _one_in_all(self) -> Self:
         if self.total_energy is not None and not self.total_energy >= (self.energy_per_stop or 0.0):
             raise ValueError("total_energy: expected at least energy_per_stop, as it is that of all stops")
         return self

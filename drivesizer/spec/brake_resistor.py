@@ -1,8 +1,6 @@
 """Section of a spec on the brake resistor of its bus."""
 
-from __future__ import annotations
-
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
@@ -47,7 +45,7 @@ class BrakeResistor(Section):
         """Whether none need be taken: no part and no figures of it are given."""
         return self._may_be_none or (self.resistance is None and not self.part)
 
-    def among(self, parts: list[str], voltage: float) -> BrakeResistor:
+    def among(self, parts: list[str], voltage: float) -> Self:
         """The section with the parts that are left to choose from, and the lowest voltage of their choppers [V]."""
         free = self.may_be_none
         made = self.model_copy(update={"part": parts, "family": None, "chopper_voltage": voltage})
@@ -60,7 +58,7 @@ class BrakeResistor(Section):
         return {} if given == _ANY else given
 
     @model_validator(mode="after")
-    def _complete(self) -> BrakeResistor:
+    def _complete(self) -> Self:
         if self.resistance is None:
             lone = [name for name in _OWN[1:] if getattr(self, name) is not None]
             if lone:

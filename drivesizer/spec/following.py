@@ -1,8 +1,6 @@
 """Sections of a spec on path following: controllers, floor and measured errors."""
 
-from __future__ import annotations
-
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -57,7 +55,7 @@ class Following(Section):
     measured: Annotated[list[Measured], Field(max_length=20)] = no_entries()
 
     @model_validator(mode="after")
-    def _of_its_loop(self) -> Following:
+    def _of_its_loop(self) -> Self:
         if self.speed_loop == "P" and self.speed_integral is not None and not self.compare:
             raise ValueError("speed_integral: a speed_loop P has none; leave it out, or take PI")
         if self.pose_period < self.period:

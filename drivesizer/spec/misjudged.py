@@ -1,7 +1,5 @@
 """Section of a spec on errors of the robot model of a platform."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 from pydantic import Field

@@ -11,9 +11,7 @@ it, with bands:
 - ``plate``: a thermal resistance of its own beside the housing's, both to ambient.
 """
 
-from __future__ import annotations
-
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
@@ -58,7 +56,7 @@ class Mounting(Section):
     gear_loss_share: Part = default(0, description="of the gearhead's loss that heats the motor's housing")
 
     @model_validator(mode="after")
-    def _one_figure(self) -> Mounting:
+    def _one_figure(self) -> Self:
         if (self.kind == "plate") != (self.plate_resistance is not None):
             raise ValueError("give plate_resistance with kind: plate, e.g. 2 K/W, and with no other")
         if self.housing_resistance is not None and self.kind != "as_printed":

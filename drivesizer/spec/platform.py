@@ -4,11 +4,9 @@ Places are in the robot's frame: x forward, y to the left, the reference point a
 the world.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
@@ -98,7 +96,7 @@ class PassageSection(Section):
     direction: Bearing = default("0 deg", description="of passage, in the world")
 
     @model_validator(mode="after")
-    def _somewhere(self) -> PassageSection:
+    def _somewhere(self) -> Self:
         if (self.x is None) != (self.y is None):
             raise ValueError("give both x and y, or none")
         return self
@@ -159,7 +157,7 @@ class Platform(Section):
     following: Following = at_defaults(description="for `drivesizer drive --follow`")
 
     @model_validator(mode="after")
-    def _moves(self) -> Platform:
+    def _moves(self) -> Self:
         if (self.wheels is None) == (self.layout is None):
             raise ValueError("give wheels or layout, exactly one of them")
         if self.inertia is None and self.size is None:
@@ -174,7 +172,7 @@ class Platform(Section):
         return self
 
     @model_validator(mode="after")
-    def _held(self) -> Platform:
+    def _held(self) -> Self:
         """Two wheels in one place, and wheels that do not hold the robot, are known before its mass is."""
         from drivesizer.platform.kinematics import kinematics  # a spec without a platform does not wait for it
 
@@ -214,7 +212,7 @@ class Budget(Section):
     )
 
     @model_validator(mode="after")
-    def _summed(self) -> Budget:
+    def _summed(self) -> Self:
         _distinct([item.name for item in self.others], "others")
         if self.drive_counts and self.structure is None:
             raise ValueError("give structure where drive_counts: the mass without the drive must be known")

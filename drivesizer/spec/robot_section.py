@@ -4,10 +4,8 @@ A figure of a joint is an angle where it turns and a length where it slides; whi
 description, so that the reader takes either and keeps its kind.
 """
 
-from __future__ import annotations
-
 import math
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import core_schema
@@ -160,7 +158,7 @@ class DrivePlace(Section):
     )
 
     @model_validator(mode="after")
-    def _somewhere(self) -> DrivePlace:
+    def _somewhere(self) -> Self:
         if (self.link is not None) != (self.on == "link"):
             raise ValueError("give link with on: link, and with no other")
         if self.belt_passes and self.on == "link_before":
@@ -206,7 +204,7 @@ class RobotSection(Section):
         return {"mass": value} if isinstance(value, str) else value
 
     @model_validator(mode="after")
-    def _whole(self) -> RobotSection:
+    def _whole(self) -> Self:
         exactly_one(self, "trajectory", "waypoints")
         if self.payloads and self.payload is None:
             raise ValueError("payloads: they hang where payload does; expected payload with its link")

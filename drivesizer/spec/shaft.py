@@ -1,7 +1,5 @@
 """Section of a spec on what acts on the output shaft of gearhead or motor."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -4,10 +4,8 @@ A wheel is placed by x and y, or by the columns of the paper's Table 1. All plac
 y to the left, the reference point at the origin.
 """
 
-from __future__ import annotations
-
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -34,7 +32,7 @@ class WheelPlace(Section):
     driven: bool = True
 
     @model_validator(mode="after")
-    def _placed(self) -> WheelPlace:
+    def _placed(self) -> Self:
         by_table, by_place = (self.distance, self.alpha, self.beta), (self.x, self.y, self.heading)
         given = (by_place, by_table) if self.distance is None else (by_table, by_place)
         if given[0][0] is None or given[0][1] is None or any(v is not None for v in given[1]):
@@ -71,7 +69,7 @@ class Mecanum(Section):
         return [_place("mecanum", *corner) for corner in corners]
 
     @model_validator(mode="after")
-    def _crossed(self) -> Mecanum:
+    def _crossed(self) -> Self:
         if self.roller_angle <= 0.0:
             raise ValueError("expected roller_angle above 0: other rollers hold the platform badly in turning")
         return self

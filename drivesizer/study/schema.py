@@ -3,9 +3,7 @@
 ``axes`` reads the varied fields, because the spec defines a field's kind of quantity.
 """
 
-from __future__ import annotations
-
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
@@ -75,7 +73,7 @@ class StudyFile(Section):
     top: Annotated[int, Field(ge=1, le=100)] = Field(default=1, description="how many drives of each variant")
 
     @model_validator(mode="after")
-    def _one_source(self) -> StudyFile:
+    def _one_source(self) -> Self:
         exactly_one(self, "spec", "specs")
         if self.specs and self.vary:
             raise ValueError("vary: expected spec, the one that is varied, not specs")

@@ -4,8 +4,6 @@ Sections at the top are defaults of every axis; an axis has them field by field 
 over a spec's. Battery, equipment, budget and brake resistor are of the whole machine: of one axis they are its own.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
