@@ -247,6 +247,8 @@ def highest(found: Periodic, *shares: float) -> Highest:
     t = np.broadcast_to(found.t, slopes.shape)
     until = np.take_along_axis(t, segment[None], axis=0)[0]
     inner, turn, reached = _turned(found, values, slopes, pulls, top)
+    if not len(reached):  # mostly: the highest is at an end
+        return Highest(top, segment, until)
     order = np.lexsort((-inner[0], np.round(reached, _DIGITS)))
     order = order[reached[order] > top[inner[1][order]]]
     motor = inner[1][order]  # the last one counts: the highest, of those alike the first
@@ -258,6 +260,8 @@ def _turned(found: Periodic, values: Array, slopes: Array, pulls: Array, top: Ar
     """Extremes of a sum of rises within segments that may be above ``top``: the places, when and how high."""
     t = np.broadcast_to(found.t, slopes.shape)
     inner = np.nonzero((slopes > 0.0) & (pulls < 0.0) & (values[:-1] + t * slopes > top))
+    if not len(inner[0]):
+        return inner, np.zeros(0), np.zeros(0)
     columns = (found.span.fast, found.span.slow, t, values[:-1], slopes, pulls)
     fast, slow, t, start, slope, pull = (
         (x if x.shape == slopes.shape else np.broadcast_to(x, slopes.shape))[inner] for x in columns

@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 
 _NEGLIGIBLE = 1e-18  # the first term that a series leaves out: a thousandth of the rounding of its sum
 _COEFFICIENTS = [1.0 / math.factorial(k + 2) for k in range(24)]  # of the series of phi_2
+_FEW = 4  # nodes that are doubled one by one
 _RUN = 16  # spans of a run
 _WIDE = 256  # motors: their columns are long enough for the processor without runs
 
@@ -203,6 +204,8 @@ def _doubled(rounds: Array, f: Array, s: Array, found: tuple[Array, ...], order:
     p_f, p, q_f, q = (values.ravel()[order] for values in found)
     p_s = p_f + (s - f) * p
     table = (f * p_f, s * p_s, p_f + s * p, p_f, p_s, p, q_f, q)
+    if len(rounds) <= _FEW:
+        return _doubled_alone(rounds.tolist(), table)
     with np.errstate(over="ignore"):
         for n in range(1, int(rounds[0]) + 1):
             count = int(np.count_nonzero(rounds >= n))
@@ -210,8 +213,22 @@ def _doubled(rounds: Array, f: Array, s: Array, found: tuple[Array, ...], order:
     return p_f, p, q_f, q
 
 
-def _double(m_f: Array, m_s: Array, e: Array, p_f: Array, p_s: Array, p: Array, q_f: Array, q: Array) -> None:
-    """exp less 1 at f and at s, exp over both, phi_1 and phi_2 likewise, in place: now at 2 f and 2 s.
+def _doubled_alone(rounds: list[int], table: tuple[Array, ...]) -> tuple[Array, ...]:
+    """The same node by node: of few, figures are quicker than columns."""
+    found = []
+    for count, *node in zip(rounds, *(values.tolist() for values in table), strict=True):
+        values = tuple(node)
+        for _ in range(count):
+            values = _double(*values)
+        found.append(values)
+    _, _, _, p_f, _, p, q_f, q = np.array(found).T
+    return p_f, p, q_f, q
+
+
+def _double(
+    m_f: Value, m_s: Value, e: Value, p_f: Value, p_s: Value, p: Value, q_f: Value, q: Value
+) -> tuple[Value, ...]:
+    """exp less 1 at f and at s, exp over both, phi_1 and phi_2 likewise: now at 2 f and 2 s; columns in place.
 
     phi_2(2 x) = phi_1(x)^2 / 4 + phi_2(x) / 2, phi_1(2 x) = phi_1(x) (e^x + 1) / 2; over both nodes by the product
     rule, halved once more because their distance doubles. Less 1, for the digits of a node far below the other.
@@ -228,6 +245,7 @@ def _double(m_f: Array, m_s: Array, e: Array, p_f: Array, p_s: Array, p: Array, 
     e *= (m_f + m_s) / 2.0 + 1.0
     m_f *= m_f + 2.0
     m_s *= m_s + 2.0
+    return m_f, m_s, e, p_f, p_s, p, q_f, q
 
 
 def turning_time(gap: Array, slope: Array, pull: Array) -> Array:

@@ -233,7 +233,7 @@ def at_inputs(found: Wave, stage: PowerStage, voltages: Sequence[Any]) -> list[W
         One for each voltage.
     """
     if not np.any(stage.loss) and not np.any(stage.resistance):
-        return [found._replace(voltage=voltage) for voltage in voltages]
+        return [found if one is found.voltage else found._replace(voltage=one) for one in voltages]
     loss, ohm = (np.reshape(x, (-1, 1, 1)) for x in (stage.loss, stage.resistance))
     duration, current = found.duration, found.current
     if np.any(loss):  # all or none: a candidate's energy hangs on no other's current

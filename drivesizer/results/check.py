@@ -16,6 +16,7 @@ __all__ = [
     "Check",
     "Figure",
     "Status",
+    "gravest",
     "in_a_sentence",
     "tightest",
     "verdict",
@@ -97,7 +98,15 @@ def in_a_sentence(title: str) -> str:
 
 def verdict(checks: tuple[Check, ...]) -> Status:
     """The status of all checks together, that of the gravest: fail, unknown, open; informational ones do not count."""
-    found = {check.status for check in checks if not check.advice}
+    return gravest([check.status for check in checks if not check.advice])
+
+
+def gravest(found: Sequence[Status]) -> Status:
+    """The gravest of some outcomes; ``pass`` of none.
+
+    >>> gravest(["pass", "open", "fail"])
+    'fail'
+    """
     return next((status for status in GRAVEST if status in found), "pass")
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
-from math import isclose, isinf, isnan, nan
+from math import inf, isclose, isinf, isnan, nan
 from operator import attrgetter
 from typing import Any
 
@@ -158,6 +158,11 @@ class CheckColumn:
             return nan
         found = limit / demand - 1.0
         return nan if isinf(found) else found
+
+    def tightness_at(self, index: int) -> float:
+        """The tightness of one candidate, of which no band of estimated figures is looked at."""
+        margin = nan if self.advice or (self.by_choice and self.passed[index]) else self._margin_at(index)
+        return inf if isnan(margin) else margin
 
     def _lacking(self, index: int | tuple[()]) -> str:
         open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))

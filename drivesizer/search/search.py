@@ -21,11 +21,12 @@ from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
-from drivesizer.search.columns.candidates import Candidates, candidates, joined
+from drivesizer.search.columns.candidates import Candidates, candidates, joined, pairs
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate
 from drivesizer.search.columns.limits_over_time import WAVEFORM_LIMITS
 from drivesizer.search.families import family_of, first_of_each
 from drivesizer.search.open_checks import passing
+from drivesizer.search.paper.rule import FEW
 from drivesizer.search.ranking import Ranking
 from drivesizer.search.sifting import OPEN, PASSES, UNKNOWN, Progress, Sifted, any_passes, sifted
 
@@ -392,6 +393,16 @@ def smallest_margin(checks: list[CheckColumn]) -> Array:
     return found
 
 
+def _all_candidates(problem: Problem) -> Candidates:
+    """All of them: of few the same record again, which variants of a spec have in common."""
+    belts = tuple(problem.belt_ratios)
+    if len(pairs(problem).motor) * len(belts) > FEW:
+        return candidates(problem)
+    key, of = ("candidates", problem.spec.is_direct, belts), (problem.spec.select,)
+    found: Candidates = problem.catalog.once(key, lambda: candidates(problem), of)
+    return found
+
+
 def _by_the_paper(
     problem: Problem,
     top: int,
@@ -402,7 +413,7 @@ def _by_the_paper(
     others: int,
 ) -> Found:
     """The paper's rule over all candidates: it compares the reductions of a family, so all of them are at hand."""
-    every, catalog = candidates(problem), problem.catalog
+    every, catalog = _all_candidates(problem), problem.catalog
     found = evaluate(problem, every, rejected=misses is not None)
     margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
     fails = np.sum([check.failed for check in found.checks], axis=0)

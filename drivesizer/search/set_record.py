@@ -21,7 +21,7 @@ from drivesizer.physics.one_pass.torque import torque_above
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.results.braking import BrakingBudget
-from drivesizer.results.check import Check, Figure, Status, verdict
+from drivesizer.results.check import Check, Figure, Status, gravest, verdict
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
 from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.reliability import Reliability
@@ -147,7 +147,7 @@ def drive_in_brief(
     budget: MachineBudget = _NO_BUDGET,
     reliability: Reliability | None = None,
 ) -> DriveSet:
-    """The same with its sums, its checks and the figures of one cycle alone: what a table of many drives shows.
+    """The same with its sums, its tightest check and the figures of one cycle alone: what a table of many drives shows.
 
     Parameters
     ----------
@@ -157,14 +157,13 @@ def drive_in_brief(
     Returns
     -------
     DriveSet
-        Without requirements, settings, estimated figures and what open checks hang on.
+        Without requirements, settings, estimated figures and what open checks hang on; its status is that of all.
     """
-    checks = evaluation.checks_of(index)
     return DriveSet(
         **_sums(evaluation, index, objective, drive_parts(evaluation, index)),
         rank=rank,
-        status=_status(evaluation, index, checks, budget),
-        checks=checks,
+        status=gravest((evaluation.status(index), verdict(budget.checks))),
+        checks=evaluation.tightest_of(index),
         figures=tuple(_of_the_cycle(evaluation, index)) if evaluation.figures else (),
         budget=budget.checks,
         reliability=reliability,

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
 from dataclasses import fields
+from functools import lru_cache
 from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -27,6 +28,7 @@ from drivesizer.loads.kinds import AXES, MODULES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.elements.braking import released_power
 from drivesizer.physics.power_stage import Feed, power_stage
+from drivesizer.physics.power_stage import PowerStage as StageFigures
 from drivesizer.physics.products import once_per_part
 from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.lives import Lives
@@ -362,17 +364,20 @@ class RobotSpec(HasLater):
 
         A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
         """
-        supply = self.supply
-        given, assume = self.power_stage, self.select.estimates == "on"
-        stage = once_per_part(lambda part: power_stage(part, supply.nominal, given, assume=assume))(controller)
+        volts, given, assume = self.supply.nominal, self.power_stage, self.select.estimates == "on"
+        stage = once_per_part(lambda part: power_stage(part, volts, given, assume=assume))(controller)
+        return self._feed(stage, brake)
+
+    def _feed(self, stage: StageFigures, brake: Any) -> Feed:
         if brake is not None:
             stage = stage._replace(standby=stage.standby + released_power(brake))
-        ohm = 0.0 if supply.resistance is None else supply.resistance
-        return Feed(stage, supply.lowest, ohm, self.load.motors)
+        ohm = 0.0 if self.supply.resistance is None else self.supply.resistance
+        return Feed(stage, self.supply.lowest, ohm, self.load.motors)
 
     def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
         """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""
-        return self.feed(_figures(controller or Controller()), None if brake is None else _figures(brake))
+        stage = _stage_of(controller, self.supply.nominal, self.power_stage, self.select.estimates == "on")
+        return self._feed(stage, None if brake is None else _figures(brake))
 
     @property
     def resists(self) -> bool:
@@ -496,6 +501,12 @@ class RobotSpec(HasLater):
     def where(self, path: Path_) -> str:
         """File, line and name of a field, for a message."""
         return self._source.where(path) if self._source else ".".join(str(step) for step in path)
+
+
+@lru_cache(maxsize=64)
+def _stage_of(controller: Controller | None, volts: float, given: PowerStage, assume: bool) -> StageFigures:
+    """The power stage of one controller: of those of late as before."""
+    return power_stage(_figures(controller or Controller()), volts, given, assume=assume)
 
 
 def _figures(part: Controller | Brake) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from typing import Any
 
 from drivesizer.errors import nearest, quoted
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.multi_axis.joint_axes import with_joints
 from drivesizer.spec.several_axes.any_spec import is_machine
 from drivesizer.spec.several_axes.machine_file import read_machine
 from drivesizer.study.axes import Place
@@ -77,5 +76,7 @@ def _axes(spec: YamlSource) -> list[str]:
     """Names of the axes, with those of a robot's joints that move."""
     if "robot" not in spec.data:
         return list(spec.data["axes"] or ())
+    from drivesizer.multi_axis.joint_axes import with_joints  # what computes joints is loaded where there are any
+
     machine, _ = with_joints(read_machine(spec))
     return [axis.name for axis in machine.axes]

@@ -7,21 +7,23 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.writing import remove_all
-from drivesizer.output.report.figure_files import figures_into
 from drivesizer.study.column import Column, Row
 from drivesizer.study.columns import columns_of
 from drivesizer.study.local import cores, on_processes, started
 from drivesizer.study.lock import locked
-from drivesizer.study.maps import MOST_POINTS, Chosen, chosen, drawings, points
 from drivesizer.study.plan import Plan
 from drivesizer.study.provenance import made_of, refuse_if_all_invalid
 from drivesizer.study.refine import refined
 from drivesizer.study.store import Store, opened
 from drivesizer.study.table import has_parquet, write_csv, write_parquet
 from drivesizer.study.variant import Part
+
+if TYPE_CHECKING:
+    from drivesizer.study.maps import Chosen
 
 __all__ = ["Outcome", "carry_out"]
 
@@ -81,7 +83,7 @@ def carry_out(
         lost. Results so far are kept.
     """
     origin, outcome = made_of(plan), Outcome()
-    over = None if maps is None else chosen(plan, maps)
+    over = None if maps is None else _over(plan, maps)
     _usable(folder)
     if fresh or not (folder / "study.json").exists():
         note = refuse_if_all_invalid(plan)
@@ -186,7 +188,17 @@ def _counted(columns: Sequence[Column], store: Store, outcome: Outcome) -> Itera
         yield rows
 
 
+def _over(plan: Plan, names: Sequence[str]) -> Chosen:
+    """What maps are over; drawing is loaded where there are any."""
+    from drivesizer.study.maps import chosen
+
+    return chosen(plan, names)
+
+
 def _maps(plan: Plan, store: Store, chosen: Chosen, outcome: Outcome) -> None:
+    from drivesizer.output.report.figure_files import figures_into
+    from drivesizer.study.maps import MOST_POINTS, drawings, points
+
     if plan.total > MOST_POINTS:
         outcome.notes.append(f"no maps: more than {MOST_POINTS} variants; the tables have all")
         return

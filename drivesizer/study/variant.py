@@ -21,7 +21,6 @@ from drivesizer.study.best import best
 from drivesizer.study.column import Row
 from drivesizer.study.columns import failed, found
 from drivesizer.study.fields import changed
-from drivesizer.study.machine_rows import machine_rows
 from drivesizer.study.plan import Job, Variant
 from drivesizer.version import __version__
 
@@ -155,6 +154,8 @@ def _rows(job: Job, variant: Variant, head: Row, made: dict[str, str]) -> list[R
 
     try:
         if job.machine:
+            from drivesizer.study.machine_rows import machine_rows  # a spec of one axis needs nothing of machines
+
             return machine_rows(job, document_of(job, variant), objective, head, parts)
         spec = spec_of(job, variant)
         return found(head, best(spec, parts(spec), objective=objective, top=job.top))

@@ -108,12 +108,15 @@ class Evaluation(NamedTuple):
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
         """The checks of one candidate, but for those that have no limit to it."""
-        names = tuple(case.name for case in self.problem.cases)
-        return tuple(
-            check.at(index, self.spec.method, cases=names)
-            for check in self.checks
-            if not np.isposinf(check.limit[index])
-        )
+        return tuple(self._at(check, index) for check in self.checks if check.limit[index] != np.inf)
+
+    def tightest_of(self, index: int) -> tuple[Check, ...]:
+        """Of the checks of one candidate the one with the smallest margin; empty where no margin hangs on the load."""
+        found = min(self.checks, key=lambda check: check.tightness_at(index), default=None)
+        return () if found is None or found.tightness_at(index) == np.inf else (self._at(found, index),)
+
+    def _at(self, check: CheckColumn, index: int) -> Check:
+        return check.at(index, self.spec.method, cases=tuple(case.name for case in self.problem.cases))
 
 
 def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True, rejected: bool = True) -> Evaluation:
@@ -137,7 +140,8 @@ def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True, re
     """
     if problem.spec.method == "physics":
         return by_physics(problem, candidates, exact)
-    if rejected or len(estimated(problem, candidates, "paper")):  # at one end of a band one may pass
+    few = len(candidates.motor) <= paper_rule.FEW
+    if rejected or few or len(estimated(problem, candidates, "paper")):  # at one end of a band one may pass
         return _over_bands(_by_the_paper, problem, candidates, "paper")
     given = candidates.motor, candidates.gearhead, candidates.belt
     left = np.flatnonzero(~paper_rule.hopeless(problem.spec, problem.catalog, *given))

@@ -15,7 +15,9 @@ from drivesizer.results.requirement import Requirement
 from drivesizer.search.paper.derivation import BRAKING, vehicle
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["hopeless", "largest_allowed", "largest_torque_at_motor", "rule"]
+__all__ = ["FEW", "hopeless", "largest_allowed", "largest_torque_at_motor", "rule"]
+
+FEW = 4096  # candidates that are kept: variants of a spec have them in common, and more of them take room
 
 
 def largest_torque(wheel: Mapping[str, Requirement]) -> Any:
@@ -127,6 +129,14 @@ def hopeless(
     return found
 
 
+def _groups(catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any]) -> NDArray[np.int64]:
+    """Number of each candidate's motor and gearhead family among those that there are, from 0."""
+    families = catalog.once("families", lambda: np.unique(catalog.gearheads["family"], return_inverse=True)[1])
+    group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
+    found: NDArray[np.int64] = np.unique(group, return_inverse=True)[1]
+    return found
+
+
 def largest_allowed(
     catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], total: NDArray[Any], gear: list[CheckColumn]
 ) -> CheckColumn:
@@ -151,9 +161,8 @@ def largest_allowed(
     """
     allowed = np.logical_and.reduce([check.passed for check in gear])
     possible = ~np.logical_or.reduce([check.failed for check in gear])
-    families = catalog.once("families", lambda: np.unique(catalog.gearheads["family"], return_inverse=True)[1])
-    group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
-    _, group = np.unique(group, return_inverse=True)
+    key, of = "families of candidates", (motor, gearhead)
+    group = catalog.once(key, lambda: _groups(catalog, *of), of) if len(motor) <= FEW else _groups(catalog, *of)
     largest = np.full(group.max(initial=-1) + 1, -np.inf)
     np.maximum.at(largest, group[allowed], total[allowed])
     doubtful = possible & ~np.isfinite(largest[group])
