@@ -58,7 +58,7 @@ def test_what_bounds_pass_the_waveform_passes_and_nothing_else(given, monkeypatc
     assert 20 < len(whole(by_waveform, "rows")) < 0.2 * len(crossed.pairs.motor) * len(BELTS)
 
     def recorded(*args):
-        used.add(args[3].func.__name__)
+        used.add(args[3].closer.__name__)
         return of_some(*args)
 
     monkeypatch.setattr(decided, "_of_some", recorded)

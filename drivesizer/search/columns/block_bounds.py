@@ -220,7 +220,8 @@ def closer_power(
     pieces = _pieces(cycle, count, blocks_)
     T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count)
     owner = np.searchsorted(blocks_.first, pieces.first, side="right") - 1
-    ohms = tuple(R[:, owner] for R in _resistances(parts.motor, T))
+    cool, hot = _resistances(parts.motor, T)
+    ohms = cool[:, owner], hot[:, owner]
     ends = _ends_in_blocks(demand, k_t, ohms, (pieces.high, pieces.low))
     powers = _most_in_blocks(demand, k_t, ends, (pieces.high, pieces.low))
     feed = spec.feed(parts.controller, parts.brake).broadcast(len(low.power))
@@ -262,7 +263,7 @@ class _Some(NamedTuple):
 def _few_rows(may: NDArray[np.bool_], pieces: Envelope, count: int) -> Iterator[_Some]:
     """The segments of the pieces that count of each drive, of a few drives at a time."""
     size = np.diff(np.append(pieces.first, count))
-    every = may @ size
+    every = may.astype(np.int64) @ size
     for drives in _split(every):
         if not every[drives].any():
             continue

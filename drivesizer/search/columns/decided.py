@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +97,12 @@ class _Case:
         """Of some of the candidates, for bounds."""
         return (*self.some(mask)[:-1], self.bounding.on(mask))
 
+    def passing(self, high: Moments) -> NDArray[np.bool_]:
+        """Which candidates pass all limits by upper bounds."""
+        checks = waveform_limits(self.spec, high, high, self.columns[3])
+        found: NDArray[np.bool_] = np.logical_and.reduce([check.passed for check in checks])
+        return found
+
     def open(self, found: Pair, alive: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
         """Of each limit, where the two bounds differ in the status of a candidate that passes so far.
 
@@ -174,7 +180,8 @@ def decided(
         shortest, longest = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
-        found = waveform_bounds.bounds(spec, cycle, demand, heating, stresses, case.bounding)
+        passing = None if nearness or before else case.passing
+        found = waveform_bounds.bounds(spec, cycle, demand, heating, stresses, case.bounding, passing)
         if before:
             known = (
                 ("winding", "winding_time") if spec.resists else ("winding", "winding_time", "voltage", "voltage_time")
@@ -257,12 +264,12 @@ def _closer(
     case: _Case, alive: NDArray[np.bool_], found: Pair, left: list[NDArray[np.bool_]], nearness: bool
 ) -> tuple[Pair, list[NDArray[np.bool_]]]:
     """The same bounds and what they leave open, closer where that is winding, voltage, power or time of overload."""
-    for closer, count, opened, only_passing in _steps(case, nearness):
-        mask = opened(case, left)
+    for step in _steps(case, nearness):
+        mask = step.opened(case, left)
         if not mask.any():
             continue
-        few = _of_some(case, mask, found, partial(closer, count=count), max(_CELLS // count, _TOGETHER))
-        if only_passing:
+        few = _of_some(case, mask, found, step)
+        if step.only_passing:
             found, left = _where_it_passes(case, _numbers(mask), found, few, left)
         else:
             found = _replaced(found, mask, few)
@@ -275,27 +282,31 @@ def _closer(
     return found, left
 
 
-_Opened = Callable[[_Case, list[NDArray[np.bool_]]], NDArray[np.bool_]]
+class _Step(NamedTuple):
+    """Bounds that are closer than those before."""
+
+    closer: Callable[..., Pair]
+    pieces: int  # that they are computed from
+    opened: Callable[[_Case, list[NDArray[np.bool_]]], NDArray[np.bool_]]  # the candidates that may need them
+    only_passing: bool = False  # whether they count where all that is open passes by them, and nowhere else
 
 
-def _steps(case: _Case, nearness: bool) -> list[tuple[Callable[..., Pair], int, _Opened, bool]]:
-    """Bounds that are closer and closer: of how many pieces, of which candidates, and whether only what passes counts.
+def _steps(case: _Case, nearness: bool) -> list[_Step]:
+    """Bounds that are closer and closer, the cheap ones first.
 
     What fails is rejected by bounds that are as close as can be, for of the rejected the closest are shown.
     """
     (coarse, fine), above = _BLOCKS, waveform_bounds.closer_above
-    steps = [(closer_in_blocks, coarse, _by_heat, False)]
-    if not nearness:
-        steps.append((closer_power, coarse, _by_power, True))
-    steps.append((closer_in_blocks, fine, _by_heat, False))
+    steps = [_Step(closer_in_blocks, coarse, _by_heat)]
+    steps.append(_Step(closer_in_blocks, fine, _by_heat))
     if case.staged:
-        steps.append((closer_power, fine, _by_power, False))
-    steps += [(closer_stored, count, _by_bus, False) for count in (_FEW_PIECES, _PIECES)]
+        steps.append(_Step(closer_power, fine, _by_power))
+    steps += [_Step(closer_stored, count, _by_bus) for count in (_FEW_PIECES, _PIECES)]
     if case.staged or case.spec.supply.capacitance is None:
-        steps.append((stored_by_segments, _PIECES, _by_bus, False))
+        steps.append(_Step(stored_by_segments, _PIECES, _by_bus))
     if not nearness:
-        steps += [(above, count, _by_time, True) for count in _SOME_PIECES]
-    return [*steps, (above, _PIECES, _by_time, False)]
+        steps += [_Step(above, count, _by_time, only_passing=True) for count in _SOME_PIECES]
+    return [*steps, _Step(above, _PIECES, _by_time)]
 
 
 def _by_heat(case: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
@@ -318,12 +329,13 @@ def _by_time(_: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
     return left[_WINDING]
 
 
-def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, closer: Callable[..., Pair], size: int) -> Pair:
-    """Closer bounds of some candidates, so many at a time."""
+def _of_some(case: _Case, mask: NDArray[np.bool_], found: Pair, step: _Step) -> Pair:
+    """Closer bounds of some candidates, as many at a time as have room."""
     spec, cycle, demand, heating, *others = case.bounded(mask)
     heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
     columns, sides = (demand, heating, *others), (on(side, mask) for side in found)
-    few: Pair = at_a_time(len(demand.rms_current), size, partial(closer, spec, cycle), *columns, *sides)
+    closer, size = partial(step.closer, spec, cycle, count=step.pieces), max(_CELLS // step.pieces, _TOGETHER)
+    few: Pair = at_a_time(len(demand.rms_current), size, closer, *columns, *sides)
     return few
 
 

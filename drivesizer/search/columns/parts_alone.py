@@ -33,7 +33,7 @@ _ENOUGH = 100  # rejected candidates, to find the closest among
 _ROWS = 1 << 15  # candidates behind several belts that go on together
 _MOST = 1 << 16  # of those behind one belt
 _SHORT = 256  # pieces of a load cycle
-_SHORT_BELTS, _BELTS = 64, 16  # whose load cycles are held at a time
+_MANY_BELTS, _BELTS = 64, 16  # whose load cycles are held at a time
 
 
 class Started(NamedTuple):
@@ -242,10 +242,10 @@ def belts_together(problem: Problem) -> int:
     Returns
     -------
     int
-        A few where a cycle is long.
+        A few where much is kept of a cycle behind each: of a very long one nothing is.
     """
-    pieces = max(case.at_belt.pieces for case in problem.cases)
-    return _SHORT_BELTS if pieces <= _SHORT and not has_steppers(problem.catalog) else _BELTS
+    kept = max(0 if case.at_belt.census else case.at_belt.pieces for case in problem.cases)
+    return _MANY_BELTS if kept <= _SHORT and not has_steppers(problem.catalog) else _BELTS
 
 
 def _started(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearheads, margins: bool) -> Started:

@@ -10,19 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, lacking
 from drivesizer.physics.extremes import Envelope
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.products import product
 from drivesizer.physics.several_belts import at_a_time, behind_one, heat_behind_one
-from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most, volts_of
+from drivesizer.physics.stress import Heat, Parts, Stress, on, replaced, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import longest_run
 from drivesizer.results.ratings import controller_current
@@ -38,7 +38,15 @@ _CELLS = 1 << 16  # candidates times pieces in a block: what stays in the proces
 _SOME = 1e-300  # more than nothing, of an amount that is not known yet
 
 
-def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
+def bounds(
+    spec: RobotSpec,
+    cycle: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
+    parts: Parts,
+    passing: Callable[[Moments], NDArray[np.bool_]] | None = None,
+) -> Pair:
     """Lower and upper bounds over the waveform, from moments and extremes alone.
 
     Parameters
@@ -51,6 +59,8 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
         Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
     parts
         The parts of each candidate.
+    passing
+        Which candidates pass by upper bounds: those that do by wide ones get no others.
 
     Returns
     -------
@@ -71,7 +81,32 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
         heating.mean,
         T_low,
     )
-    return resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
+    if passing is None:
+        return resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
+    low, high = _by_the_largest_current(spec, cycle, demand, heating, stresses, parts, (low, high))
+    rows = np.flatnonzero(~passing(high))
+    some = on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows), (on(low, rows), on(high, rows))
+    few = resisted(spec, cycle, *some, coolest[rows])
+    return replaced(low, rows, few[0]), replaced(high, rows, few[1])
+
+
+def _by_the_largest_current(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts, found: Pair
+) -> Pair:
+    """Bounds of the winding with wide ones of voltage and power: at the largest current all that warmth adds."""
+    motor, (low, high) = parts.motor, found
+    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
+    ambient, R_25 = spec.environment.ambient, resistance_25(motor)
+    warmer = np.maximum(np.asarray(resistance_at(R_25, warmest)) - np.asarray(resistance_at(R_25, ambient)), 0.0)
+    cold, current = stresses.cold_voltage.value, stresses.current.value
+    volts = cold + warmer * current
+    low = low._replace(voltage=cold, stored=np.zeros_like(cold))
+    high = high._replace(voltage=volts, stored=most_kept(spec, cycle, demand, motor))
+    if not (spec.supply.current or spec.supply.power):
+        return low, high
+    most = current * volts + _most_beyond(cycle, demand, stresses, motor["torque_constant"])
+    most = at_source(most, stresses, spec.feed(parts.controller, parts.brake))
+    return low._replace(power=np.zeros_like(cold)), high._replace(power=most)
 
 
 def resisted(
@@ -104,22 +139,18 @@ def resisted(
     k_t = motor["torque_constant"]
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
     cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
-    leads = np.broadcast_to(spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0, k_t.shape)
-    cold_volts = stresses.cold_voltage.value
-    least, at_hot, most_volts = _each(
-        cycle, partial(_voltages, resists=spec.resists), k_t, demand, cool, hot, leads, cold_volts
-    )
-    low = low._replace(voltage=least)
-    high = high._replace(voltage=most_volts)
-    kept = most_kept(spec, cycle, demand, motor)
-    low, high = low._replace(stored=np.zeros_like(k_t)), high._replace(stored=kept)
+    feed = spec.feed(parts.controller, parts.brake)
+    feeding = feed.broadcast(len(k_t))
+    leads = np.broadcast_to(feed.leads if spec.resists else 0.0, k_t.shape)
+    at = _each(cycle, _at_points, k_t, demand, cool, hot, leads, feeding)
+    cold = stresses.cold_voltage.value
+    low = low._replace(voltage=np.maximum(at.least, cold), stored=np.zeros_like(k_t))
+    high = high._replace(voltage=np.maximum(at.most, cold), stored=most_kept(spec, cycle, demand, motor))
     if not (spec.supply.current or spec.supply.power):
         return low, high
-    feed = spec.feed(parts.controller, parts.brake)
-    least = _each(cycle, _corner_power, k_t, demand, cool, feed.broadcast(len(k_t))) + feed.stage.standby
-    most = np.minimum(_each(cycle, _power_bound, k_t, demand, hot), stresses.current.value * at_hot)
+    most = np.minimum(_each(cycle, _power_bound, k_t, demand, hot), stresses.current.value * np.maximum(at.hot, cold))
     most = most + _most_beyond(cycle, demand, stresses, k_t)
-    low = low._replace(power=of_the_source(least, feed))
+    low = low._replace(power=of_the_source(at.power + feed.stage.standby, feed))
     high = high._replace(power=at_source(most, stresses, feed))
     return low, high
 
@@ -185,23 +216,44 @@ def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Arra
     return np.where(np.isnan(found), np.inf, found)
 
 
-def _voltages(
-    cycle: AtGearhead, k_t: Array, demand: Demands, cool: Array, hot: Array, leads: Array, cold: Array, *, resists: bool
-) -> tuple[Array, Array, Array]:
-    """Less than the largest voltage, and more than it without and with what ``leads`` take [V]."""
-    at_hot = most = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, cold)
-    if resists:
-        most = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + leads), demand.left_out).value)
-    return _least_voltage(cycle, demand, cool + leads, k_t, cold), at_hot, most
+class _AtPoints(NamedTuple):
+    """What there is at the extreme points, of which the peaks of all that is linear in the functions are among."""
+
+    least: Array  # V, less than the largest voltage: where a warmer winding only raises it
+    hot: Array  # V, more than it
+    most: Array  # V, with what resistances before the winding take
+    power: Array  # W, largest into the stage: between the points it may be more
 
 
-def _least_voltage(cycle: AtGearhead, demand: Demands, cool: Array, k_t: Array, cold: Array) -> Array:
-    """Less than the largest voltage: cold at the start, or at a bound where a warmer winding only raises it."""
-    points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
-    volts = product(points, volts_of(demand, k_t, cool).T)  # shape (points, candidates): few long rows
-    more = np.where(product(points, demand.coefficients.T) * volts > 0.0, np.abs(volts), 0.0)
-    least: Array = np.maximum(more.max(axis=0), cold)
-    return least
+def _at_points(
+    cycle: AtGearhead, k_t: Array, demand: Demands, cool: Array, hot: Array, leads: Array, feed: Feed
+) -> _AtPoints:
+    """Voltage and power at the extreme points, of windings no cooler and no warmer than they may be."""
+    points = np.concatenate([cycle.extremes.high, cycle.extremes.low])
+    current, induced = _current_and_induced(points, k_t, demand)
+    peaks, unknown = [], np.flatnonzero(lacking(demand.left_out))
+    for R in (hot, hot + leads) if leads.any() else (hot,):
+        peak = np.abs(R * current + induced).max(axis=0)
+        peak[unknown] = _known_peak(cycle, k_t, demand, R, unknown)
+        peaks.append(peak)
+    volts = cool * current + induced
+    power = (current * volts + feed.lost(current)).max(axis=0)
+    volts += leads * current
+    least = np.where(current * volts > 0.0, np.abs(volts), 0.0).max(axis=0)
+    return _AtPoints(least, peaks[0], np.maximum(peaks[0], peaks[-1]), power)
+
+
+def _current_and_induced(points: Array, k_t: Array, demand: Demands) -> tuple[Array, Array]:
+    """Current [A] and induced voltage [V] at points of the functions: shape (points, candidates), few long rows."""
+    current = product(points, (demand.coefficients / k_t[:, None]).T)
+    return current, points[:, SPEED, None] * (demand.back_emf * demand.total_ratio)
+
+
+def _known_peak(cycle: AtGearhead, k_t: Array, demand: Demands, R: Array, rows: NDArray[np.int64]) -> Array:
+    """Largest voltage of candidates of whose torque a part is unknown, as far as that makes it no smaller [V]."""
+    if not len(rows):
+        return R[rows]
+    return cycle.peak(volts_of(on(demand, rows), k_t[rows], R[rows]), demand.left_out[rows]).value
 
 
 def winding_limits(
@@ -308,20 +360,11 @@ def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, A
     return least, longest_run(*pieces, perhaps)
 
 
-def _corner_power(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array, feed: Feed) -> Array:
-    """Largest power into the stage at the extreme points [W]: between them it may be more."""
-    points = np.concatenate([cycle.extremes.high, cycle.extremes.low]) * cycle.scale
-    current = product(points, (demand.coefficients / k_t[:, None]).T)
-    power = current * product(points, volts_of(demand, k_t, hot).T) + feed.lost(current)
-    found: Array = power.max(axis=0)
-    return found
-
-
 def _power_bound(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> Array:
     """More than the electrical power ever is [W]: where current and voltage are both positive, or both negative."""
-    current, volts = (demand.coefficients / k_t[:, None] * cycle.scale, volts_of(demand, k_t, hot) * cycle.scale)
     found = np.zeros(len(hot))
     for points, sign in ((cycle.extremes.above, 1.0), (cycle.extremes.below, -1.0)):
-        both = [np.maximum(sign * product(points, c.T), 0.0) for c in (current, volts)]
-        found = np.maximum(found, (both[0] * both[1]).max(axis=0))
+        current, volts = _current_and_induced(sign * points, k_t, demand)
+        volts += hot * current
+        found = np.maximum(found, (np.maximum(current, 0.0) * np.maximum(volts, 0.0)).max(axis=0))
     return found
