@@ -241,7 +241,8 @@ def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
     >>> first_largest(np.array([[0.3, 0.1 + 0.2, 0.0], [1.0, 2.0, 3.0]]))[1].tolist()
     [0, 2]
     """
-    return values.max(axis=-1), np.argmax(near_largest(values), axis=-1)
+    top = values.max(axis=-1)
+    return top, np.argmin(values < _near(top)[..., None], axis=-1)
 
 
 def near_largest(values: Array) -> NDArray[np.bool_]:
@@ -257,10 +258,14 @@ def near_largest(values: Array) -> NDArray[np.bool_]:
     array
         A mask of that shape.
     """
-    top = values.max(axis=-1)
-    least = np.minimum(top * (1.0 - _ALIKE), top * (1.0 + _ALIKE))  # of infinite ones the same
-    near: NDArray[np.bool_] = ~(values < least[..., None])
+    near: NDArray[np.bool_] = ~(values < _near(values.max(axis=-1))[..., None])
     return near
+
+
+def _near(top: Array) -> Array:
+    """Less than that is not the largest but for rounding; of infinite ones the same."""
+    found: Array = np.minimum(top * (1.0 - _ALIKE), top * (1.0 + _ALIKE))
+    return found
 
 
 def _corners(points: Array) -> Array:

@@ -33,13 +33,28 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-12  # share of a power that rounding may take
 _ALIKE = 1e-9  # and more than that
 _PIECES = 1024  # of a cycle, by which it is found where a drive's power may be largest
+_KEPT = 1 << 18  # drives times blocks of which temperatures are kept
 _AT_ONCE = 1 << 15  # drives times segments of which the power is computed
 
 
 def _bracketed(cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts, ambient: float, count: int) -> Bracket:
-    """Bounds of the winding over a long cycle from so many blocks [K]: closer than those of ``bounds``."""
-    current = demand.coefficients / parts.motor["torque_constant"][:, None]
-    return bracket(two_bodies(parts.motor), ambient, _blocks(cycle, count), current, heating.friction, heating.iron)
+    """Bounds of the winding over a long cycle from so many blocks [K]: closer than those of ``bounds``.
+
+    Those of the few candidates that were looked at last are kept: their power is what is looked at next.
+    """
+    current, bodies = demand.coefficients / parts.motor["torque_constant"][:, None], two_bodies(parts.motor)
+    constants = (ambient, bodies.R_25, bodies.R_th1, bodies.R_th2, bodies.tau_w, bodies.tau_h)
+    figures = [np.broadcast_to(x, len(current)) for x in (*constants, heating.friction, heating.iron)]
+    keys = [row.tobytes() for row in np.column_stack([current, *figures])]
+    store, name = cycle.base.coarse, ("bracket", count)
+    known, kept = store.get(name, ({}, None))
+    if kept is not None and all(key in known for key in keys):
+        rows = [known[key] for key in keys]
+        return Bracket(*(column[rows] for column in kept))
+    found = bracket(bodies, ambient, _blocks(cycle, count), current, heating.friction, heating.iron)
+    if len(keys) * count <= _KEPT:
+        store[name] = {key: row for row, key in enumerate(keys)}, found
+    return found
 
 
 def _blocks(cycle: AtGearhead, count: int) -> Blocks:

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, lacking
 from drivesizer.physics.extremes import Envelope
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
+from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.products import product
 from drivesizer.physics.several_belts import at_a_time, behind_one, heat_behind_one
 from drivesizer.physics.stress import Heat, Parts, Stress, on, replaced, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
-from drivesizer.physics.waveform import longest_run
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.bus_bounds import most_kept
 from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_passing
@@ -352,12 +352,28 @@ def _times_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, 
 def _runs_above(found: Envelope, current: Array, limit: Array) -> tuple[Array, Array]:
     """Longest uninterrupted time that currents are certainly and perhaps above a limit [s]."""
     top, bottom = product(current, found.high.T), product(current, found.low.T)
-    certainly, perhaps = np.maximum(bottom, -top) > limit, np.maximum(top, -bottom) > limit
-    pieces = found.duration, np.zeros_like(found.duration), found.duration
-    least, ever = np.full(len(current), _SOME), np.flatnonzero(certainly.any(axis=1))
-    if len(ever):
-        least[ever] = np.maximum(longest_run(*pieces, certainly[ever]), _SOME)
-    return least, longest_run(*pieces, perhaps)
+    least = _longest_runs(found.duration, (bottom > limit) | (top < -limit))
+    return np.maximum(least, _SOME), _longest_runs(found.duration, (top > limit) | (bottom < -limit))
+
+
+def _longest_runs(duration: Array, inside: NDArray[np.bool_]) -> Array:
+    """``waveform.longest_run`` of whole pieces, from the ends of the few runs that there are: shape (candidates,)."""
+    total, start = duration.sum(), np.cumsum(duration) - duration
+    found = np.where(inside.all(axis=1), total, 0.0)
+    before = np.concatenate([inside[:, -1:], inside[:, :-1]], axis=1)  # the cycle repeats
+    row, first = np.divmod(np.flatnonzero(inside & ~before), len(duration))
+    if not len(row):
+        return found
+    behind = np.flatnonzero(before & ~inside) % len(duration)
+    begins = np.flatnonzero(np.append(True, row[1:] != row[:-1]))  # of the runs of each candidate
+    count = np.diff(np.append(begins, len(row)))
+    owner, place = places(count)
+    over = (behind < first)[begins]  # the last run of a candidate goes over the end of the cycle
+    behind = behind[begins[owner] + (place + over[owner]) % count[owner]]
+    since = (start + duration)[first - 1] - np.where((first == 0) | (behind < first), total, 0.0)
+    longest = np.maximum.reduceat(start[behind] - since, begins)
+    found[row[begins]] = np.maximum(longest - 8 * np.spacing(total), 0.0)  # rounding of the times may have added this
+    return found
 
 
 def _power_bound(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> Array:
