@@ -43,7 +43,6 @@ __all__ = [
     "Pieces", "Turning", "at_gearhead", "bounded", "lacking",
 ]  # fmt: skip
 
-_KEPT = 1 << 17  # segments of which the functions are kept: 12 MB
 _FEW = 16  # points, of which the largest of each is found quicker column by column
 _FINEST = 200  # pieces of a segment at most
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
@@ -91,9 +90,8 @@ class CycleAtBelt:
 
     @property
     def six(self) -> Any:
-        """Of one cycle: the six of some segments on request; of a very long cycle all of them take much room."""
-        short = self.census is None or len(self.load_cycle.duration) <= _KEPT
-        return self.functions if short else _Anew(self.load_cycle, self.efficiency)
+        """Of one cycle: the six of some segments on request; of a long cycle all of them take much room."""
+        return self.functions if self.census is None else _Anew(self.load_cycle, self.efficiency)
 
     @property
     def parts(self) -> list[slice]:

@@ -125,20 +125,11 @@ def blocks(duration: Array, functions: Any, count: int) -> Blocks:
     for some, segments in together(starts, len(duration)):
         left, right = _lines(functions[segments])
         of = starts[some] - segments.start, pieces[some], total[some]
-        for values in found[1:4]:
-            values[some] = 0.0
-        for a, b in _together(left, right):
+        for a, b in zip(_ROW, _COLUMN, strict=True):
             entry = _deviating(duration[segments], left[[a, b]], right[[a, b]], *of)
             for values, column in zip(found[1:4], entry, strict=True):
                 values[some, a, b] = values[some, b, a] = column
     return found
-
-
-def _together(left: Array, right: Array) -> list[tuple[int, int]]:
-    """Pairs of functions of which there is a segment where neither is 0."""
-    acts = ((left != 0.0) | (right != 0.0)).astype(np.float32)
-    meet = acts @ acts.T > 0.0
-    return [(a, b) for a, b in zip(_ROW.tolist(), _COLUMN.tolist(), strict=True) if meet[a, b]]
 
 
 def _lines(functions: Array) -> tuple[Array, Array]:
@@ -162,12 +153,11 @@ def _deviating(
     # within a segment: duration times -s (1 - s) (turn / 2 + (s - 1 / 2) bend / 3), s the share of it that is over
     turn, bend = right[0] * right[1] - left[0] * left[1], (right[0] - left[0]) * (right[1] - left[1])
     inner = np.maximum.reduceat(duration * (np.abs(turn) / 2.0 + np.abs(bend) / 6.0), starts) / 4.0
-    product *= duration
-    mean = np.add.reduceat(product, starts) / total
-    inner += _SUM_ROUNDING * float(np.abs(product).sum())
-    steps = np.subtract(product, duration * np.repeat(mean, pieces), out=product)
+    mean = np.add.reduceat(duration * product, starts) / total
+    steps = duration * (product - np.repeat(mean, pieces))
     walk = np.cumsum(steps)
     walk -= np.repeat(walk[starts] - steps[starts], pieces)
+    inner += _SUM_ROUNDING * float((duration * np.abs(product)).sum())
     above = np.maximum(np.maximum.reduceat(walk, starts), 0.0) + inner
     below = inner - np.minimum(np.minimum.reduceat(walk, starts), 0.0)
     return mean, above, below
