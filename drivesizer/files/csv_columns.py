@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import math
 from array import array
-from collections.abc import Callable, Iterator, Mapping
-from io import StringIO
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.text import missing, read_text
+from drivesizer.files.csv_numbers import plain_columns
+from drivesizer.files.text import decoded, missing, read_bytes
 from drivesizer.units import KINDS, noun, possible, scale
 from drivesizer.units.ranges import RANGES
 
@@ -28,8 +29,6 @@ Form = Mapping[str, str]  # name of each column -> kind of its quantity
 _NUMBERS = ("0.5", "1.2", "0.3", "4.5")  # of a row that is shown as an example
 _MOST_ROWS = 1_000_000
 _ROW = 64  # bytes of each that a file may have
-_PLAIN = b"0123456789+-.eE, \r\n"  # of numbers that need no closer look
-_PIECE = 1 << 21  # characters that are read at a time
 _ABOVE = 3  # line of the first row of numbers
 
 
@@ -85,62 +84,33 @@ def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, NDAr
         One line that says where, what was found and what is expected.
     """
     most = _MOST_ROWS if most is None else most
-    text = read_text(path, most * _ROW)
-    below = _end_of_units(text)
-    rows = rows_of(path, text[:below], len(forms[0]))
+    raw = read_bytes(path, most * _ROW)
+    head = _head(raw)
+    rows = rows_of(path, decoded(head, path), len(forms[0]))
     header, form = _header(path, next(rows, None), forms)
     factors = factors_of(path, header, form, next(rows, None))
     rising = "time" if "time" in form else next(iter(form))
-    values = _plain_values(text, below, header.index(rising), factors, most)
-    if values is None:
+    found = None if head is raw else plain_columns(raw, len(head), header.index(rising), factors, most)
+    if found is None:
+        text = decoded(raw, path)
         rows = islice(rows_of(path, text, len(forms[0])), 2, None)
         convert = float if text.isascii() and "_" not in text else plain_number
-        values = values_of(path, rows, header, factors, convert, rising, most)
-    refuse_impossible(path, values, header, form, factors)
-    return {name: values[:, header.index(name)].copy() for name in form}
+        found = [column.copy() for column in values_of(path, rows, header, factors, convert, rising, most).T]
+    refuse_impossible(path, found, header, form, factors)
+    return {name: found[header.index(name)] for name in form}
 
 
-def _end_of_units(text: str) -> int | None:
-    """Place below header and units where these are two lines without quotes; None: only all of it says where."""
-    below = text.find("\n", text.find("\n") + 1) + 1
-    head = text[:below]
-    return below if below and '"' not in head and len(head.splitlines()) == 2 else None
-
-
-def _plain_values(
-    text: str, below: int | None, rising: int, factors: list[float], most: int
-) -> NDArray[np.float64] | None:
-    """Numbers below header and units in SI, read in one go; None where anything needs a closer look.
-
-    The same bits as those of ``values_of``, which says what is wrong and where: both round as the processor's doubles.
-    """
-    lines = 0 if below is None else text.count("\n", below) + (not text.endswith("\n"))
-    if below is None or not text.isascii() or not 2 <= lines <= most:
-        return None
-    values, read, start = np.empty((lines, len(factors))), 0, below  # of pieces that are kept memory is never all free
-    while start < len(text):
-        end = text.find("\n", start + _PIECE) + 1 or len(text)
-        piece = text[start:end]
-        if not piece.strip() or piece.encode().translate(None, _PLAIN):
-            return None
-        try:
-            found = np.loadtxt(StringIO(piece), delimiter=",", comments=None, ndmin=2)
-        except ValueError:
-            return None
-        if found.shape[1] != len(factors):
-            return None
-        values[read : read + len(found)] = found
-        start, read = end, read + len(found)
-    if read != lines:  # a blank line was left out
-        return None
-    with np.errstate(over="ignore"):  # beyond all numbers is not finite: looked at more closely
-        values *= np.array(factors)
-    plain = np.isfinite(values).all() and (np.diff(values[:, rising]) > 0.0).all()
-    return values if plain else None
+def _head(raw: bytes) -> bytes:
+    """Header and units where these are two lines without quotes; all of it where only a closer look says where."""
+    below = raw.find(b"\n", raw.find(b"\n") + 1) + 1
+    head = raw[:below]
+    text = head.removeprefix(codecs.BOM_UTF8)
+    plain = below and text.isascii() and b'"' not in text and len(text.decode("ascii").splitlines()) == 2
+    return head if plain else raw
 
 
 def refuse_impossible(
-    path: Path, values: NDArray[np.float64], header: list[str], form: Form, factors: list[float]
+    path: Path, values: Sequence[NDArray[np.float64]], header: list[str], form: Form, factors: list[float]
 ) -> None:
     """Refuse figures above the range of their kind; arbitrarily small ones are allowed as steps towards 0.
 
@@ -149,7 +119,7 @@ def refuse_impossible(
     path
         The file's name, for messages.
     values
-        Figures in SI, shape (rows, columns).
+        Figures in SI, column by column.
     header, form
         Names of the columns, and the kind of each one's quantity.
     factors
@@ -160,12 +130,18 @@ def refuse_impossible(
     InputError
         File, line, column, what was found and what is expected.
     """
-    most = np.array([RANGES[form[name]][1] for name in header])
-    if not (np.abs(values) <= most).all():
-        row, column = (int(k[0]) for k in np.nonzero(np.abs(values) > most))
-        kind, found = form[header[column]], values[row, column] / factors[column]
+    most = [RANGES[form[name]][1] for name in header]
+    wrong = [np.abs(column) > limit if _beyond(column, limit) else None for column, limit in zip(values, most, strict=True)]
+    if any(mask is not None for mask in wrong):
+        row, column = min((int(mask.argmax()), k) for k, mask in enumerate(wrong) if mask is not None)
+        kind, found = form[header[column]], values[column][row] / factors[column]
         reason = f'"{found:g}" is no {noun(kind)} of a machine; {possible(kind)}'
         raise InputError(f"{path}:{row + _ABOVE}: {header[column]}: {reason}")
+
+
+def _beyond(column: NDArray[np.float64], limit: float) -> bool:
+    """Whether any amount is above a limit; without an array of these, for a long recording's takes room."""
+    return bool(len(column)) and max(float(column.max()), -float(column.min())) > limit
 
 
 def _example(width: int) -> str:

@@ -23,9 +23,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 from math import nan
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from pydantic import Field
 
@@ -93,7 +94,7 @@ def recorded(load: Recorded, path: Path) -> LoadCycle:
         speed, time, torque = _speed(path, found, load.smoothing), found["time"], found["torque"]
         some = (slice(k, k + _PART + 1) for k in range(0, len(time) - 1, _PART))
         parts = (_segments(load, time[k], speed[k], torque[k]) for k in some)
-        return next(parts) if len(time) <= _PART + 1 else _joined(parts, len(time) - 1)
+        return next(parts) if len(time) <= _PART + 1 else _joined(parts, len(time) - 1, jumps=load.inertia != 0.0)
 
 
 def _segments(load: Recorded, time: Column, speed: Column, torque: Column) -> LoadCycle:
@@ -106,15 +107,25 @@ def _segments(load: Recorded, time: Column, speed: Column, torque: Column) -> Lo
     return LoadCycle(load.file, duration, ends, acceleration, at_shaft, inertia).split()
 
 
-def _joined(parts: Iterable[LoadCycle], segments: int) -> LoadCycle:
-    """One cycle of consecutive parts of a long one."""
-    found: Any = {name: np.empty((_MOST_CUT * segments, 2)) for name in ("speed", "acceleration", "torque")}
-    found["duration"], end = np.empty(_MOST_CUT * segments), 0  # what is not written takes no memory
+def _joined(parts: Iterable[LoadCycle], segments: int, *, jumps: bool) -> LoadCycle:
+    """One cycle of consecutive parts of a long one; ``jumps``: the torque is not at both sides of a sample the same.
+
+    The speed is, and the acceleration is one over each segment: what is there once takes half the room.
+    """
+    most = _MOST_CUT * segments  # what is not written takes no memory
+    duration, speed, acceleration, torque = np.empty((4, most + 1))
+    ends, end = np.empty((most if jumps else 0, 2)), 0
     for part in parts:
         first, end = end, end + len(part.duration)
-        for name, column in found.items():
-            column[first:end] = getattr(part, name)
-    return replace(part, **{name: column[:end] for name, column in found.items()})
+        duration[first:end], acceleration[first:end] = part.duration, part.acceleration[:, 0]
+        speed[first:end], speed[end] = part.speed[:, 0], part.speed[-1, 1]
+        torque[first:end], torque[end] = part.torque[:, 0], part.torque[-1, 1]
+        if jumps:
+            ends[first:end] = part.torque
+    both = np.broadcast_to(acceleration[:end, None], (end, 2))
+    found = ends[:end] if jumps else sliding_window_view(torque[: end + 1], 2)
+    return replace(part, duration=duration[:end], speed=sliding_window_view(speed[: end + 1], 2), acceleration=both,
+                   torque=found)  # fmt: skip
 
 
 def _speed(path: Path, found: dict[str, Column], smoothing: float) -> Column:

@@ -61,7 +61,7 @@ class LoadCycle:
             raise InputError(f"load cycle {self.name}: expected segments with two ends each")
         if not (self.duration > 0.0).all():  # written so that NaN fails too
             raise InputError(f"load cycle {self.name}: a segment must last longer than 0 s")
-        if not all((np.abs(c) < _LARGEST).all() for c in (self.duration, self.speed, self.acceleration, self.torque)):
+        if not all(_within(c) for c in (self.duration, self.speed, self.acceleration, self.torque)):
             raise InputError(f"load cycle {self.name}: a figure leaves the range of numbers that can be computed with")
 
     @property
@@ -112,6 +112,11 @@ class LoadCycle:
         duration[second] *= (1.0 - shares)[crosses]
         columns = {n: cut(column, zero=True) if n == name else cut(getattr(self, n)) for n in _COLUMNS}
         return replace(self, duration=duration, **columns)  # type: ignore[arg-type]
+
+
+def _within(column: NDArray[np.float64]) -> bool:
+    """Whether all figures can be computed with; without an array of their amounts, for a long cycle's takes room."""
+    return float(column.max()) < _LARGEST and float(column.min()) > -_LARGEST
 
 
 _COLUMNS = ("speed", "acceleration", "torque")

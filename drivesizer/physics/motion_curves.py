@@ -39,16 +39,24 @@ def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, 
     array([ 0., 2., 6., 8., 14.])
     """
     half = window / 2 * (1 + _SLACK)
-    first = np.searchsorted(time, time - half, side="left")
-    end = np.searchsorted(time, time + half, side="right")
-    few = end - first < 4
-    fit, slope = _three_points(time, value)
-    many = np.flatnonzero(~few)
-    step = max(_PART, 4 * int((end - first).max()))  # so that few samples are looked at twice
-    for k in range(0, len(many), step):
-        at = many[k : k + step]
-        fit[at], slope[at] = _near_least_squares(time, value, half, at, first[at], end[at])
+    fit, slope = np.empty_like(time), np.empty_like(time)
+    many, widest = np.empty(len(time), bool), 0
+    for k in range(0, len(time), _PART):
+        some = slice(k, k + _PART)
+        near = slice(max(k - 2, 0), k + _PART + 2)
+        fitted = _three_points(time[near], value[near])
+        fit[some], slope[some] = (x[some.start - near.start :][: len(time[some])] for x in fitted)
+        first, end = _windows(time, time[some], half)
+        many[some], widest = end - first >= 4, max(widest, int((end - first).max()))
+    step, rows = max(_PART, 4 * widest), np.flatnonzero(many)  # so that few samples are looked at twice
+    for at in (rows[k : k + step] for k in range(0, len(rows), step)):
+        fit[at], slope[at] = _near_least_squares(time, value, half, at, *_windows(time, time[at], half))
     return fit, slope
+
+
+def _windows(time: Column, middle: Column, half: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First sample of windows, and the one behind their last."""
+    return np.searchsorted(time, middle - half, side="left"), np.searchsorted(time, middle + half, side="right")
 
 
 def _near_least_squares(

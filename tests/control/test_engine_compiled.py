@@ -17,7 +17,7 @@ from drivesizer.control.engine import Drive, Supply, Task, batch, simulate
 from drivesizer.control.engine import kernel as of_the_drive
 from drivesizer.control.open_loop import kernel as stepper
 from drivesizer.control.path_following import kernel as following
-from drivesizer.files import machine_code, translation
+from drivesizer.files import csv_numbers, machine_code, translation
 from drivesizer.files.machine_code import files_of, translated
 from drivesizer.files.translation import linked, usable
 from drivesizer.physics.groups import kernel as groups
@@ -25,7 +25,7 @@ from drivesizer.physics.one_pass import kernel as one_pass
 
 KERNELS = {
     "engine": (of_the_drive.KERNEL, 9), "one pass": (one_pass.KERNEL, 6), "platform": (following.KERNEL, 5),
-    "groups": (groups.KERNEL, 2),
+    "groups": (groups.KERNEL, 2), "rows of a file": (csv_numbers.KERNEL, 1),
     "stepper": (stepper.KERNEL, 2),
 }  # fmt: skip
 OLDEST = stepper.KERNEL.translation.read_bytes().partition(b"\n")[0].decode().split()[-1]

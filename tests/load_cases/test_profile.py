@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from rows import hold
 
 from drivesizer.errors import InputError
-from drivesizer.files import csv_columns
+from drivesizer.files import csv_columns, csv_numbers
 from drivesizer.load_cases.profile import (
     from_csv,
     harmonic,
@@ -329,9 +329,11 @@ def test_read_in_one_go_or_row_by_row_is_the_same(tmp_path, monkeypatch):
     paths = [tmp_path / f"{number}.csv" for number in range(len(texts))]
     for path, text in zip(paths, texts, strict=True):
         path.write_bytes(text.encode() if isinstance(text, str) else text)
-    monkeypatch.setattr(csv_columns, "_PIECE", 50)
+    monkeypatch.setattr(csv_numbers, "_PIECE", 50)
     at_once = [outcome(path) for path in paths]
-    monkeypatch.setattr(csv_columns, "_plain_values", lambda *_: None)
+    monkeypatch.setattr(csv_numbers, "_LONG", 0)
+    assert at_once == [outcome(path) for path in paths]  # by machine code, where it is at hand
+    monkeypatch.setattr(csv_columns, "plain_columns", lambda *_: None)
     assert at_once == [outcome(path) for path in paths]
     assert sum(isinstance(found, list) for found in at_once) > 20
 

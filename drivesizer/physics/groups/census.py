@@ -135,8 +135,20 @@ class Census(NamedTuple):
 
 def columns_of(cycle: Any) -> tuple[list[Array], NDArray[np.int64]]:
     """Columns of a load cycle (``load_cycle.LoadCycle``) as machine code takes them, and their strides."""
-    ends = (cycle.speed, cycle.acceleration, cycle.torque)
-    return [cycle.duration, *(np.ascontiguousarray(column).reshape(-1) for column in ends)], np.tile([2, 1], 3)
+    ends = [_laid_out(column) for column in (cycle.speed, cycle.acceleration, cycle.torque)]
+    return [cycle.duration, *(column for column, _ in ends)], np.array([step for _, steps in ends for step in steps])
+
+
+def _laid_out(ends: Array) -> tuple[Array, list[int]]:
+    """Both ends of segments as they lie in memory, and the steps from segment to segment and from end to end.
+
+    Of a recording neighbours may share an end, and an acceleration may be there once: they are not written out.
+    """
+    steps = [step // ends.itemsize for step in ends.strides]
+    if min(steps) < 0 or any(step % ends.itemsize for step in ends.strides):
+        return np.ascontiguousarray(ends).reshape(-1), [2, 1]
+    count = (len(ends) - 1) * steps[0] + steps[1] + 1
+    return np.lib.stride_tricks.as_strided(ends, (count,), (ends.itemsize,)), steps
 
 
 def census(cycle: Any) -> Census | None:
@@ -157,7 +169,7 @@ def census(cycle: Any) -> Census | None:
         return None
     sums, window = np.zeros((at.GROUPS + 1, at.SUMS)), np.zeros((4 * at.GROUPS, _ROOM, 4))
     counts = np.zeros(4 * at.GROUPS, np.int64)
-    level = LEVEL * float(np.abs(cycle.acceleration).max())
+    level = LEVEL * max(float(cycle.acceleration.max()), -float(cycle.acceleration.min()))
     highest = np.full((4 * at.GROUPS, at.BINS, at.BINS), -np.inf)
     columns, strides = columns_of(cycle)
     if look(0.0, level, *columns, strides, sums, window, counts, highest, _ranges(cycle)):
@@ -210,6 +222,6 @@ def times_above(duration: Array, line: Array, level: float) -> tuple[float, floa
     look, sums = compiled(), np.zeros((1, at.SUMS))
     assert look is not None  # where there is a census
     unused = np.zeros((1, 1, 4)), np.zeros(1, np.int64), np.zeros((1, 1, 1)), np.zeros(8)
-    ends = np.ascontiguousarray(line).reshape(-1)
-    look(1.0, level, duration, ends, ends, ends, np.tile([2, 1], 3), sums, *unused)
+    ends, steps = _laid_out(line)
+    look(1.0, level, duration, ends, ends, ends, np.array(3 * steps), sums, *unused)
     return float(sums[0, 0]), float(sums[0, 1])

@@ -1,0 +1,100 @@
+"""Rows of numbers of a CSV file, read in one go where all of them are plain: to columns, without a text of each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from io import StringIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.files import plain_rows
+from drivesizer.files.machine_code import Kernel, defined_in, machine_code
+
+__all__ = ["KERNEL", "compiled", "plain_columns"]
+
+KERNEL = Kernel(
+    functions=defined_in((plain_rows,)),
+    modules=(plain_rows,),
+    inline=True,
+    slow="numba is not installed: long recordings are read some times slower",
+    arguments="b1 d1 d2",
+)
+Array = NDArray[np.float64]
+_PLAIN = b"0123456789+-.eE, \r\n"  # of numbers that need no closer look
+_PIECE = 1 << 21  # bytes that are read at a time
+_LONG = 1 << 22  # bytes from where machine code, which has to be loaded, is the quicker
+_TENS = np.array([float(10**k) for k in range(plain_rows.TENS + 1)])
+
+
+@cache
+def compiled() -> Callable[..., int] | None:
+    """``plain_rows.read_rows`` as machine code; None where it was neither translated beforehand nor compiled before."""
+    return machine_code(KERNEL) if KERNEL.kept else None
+
+
+def plain_columns(text: bytes, below: int, rising: int, factors: list[float], most: int) -> list[Array] | None:
+    """Numbers of a text in SI; None where anything needs a closer look.
+
+    The same bits as those of ``csv_columns.values_of``, which says what is wrong and where: all round as the
+    processor's doubles.
+
+    Parameters
+    ----------
+    text
+        Of which rows of numbers with commas between are the rest.
+    below
+        Where they begin.
+    rising
+        The column whose numbers must rise.
+    factors
+        Of each column to SI.
+    most
+        Rows that there may be [1].
+
+    Returns
+    -------
+    list of arrays, or None
+        A column for each factor, in their order.
+    """
+    lines = text.count(b"\n", below) + (not text.endswith(b"\n"))
+    if not 2 <= lines <= most:
+        return None
+    columns = [np.empty(lines) for _ in factors]
+    start, read = below, 0
+    while start < len(text):
+        end = text.find(b"\n", start + _PIECE) + 1 or len(text)
+        found = _values(text[start:end], len(factors), long=len(text) > _LONG)
+        if found is None:
+            return None
+        for column, values in zip(columns, found, strict=True):
+            column[read : read + len(values)] = values
+        start, read = end, read + found.shape[1]
+    return columns if read == lines and _in_si(columns, rising, factors) else None  # else a blank line was left out
+
+
+def _values(piece: bytes, width: int, *, long: bool) -> Array | None:
+    """Values of some rows: (columns, rows)."""
+    read = compiled() if long else None
+    if read is not None:
+        values = np.empty((width, piece.count(b"\n") + 1))
+        count = read(np.frombuffer(piece, np.int8), _TENS, values)
+        if count > 0:
+            return values[:, :count]
+    if not piece.strip() or piece.translate(None, _PLAIN):
+        return None
+    try:
+        found = np.loadtxt(StringIO(piece.decode("ascii")), delimiter=",", comments=None, ndmin=2)
+    except ValueError:
+        return None
+    return found.T if found.shape[1] == width else None
+
+
+def _in_si(columns: list[Array], rising: int, factors: list[float]) -> bool:
+    """Convert to SI; whether all are finite, and the one column rises."""
+    with np.errstate(over="ignore"):  # beyond all numbers is not finite: looked at more closely
+        for column, factor in zip(columns, factors, strict=True):
+            column *= factor
+    finite = all(np.isfinite(column).all() for column in columns)
+    return finite and bool((columns[rising][1:] > columns[rising][:-1]).all())
