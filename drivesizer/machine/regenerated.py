@@ -12,9 +12,12 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.machine.set_columns import one_row
+from drivesizer.machine.set_cycle import heated
 from drivesizer.machine.supply_power import DrivePower, drive_power, drive_power_in_parts, together
 from drivesizer.physics.elements.brake_resistor import burnt_energy, largest_mean, largest_pulse
-from drivesizer.physics.power_stage import bus_voltage
+from drivesizer.physics.one_pass.drives import figures, is_long, piece_by_piece
+from drivesizer.physics.power_stage import bus_voltage, of_the_source
 from drivesizer.physics.waveform import most_stored
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
@@ -187,10 +190,38 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
         some = [problem.cases[number] for number in numbers]
         name, spec = cases[some[0].number][0], some[0].spec
         if len(some) == 1:
-            found.append(_of_parts(name, spec, drive_power_in_parts(spec, one, some[0].at_belt)))
+            passed = _in_one_pass(name, spec, one, some[0].at_belt)
+            found.append(passed or _of_parts(name, spec, drive_power_in_parts(spec, one, some[0].at_belt)))
         else:
             found.append(_of_several(name, spec, [drive_power(case.spec, one, case.at_belt) for case in some]))
     return found
+
+
+def _in_one_pass(case: str, spec: RobotSpec, one: DriveParts, base: Any) -> Regenerated | None:
+    """Of one drive over a long cycle, where that is at hand as machine code; None elsewhere, and of unknown heat."""
+    if one.steps or not is_long(base.behind(one.belt_ratio)):
+        return None
+    cycle, demand, heating = heated(spec, one, base)
+    feed, supply = spec.feed_of(one.controller, one.brake), spec.supply
+    none = {"leads": 0.0, "kept": 0.0, "limit": nan, "wanted": 3}
+    drive = figures(spec.environment.ambient, cycle, demand, heating, one_row(one.motor), feed, **none)
+    timed = supply.peak_current is not None and supply.current is not None  # of what is drawn each moment counts
+    found = piece_by_piece(cycle, drive, each=timed)
+    if found is None:
+        return None
+    sets = spec.load.alike if demand.complete.all() else nan
+    standby = float(np.asarray(feed.stage.standby).item())
+    drawn, share = found.drawn + standby * found.duration, 1.0 - supply.regeneration
+    return Regenerated(
+        case=case,
+        spec=spec,
+        duration=found.duration,
+        drawn=sets * drawn,
+        returned=share * sets * found.returned,
+        returned_peak=share * sets * found.back,
+        drawn_peak=sets * of_the_source(found.out + standby, feed),
+        mean_drawn=sets * float(drawn.sum() + found.resisted) / cycle.load_cycle.total,
+    )
 
 
 def _of_parts(case: str, spec: RobotSpec, parts: Iterable[DrivePower]) -> Regenerated:

@@ -28,7 +28,7 @@ from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "SetCycle", "Warming", "lost_in_winding", "set_cycle", "supplied", "supplied_in_parts", "turned", "warming",
+    "SetCycle", "Warming", "heated", "lost_in_winding", "set_cycle", "supplied", "supplied_in_parts", "turned", "warming",
     "waveform",
 ]  # fmt: skip
 
@@ -107,10 +107,8 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
+    cycle, demand, heating = heated(spec, drive_set, base)
     motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
-    cycle, demand = turned(spec, drive_set, base)
-    losses, at_flange = own_losses(drive_set.motor, drive_set.gearhead.ratio), loss_at_flange(spec, cycle, gearhead)
-    heating = heat(spec.environment.ambient, cycle, demand, motor, losses, at_flange)
     flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
     feed = spec.feed_of(drive_set.controller, drive_set.brake)
     return SetCycle(
@@ -125,6 +123,25 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
         course,
         drive_set.released_power,
     )
+
+
+def heated(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands, Heat]:
+    """Torque and speed of a drive over the load cycle of a spec, and its losses.
+
+    Parameters
+    ----------
+    spec, drive_set, base
+        As ``set_cycle`` takes them.
+
+    Returns
+    -------
+    tuple
+        The load cycle at the gearhead's output, the demand and the heat, of one row.
+    """
+    motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
+    cycle, demand = turned(spec, drive_set, base)
+    losses, at_flange = own_losses(drive_set.motor, drive_set.gearhead.ratio), loss_at_flange(spec, cycle, gearhead)
+    return cycle, demand, heat(spec.environment.ambient, cycle, demand, motor, losses, at_flange)
 
 
 def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands]:

@@ -123,6 +123,6 @@ def test_machine_code_is_plain_python_to_the_last_bit():
         figures, g = d.copy(), np.zeros(at.FOUND)
         g[[at.WINDING, at.WINDING + 1, at.VOLTAGE, at.VOLTAGE + 1, at.POWER, at.POWER + 1]] = -np.inf
         g[at.BEGIN] = -1.0
-        assert run(figures, g, np.zeros(at.CELLS), duration, *ends, strides) == 0
+        assert run(figures, g, np.zeros(at.CELLS), np.zeros((5, 1)), duration, *ends, strides) == 0
         found.append((g.tobytes(), figures.tobytes()))
     assert found[0] == found[1]

@@ -17,10 +17,11 @@ from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.stress import Heat
 from drivesizer.physics.thermal import COPPER, TwoBodies, resistance_25, resistance_at, two_bodies
 
-__all__ = ["Figures", "Found", "figures", "is_long", "through"]
+__all__ = ["Figures", "Found", "Kept", "figures", "is_long", "piece_by_piece", "through"]
 
 Array = NDArray[np.float64]
 _PASSED = ("passed", 0.0)  # what was found of drives, by their figures: some are looked at several times
+_KEPT = 5  # columns of pieces
 _LEAST, _ORDER = -np.inf, np.polynomial.legendre.leggauss(at.POINTS)
 
 
@@ -38,6 +39,17 @@ class Found(NamedTuple):
     drawn: Array  # J per cycle, at the stage and in the supply's resistance, without standby power
     returned: Array  # J per cycle
     stored: Array  # J, the most that is back and not drawn again
+
+
+class Kept(NamedTuple):
+    """Consecutive pieces of a cycle, at the input of the stage, without standby power."""
+
+    duration: Array  # s
+    drawn: Array  # J
+    returned: Array  # J
+    back: Array  # W, largest power out of the stage; 0 where there is none
+    out: Array  # W, largest power into it; 0 where there is none
+    resisted: float  # J over the cycle, in the supply's resistance
 
 
 class Figures(NamedTuple):
@@ -161,11 +173,8 @@ def _one(
     pass_over: Callable[..., int], d: Array, columns: list[Array], strides: NDArray[np.int64], total: float
 ) -> tuple[float, ...]:
     """One drive."""
-    g = np.zeros(at.FOUND)
-    for place in (at.WINDING, at.VOLTAGE, at.POWER):
-        g[place : place + 2] = _LEAST
-    g[at.BEGIN] = -1.0
-    if pass_over(d, g, np.zeros(at.CELLS), *columns, strides):
+    g = _nothing_found()
+    if pass_over(d, g, np.zeros(at.CELLS), np.zeros((_KEPT, 1)), *columns, strides):
         return (np.inf, *[np.nan] * (len(Found._fields) - 1))
     winding = (np.nan, np.nan) if d[at.FIXED] else (g[at.WINDING], g[at.WINDING + 2])
     voltage = _peak(g, at.VOLTAGE) if d[at.WANTED] >= 0.0 else (np.nan, np.nan)
@@ -174,6 +183,44 @@ def _one(
     above = _above(g, d[at.LIMIT]) if d[at.WANTED] != 0.0 else np.nan
     energy = (g[at.DRAWN], g[at.RETURNED], _stored(g)) if d[at.WANTED] >= 2.0 else (np.nan,) * 3
     return (*winding, *voltage, copper, *power, above, *energy)
+
+
+def _nothing_found() -> Array:
+    g = np.zeros(at.FOUND)
+    for place in (at.WINDING, at.VOLTAGE, at.POWER):
+        g[place : place + 2] = _LEAST
+    g[at.BEGIN] = -1.0
+    return g
+
+
+def piece_by_piece(cycle: AtGearhead, drive: Figures, *, each: bool) -> Kept | None:
+    """What one drive draws and returns, in the pieces of which its winding feels the mean.
+
+    Parameters
+    ----------
+    cycle
+        The load cycle behind its belt.
+    drive
+        Its figures.
+    each
+        Keep each piece, and not those in a row that return nothing as one.
+
+    Returns
+    -------
+    Kept or None
+        None where its winding runs away or its course of temperatures is not known.
+    """
+    pass_over = compiled()
+    assert pass_over is not None  # ``is_long`` said so
+    if not drive.known.all():
+        return None
+    columns, strides = columns_of(cycle.load_cycle)
+    d, g, kept = drive.table[0].copy(), _nothing_found(), np.empty((_KEPT, cycle.base.pieces))  # unused takes no memory
+    d[at.WANTED] = 4.0 if each else 3.0
+    if pass_over(d, g, np.zeros(at.CELLS), kept, *columns, strides):
+        return None
+    found = kept[:, : int(g[at.KEPT_PIECES])]
+    return Kept(*found, resisted=float(g[at.DRAWN] - found[1].sum()) if d[at.RESISTANCE] > 0.0 else 0.0)
 
 
 def _peak(g: Array, place: int) -> tuple[float, float]:

@@ -38,15 +38,21 @@ def at_stage(d: Array, i_0: float, i_1: float, e_0: float, e_1: float, loss: flo
     return twice * e_0 + loss * sign, twice * e_1 + loss * sign, d[at.OHM]
 
 
-def keep_power(g: Array, i_0: float, i_1: float, v_0: float, v_1: float, start: float, t: float) -> None:
-    """Keep the largest power, at an end or at the vertex between them."""
+def largest_power(i_0: float, i_1: float, v_0: float, v_1: float) -> tuple[float, float]:
+    """The largest power, at an end or at the vertex between them, and after which share of the time."""
     rise_i, rise_v = i_1 - i_0, v_1 - v_0
     first, last, slope = i_0 * v_0, i_1 * v_1, i_0 * rise_v + v_0 * rise_i
     bend = rise_i * rise_v
     share = 1.0 if last > first else 0.0
     if bend < 0.0 and slope > 0.0 and slope + 2.0 * bend < 0.0:
         share = -slope / (2.0 * bend)
-    keep_largest(g, at.POWER, (i_0 + share * rise_i) * (v_0 + share * rise_v), start + share * t)
+    return (i_0 + share * rise_i) * (v_0 + share * rise_v), share
+
+
+def keep_power(g: Array, i_0: float, i_1: float, v_0: float, v_1: float, start: float, t: float) -> None:
+    """Keep the largest power."""
+    power, share = largest_power(i_0, i_1, v_0, v_1)
+    keep_largest(g, at.POWER, power, start + share * t)
 
 
 def source_heat(d: Array, i_0: float, v_0: float, rise_i: float, rise_v: float, low: float, high: float) -> float:
@@ -94,6 +100,37 @@ def works(i_0: float, i_1: float, v_0: float, v_1: float) -> tuple[float, float,
         first = cut * (i_0 * v_0 + cut * (slope + cut * bend))
         return first, whole - first, cut
     return whole, 0.0, 1.0
+
+
+def begin_piece(g: Array) -> None:
+    """A piece of which nothing is known yet."""
+    g[at.TOOK], g[at.GAVE], g[at.OUT], g[at.BACK] = 0.0, 0.0, 0.0, 0.0
+
+
+def add_to_piece(g: Array, i_0: float, i_1: float, v_0: float, v_1: float, t: float) -> None:
+    """Add what is drawn and returned over a part of a piece, with a current of one sign."""
+    first, second, _ = works(i_0, i_1, v_0, v_1)
+    g[at.TOOK] += (max(first, 0.0) + max(second, 0.0)) * t
+    g[at.GAVE] += (max(-first, 0.0) + max(-second, 0.0)) * t
+
+
+def keep_powers(g: Array, i_0: float, i_1: float, v_0: float, v_1: float) -> None:
+    """Keep the largest power of a piece in either direction."""
+    g[at.OUT] = max(g[at.OUT], largest_power(i_0, i_1, v_0, v_1)[0])
+    g[at.BACK] = max(g[at.BACK], largest_power(i_0, i_1, -v_0, -v_1)[0])
+
+
+def keep_piece(d: Array, g: Array, p: Array, t: float) -> None:
+    """Put a piece behind those that are kept, or into the last one where neither returns anything."""
+    last = int(g[at.KEPT_PIECES]) - 1
+    if d[at.WANTED] == 3.0 and last >= 0 and g[at.GAVE] == 0.0 and p[2, last] == 0.0:
+        p[0, last] += t
+        p[1, last] += g[at.TOOK]
+        p[4, last] = max(p[4, last], g[at.OUT])
+        return
+    p[0, last + 1], p[1, last + 1], p[2, last + 1] = t, g[at.TOOK], g[at.GAVE]
+    p[3, last + 1], p[4, last + 1] = g[at.BACK], g[at.OUT]
+    g[at.KEPT_PIECES] += 1.0
 
 
 def add_energy(d: Array, g: Array, i_0: float, i_1: float, v_0: float, v_1: float, t: float) -> None:

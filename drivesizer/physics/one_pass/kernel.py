@@ -16,7 +16,7 @@ KERNEL = Kernel(
     modules=(layout, look, heating, feeding, pieces, through),
     inline=True,
     slow="numba is not installed: long load cycles take some times longer",
-    arguments="d1 d1 d1 d1 d1 d1 d1 q1",
+    arguments="d1 d1 d1 d2 d1 d1 d1 d1 q1",
 )
 
 

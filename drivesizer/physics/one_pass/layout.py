@@ -47,7 +47,8 @@ LOSS, LEAST_LOSS, OHM, STANDBY = 24, 25, 26, 27  # V, V, ohm, W of the power sta
 SOURCE, RESISTANCE, DRIVES = 28, 29, 30  # V without load, ohm of source and cables, that it feeds
 KEPT = 31  # share of what is returned that stays on the bus
 LIMIT = 32  # A, of which the time above is wanted
-WANTED = 33  # -1 only time above, 0 of the winding, 1 power and time above too, 2 energy too
+WANTED = 33  # -1 only time above, 0 of the winding, 1 power and time above too, 2 energy too; piece by piece,
+# 3 those in a row that return nothing as one, or 4 each
 PERIODIC_W, PERIODIC_H = 34, 35  # K, rises at the cycle's start
 INVERSE = 36  # 1 / k of the whole numbers up to the most
 MOST = 40  # terms of a series
@@ -66,7 +67,9 @@ RUN, FIRST, BEGIN = 17, 18, 19  # s: longest above the limit so far, end of what
 TIME, NOW_W, NOW_H = 20, 21, 22  # s, and rises [K], where the pass is
 MAP = 23  # what a cycle adds to rises: by that of the winding, of the housing, and a constant; w and h of each
 LEVEL = 29  # J, in the store
-FOUND = 30
+TOOK, GAVE, OUT, BACK = 30, 31, 32, 33  # of a piece: J drawn and returned; W, largest into the stage and out of it
+KEPT_PIECES = 34  # 1, of which these are kept, each with its duration [s]
+FOUND = 35
 
 ALIKE = 1e-9  # share by which values differ that are alike, as in ``extremes``
 FINEST, CLOSE = 200, 12e-3  # pieces of a segment at most; as in ``cycle_at_gearhead.piece_counts``

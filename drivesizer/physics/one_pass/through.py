@@ -8,8 +8,12 @@ import drivesizer.physics.one_pass.layout as at
 from drivesizer.physics.one_pass.feeding import (
     add_energy,
     add_stored,
+    add_to_piece,
     at_stage,
+    begin_piece,
+    keep_piece,
     keep_power,
+    keep_powers,
     keep_time_above,
     keep_voltage,
 )
@@ -38,6 +42,9 @@ def feed_half(
         return
     v_0, v_1 = d[at.EMF] * w[0] + mean * i[0], d[at.EMF] * w[1] + mean * i[1]
     add_energy(d, g, i[0], i[1], v_0 + more_0, v_1 + more_1, t)
+    if d[at.WANTED] > 2.0:
+        add_to_piece(g, i[0], i[1], v_0 + more_0, v_1 + more_1, t)
+        keep_powers(g, i[0], i[1], v[0] + more_0, v[1] + more_1)
     if d[at.KEPT] > 0.0:
         if d[at.LEAST_LOSS] != d[at.LOSS]:
             more_0, more_1, ohm = at_stage(d, i[0], i[1], e_0, e_1, d[at.LEAST_LOSS])
@@ -58,7 +65,7 @@ def feed(
     feed_half(d, g, (i_m, i[1]), (w_m, w[1]), (v_m, v[1]), mean, g[at.TIME] + share * t, (1.0 - share) * t)
 
 
-def put_through(d: Array, g: Array, s: Array, k: int) -> None:
+def put_through(d: Array, g: Array, s: Array, p: Array, k: int) -> None:
     """One piece, its rises known."""
     i_0, i_1, w_0, w_1, t = s[at.I_0 + k], s[at.I_1 + k], s[at.W_0 + k], s[at.W_1 + k], s[at.T + k]
     v_0 = d[at.EMF] * w_0 + (d[at.R_AMBIENT] + d[at.R_RISE] * s[at.START + k]) * i_0
@@ -68,10 +75,13 @@ def put_through(d: Array, g: Array, s: Array, k: int) -> None:
     keep_voltage(d, g, i_1, v_1, g[at.TIME] + t)
     g[at.COPPER] += R * s[at.SQUARE + k] * t
     if d[at.WANTED] > 0.0:
+        begin_piece(g)
         feed(d, g, (i_0, i_1), (w_0, w_1), (v_0, v_1), R, t)
+        if d[at.WANTED] > 2.0:
+            keep_piece(d, g, p, t)
 
 
-def go_through(d: Array, g: Array, s: Array, n: int) -> None:
+def go_through(d: Array, g: Array, s: Array, p: Array, n: int) -> None:
     """Some pieces."""
     if d[at.WANTED] >= 0.0:
         put_losses(d, s, n)
@@ -80,18 +90,19 @@ def go_through(d: Array, g: Array, s: Array, n: int) -> None:
         if d[at.WANTED] != 0.0:
             keep_time_above(d, g, s[at.I_0 + k], s[at.I_1 + k], g[at.TIME], s[at.T + k])
         if d[at.WANTED] >= 0.0:
-            put_through(d, g, s, k)
+            put_through(d, g, s, p, k)
         g[at.TIME] += s[at.T + k]
 
 
 def over_segments(
-    d: Array, g: Array, s: Array, duration: Array, speed: Array, acceleration: Array, torque: Array, strides: Strides
-) -> None:
+    d: Array, g: Array, s: Array, p: Array, duration: Array, speed: Array, acceleration: Array, torque: Array,
+    strides: Strides,
+) -> None:  # fmt: skip
     """All segments, one after the other."""
     first = 0
     while first < len(duration):
         first, n = take(d, s, first, len(duration), duration, speed, acceleration, torque, strides)
-        go_through(d, g, s, n)
+        go_through(d, g, s, p, n)
 
 
 def map_segments(
@@ -125,8 +136,9 @@ def periodic_start(d: Array, g: Array) -> bool:
 
 
 def pass_over(
-    d: Array, g: Array, s: Array, duration: Array, speed: Array, acceleration: Array, torque: Array, strides: Strides
-) -> int:
+    d: Array, g: Array, s: Array, p: Array, duration: Array, speed: Array, acceleration: Array, torque: Array,
+    strides: Strides,
+) -> int:  # fmt: skip
     """One drive over a cycle in periodic steady state; 1 where its winding runs away and nothing is found."""
     count = len(duration)
     if d[at.FIXED] == 0.0:
@@ -138,5 +150,5 @@ def pass_over(
         if not periodic_start(d, g):
             return 1
         g[at.NOW_W], g[at.NOW_H] = d[at.PERIODIC_W], d[at.PERIODIC_H]
-    over_segments(d, g, s, duration, speed, acceleration, torque, strides)
+    over_segments(d, g, s, p, duration, speed, acceleration, torque, strides)
     return 1 if d[at.FIXED] == 0.0 and not g[at.WINDING] < at.BEYOND else 0
