@@ -33,7 +33,7 @@ from drivesizer.physics.cycle_figures import (
 from drivesizer.physics.elements.gear_life import turned_load
 from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, extremes_of, first_largest
 from drivesizer.physics.groups import layout as at
-from drivesizer.physics.groups.census import SHORT, Census, census
+from drivesizer.physics.groups.census import SHORT, Census, census, in_blocks
 from drivesizer.physics.load_cycle import Figure, end_times, mean_product, places
 from drivesizer.physics.products import product
 from drivesizer.physics.waveform import Wave, energy
@@ -372,6 +372,11 @@ class _Anew:
 
     def __init__(self, cycle: Any, efficiency: Figure) -> None:
         self.columns, self.efficiency = _Ends(cycle.speed, cycle.acceleration, cycle.torque), efficiency
+        self.cycle = cycle
+
+    def in_blocks(self, starts: NDArray[np.int64], wanted: float) -> Array | None:
+        """Figures of consecutive blocks as ``census.in_blocks`` has them, where that is at hand."""
+        return in_blocks(self.cycle, float(self.efficiency), starts, wanted)
 
     def __getitem__(self, segments: Any) -> Array:
         some = _Ends(*(column[segments] for column in self.columns))

@@ -13,9 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.groups import block_layout as at
+
 __all__ = [
     "Envelope", "Extremes", "distinct", "envelope", "extremes", "extremes_of", "first_largest", "highest_and_lowest",
-    "near_largest", "refined", "together", "undominated",
+    "looked_at", "near_largest", "refined", "together", "undominated",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -110,12 +112,34 @@ def highest_and_lowest(count: int, functions: Any, starts: NDArray[np.int64]) ->
     tuple of arrays
         Of each function in each piece: (pieces, 6).
     """
+    if (looked := looked_at(functions, starts, at.EXTREMES)) is not None:
+        return looked[:, at.HIGHEST, : at.FUNCTIONS], looked[:, at.LOWEST, : at.FUNCTIONS]
     found = np.empty((2, len(starts), 6))
     for some, segments in together(starts, count):
         ends, first = functions[segments], starts[some] - segments.start
         for values, extreme in zip(found, (np.maximum, np.minimum), strict=True):
             values[some] = extreme.reduceat(extreme(ends[:, 0], ends[:, 1]), first)
     return found[0], found[1]
+
+
+def looked_at(functions: Any, starts: NDArray[np.int64], wanted: float) -> Array | None:
+    """Figures of blocks of a long cycle, in one look.
+
+    Parameters
+    ----------
+    functions
+        An array, or what gives those of some segments (``six``).
+    starts
+        First segment of each block, rising from 0.
+    wanted
+        Which figures, of ``block_layout``.
+
+    Returns
+    -------
+    array or None
+        As of ``census.in_blocks``; None of an array of functions, and without machine code.
+    """
+    return None if isinstance(functions, np.ndarray) else functions.in_blocks(starts, wanted)
 
 
 def together(starts: NDArray[np.int64], count: int) -> Iterator[tuple[slice, slice]]:

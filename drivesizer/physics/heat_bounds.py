@@ -55,7 +55,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
-from drivesizer.physics.extremes import highest_and_lowest, together
+from drivesizer.physics.extremes import highest_and_lowest, looked_at, together
+from drivesizer.physics.groups import block_layout as at
 from drivesizer.physics.heat_cycle import Periodic, highest, periodic
 from drivesizer.physics.heat_cycle_columns import each_figure, some_of
 from drivesizer.physics.heat_step import Array
@@ -70,7 +71,6 @@ _FINE = 1 << 13  # and steps in all
 _SPEED_SHARE = 0.05  # of the speed's square, by which a housing is heated, in that choice
 _ROUNDING = 1e-10  # share of the temperature by which bounds are apart at least
 _SUM_ROUNDING = 1e-12  # share of a sum over the cycle that rounding may take
-_PART = 1 << 15  # segments of a long cycle at a time
 _ROW, _COLUMN = np.tril_indices(6)  # of a symmetric matrix
 _TIMES = np.where(_ROW == _COLUMN, 1.0, 2.0)  # that each entry stands there
 
@@ -120,6 +120,8 @@ def blocks(duration: Array, functions: Any, count: int) -> Blocks:
     """
     starts = np.arange(len(duration)) if len(duration) <= count else _starts(duration, functions, count)
     pieces, total = np.diff(np.append(starts, len(duration))), np.add.reduceat(duration, starts)
+    if (looked := looked_at(functions, starts, at.DEVIATIONS)) is not None:
+        return Blocks(total, *_symmetric(looked), *(looked[:, row, :6] for row in (at.HIGHEST, at.LOWEST)), starts)
     mean, above, below = np.empty((3, len(starts), 6, 6))
     found = Blocks(total, mean, above, below, *highest_and_lowest(len(duration), functions, starts), starts)
     for some, segments in together(starts, len(duration)):
@@ -129,6 +131,14 @@ def blocks(duration: Array, functions: Any, count: int) -> Blocks:
             entry = _deviating(duration[segments], left[[a, b]], right[[a, b]], *of)
             for values, column in zip(found[1:4], entry, strict=True):
                 values[some, a, b] = values[some, b, a] = column
+    return found
+
+
+def _symmetric(looked: Array) -> Array:
+    """Means of products and their deviations, (3, B, 6, 6), from those of one triangle."""
+    found = np.empty((3, len(looked), 6, 6))
+    for values, row in zip(found, (at.MEAN, at.ABOVE, at.BELOW), strict=True):
+        values[:, _ROW, _COLUMN] = values[:, _COLUMN, _ROW] = looked[:, row]
     return found
 
 
@@ -167,11 +177,8 @@ def _starts(duration: Array, functions: Any, count: int) -> NDArray[np.intp]:
     """First segments of the blocks: again and again the worst are split where they deviate most."""
     step = max(1, len(duration) // max(_FINER * count, _FINE))
     ends = np.append(np.arange(0, len(duration), step), len(duration))
-    time = np.append(0.0, np.cumsum(duration))[ends]
-    signals = _signals(len(duration), functions)
-    signals *= duration
-    np.cumsum(signals, axis=1, out=signals)
-    sums = np.append(np.zeros((4, 1)), signals[:, ends[1:] - 1], axis=1)
+    time = np.append(0.0, np.cumsum(duration)[ends[1:] - 1])
+    sums = np.append(np.zeros((4, 1)), np.cumsum(_signals(duration, functions, ends[:-1]), axis=1), axis=1)
     cuts = np.array([0, len(ends) - 1])
     while len(cuts) <= count:
         at, worst = _farthest(time, sums, cuts)
@@ -184,12 +191,16 @@ def _starts(duration: Array, functions: Any, count: int) -> NDArray[np.intp]:
     return first
 
 
-def _signals(count: int, functions: Any) -> Array:
-    """Squares and product of torque and acceleration, and the square of speed, each as a share of its mean."""
-    found = np.empty((4, count))
-    for some in (slice(first, min(first + _PART, count)) for first in range(0, count, _PART)):
-        found[:, some] = _squares(*_lines(functions[some]))
-    mean = found.mean(axis=1)
+def _signals(duration: Array, functions: Any, starts: NDArray[np.intp]) -> Array:
+    """Integrals over steps: squares and product of torque and acceleration, square of speed, as shares of their means."""
+    if (looked := looked_at(functions, starts, at.SIGNALS)) is not None:
+        found, mean = looked[:, 0, : at.SQUARES].T.copy(), looked[:, 1, : at.SQUARES].sum(axis=0) / len(duration)
+    else:
+        found, mean = np.empty((4, len(starts))), np.zeros(4)
+        for some, segments in together(starts, len(duration)):
+            squares = _squares(*_lines(functions[segments]))
+            mean += squares.sum(axis=1) / len(duration)
+            found[:, some] = np.add.reduceat(squares * duration[segments], starts[some] - segments.start, axis=1)
     mean[2] = np.sqrt(mean[0] * mean[1])
     mean[3] /= _SPEED_SHARE
     found /= np.where(mean > 0.0, mean, np.inf)[:, None]

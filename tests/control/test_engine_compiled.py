@@ -25,7 +25,7 @@ from drivesizer.physics.one_pass import kernel as one_pass
 
 KERNELS = {
     "engine": (of_the_drive.KERNEL, 9), "one pass": (one_pass.KERNEL, 6), "platform": (following.KERNEL, 5),
-    "groups": (groups.KERNEL, 2), "rows of a file": (csv_numbers.KERNEL, 1),
+    "groups": (groups.KERNEL, 2), "blocks": (groups.BLOCKS, 2), "rows of a file": (csv_numbers.KERNEL, 1),
     "stepper": (stepper.KERNEL, 2),
 }  # fmt: skip
 OLDEST = stepper.KERNEL.translation.read_bytes().partition(b"\n")[0].decode().split()[-1]

@@ -23,12 +23,13 @@ from drivesizer.control.path_following.kernel import KERNEL as PLATFORM
 from drivesizer.files.csv_numbers import KERNEL as ROWS
 from drivesizer.files.machine_code import Kernel, translated
 from drivesizer.files.translation import ENTRY, FAILED, OF_C, made_for
+from drivesizer.physics.groups.kernel import BLOCKS
 from drivesizer.physics.groups.kernel import KERNEL as GROUPS
 from drivesizer.physics.one_pass.kernel import KERNEL as PASS
 
 __all__ = ["KERNELS", "bitcode"]
 
-KERNELS = (DRIVE, GROUPS, PASS, PLATFORM, ROWS, STEPPER)
+KERNELS = (BLOCKS, DRIVE, GROUPS, PASS, PLATFORM, ROWS, STEPPER)
 _SCALARS = {"d": numba.float64, "b": numba.int8, "q": numba.int64}
 
 
