@@ -7,14 +7,13 @@ Symbols: T torque [N*m], w speed [rad/s].
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.groups import layout as at
-from drivesizer.physics.groups.census import Census, times_above
+from drivesizer.physics.groups.census import SHORT, Census, times_above
 from drivesizer.physics.lasting_speed import lasting_speeds, lasting_speeds_by
 from drivesizer.physics.load_cycle import Figure, integral, mean_product, rms
 
@@ -181,8 +180,8 @@ def scalars_by_census(cycle: Any, looked: Census, efficiency: float, peak_speed:
     Scalars
         Behind a belt of ratio 1.
     """
-    ends = np.array([float(np.abs(cycle.speed).min()), peak_speed])
-    faster = partial(times_above, cycle.duration, cycle.speed)
+    ends = np.array([_slowest(cycle.speed), peak_speed])
+    faster = times_above(cycle.duration, cycle.speed)
     one = looked.figures(belt_factors(efficiency))
     held = cycle.held if not np.isnan(cycle.held) else one.at_rest
     return Scalars(
@@ -191,6 +190,11 @@ def scalars_by_census(cycle: Any, looked: Census, efficiency: float, peak_speed:
         **lasting_speeds_by(faster, ends, cycle.total, looked.mean_running()),
         mean_power=one.mean_power, peak_power=one.peak_power,
     )  # fmt: skip
+
+
+def _slowest(speed: Array) -> float:
+    """Its least amount at ends of segments, part by part, for a long recording's amounts take room."""
+    return min(float(np.abs(speed[k : k + SHORT]).min()) for k in range(0, len(speed), SHORT))
 
 
 def piece_counts(duration: Array, time_constant: Array, error: float) -> NDArray[np.int64]:

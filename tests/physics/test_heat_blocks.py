@@ -293,7 +293,6 @@ def test_blocks_of_a_long_cycle_are_made_part_by_part(count, monkeypatch):
     """Of parts of some blocks each the same blocks, and no integral that strays further."""
     dt, functions = random_functions(np.random.default_rng(count), 700, "noisy")
     whole = blocks(dt, functions, count)
-    monkeypatch.setattr(heat_bounds, "_PART", 10)
     monkeypatch.setattr(extremes, "_PART", 100)
     for found, expected in zip(blocks(dt, functions, count), whole, strict=True):
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -231,8 +231,8 @@ def in_blocks(cycle: Any, efficiency: float, starts: NDArray[np.int64], wanted: 
     return found
 
 
-def times_above(duration: Array, line: Array, level: float) -> tuple[float, float]:
-    """Longest time without a break for which the amount of a quantity of a long cycle is above a level, and all such.
+def times_above(duration: Array, line: Array) -> Callable[[float], tuple[float, float]]:
+    """How long the amount of a quantity of a long cycle is above a level: a function of the level.
 
     Parameters
     ----------
@@ -240,17 +240,23 @@ def times_above(duration: Array, line: Array, level: float) -> tuple[float, floa
         Of each segment [s].
     line
         The quantity at both ends of each, of one sign within it: (segments, 2).
-    level
-        In its unit.
 
     Returns
     -------
-    tuple of floats
-        [s]; the cycle repeats: a run over its end continues at its start.
+    Callable
+        Of a level in the line's unit: the longest time without a break above it, and all such time [s]; the cycle
+        repeats: a run over its end continues at its start.
     """
-    look, sums = compiled(), np.zeros((1, at.SUMS))
+    look = compiled()
     assert look is not None  # where there is a census
-    unused = np.zeros((1, 1, 4)), np.zeros(1, np.int64), np.zeros((1, 1, 1)), np.zeros(8)
     ends, steps = _laid_out(line)
-    look(1.0, level, duration, ends, ends, ends, np.array(3 * steps), sums, *unused)
-    return float(sums[0, 0]), float(sums[0, 1])
+    columns, unused = (duration, ends, ends, ends, np.array(3 * steps)), (np.zeros((1, 1, 1)), np.zeros(8))
+    blocks, counts = np.empty((1, -(-len(duration) // at.BLOCK), 4)), np.zeros(1, np.int64)
+    look(1.0, 0.0, *columns, np.zeros((1, at.SUMS)), blocks, counts, *unused)
+
+    def above(level: float) -> tuple[float, float]:
+        sums = np.zeros((1, at.SUMS))
+        look(2.0, level, *columns, sums, blocks, counts, *unused)
+        return float(sums[0, at.LONGEST]), float(sums[0, at.IN_ALL])
+
+    return above

@@ -21,4 +21,6 @@ PRODUCTS = 2  # integrals of products of torque, acceleration, direction and spe
 BRAKED_A = 12  # acceleration times speed as far as these are against each other
 MOST_W, MOST_A, MOST_LOAD, MOST_POWER = 13, 14, 15, 16
 SUMS = 17
+LONGEST, IN_ALL, FIRST, BEGAN, NOW = range(5)  # s, of the time above a level, in the place of sums
+BLOCK = 64  # segments that are looked at together for that
 BINS = 64  # of acceleration and of speed

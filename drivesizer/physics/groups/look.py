@@ -6,6 +6,8 @@ beside a constant direction. Arrays as ``census`` makes them.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -172,35 +174,58 @@ def below(limit: float, i_0: float, i_1: float) -> tuple[float, float]:
     return max(enter, 0.0), min(leave, 1.0)
 
 
-def times_above(level: float, duration: Array, speed: Array, strides: Whole, found: Array) -> None:
-    """Longest time without a break for which the speed is above a level, in a cycle that repeats, and all such time."""
-    longest, total, first, begin, time = 0.0, 0.0, 0.0, -1.0, 0.0
-    for k in range(len(duration)):
-        m, n, t = k * strides[at.OF_SPEED], strides[at.OF_SPEED + 1], duration[k]
-        a, b = abs(speed[m]), abs(speed[m + n])
-        enter, leave = 0.0, 1.0
-        if max(a, b) > level:
-            enter, leave = below(level, a, b)
-        if enter > 1.0:
-            total += t
+def put_blocks(duration: Array, speed: Array, strides: Whole, blocks: Array) -> None:
+    """Least and largest amount of the speed in blocks of segments, and their durations."""
+    for block in range(len(blocks)):
+        low, high, total = math.inf, 0.0, 0.0
+        for k in range(block * at.BLOCK, min((block + 1) * at.BLOCK, len(duration))):
+            m, n = k * strides[at.OF_SPEED], strides[at.OF_SPEED + 1]
+            a, b = abs(speed[m]), abs(speed[m + n])
+            low, high, total = min(low, min(a, b)), max(high, max(a, b)), total + duration[k]
+        blocks[block, 0], blocks[block, 1], blocks[block, 2] = low, high, total
+
+
+def add_above(found: Array, enter: float, leave: float, t: float) -> None:
+    """Add a stretch of time that is above a level but from one share of it to another."""
+    if enter > 1.0:
+        found[at.IN_ALL] += t
+    else:
+        found[at.IN_ALL] += t * (1.0 - (leave - enter))
+        if found[at.BEGAN] < 0.0:
+            found[at.FIRST] = found[at.NOW] + enter * t
         else:
-            total += t * (1.0 - (leave - enter))
-            if begin < 0.0:
-                first = time + enter * t
-            else:
-                longest = max(longest, time + enter * t - begin)
-            begin = time + leave * t
-        time += t
-    found[0] = max(longest, first + time - begin) if begin >= 0.0 else time
-    found[1] = total
+            found[at.LONGEST] = max(found[at.LONGEST], found[at.NOW] + enter * t - found[at.BEGAN])
+        found[at.BEGAN] = found[at.NOW] + leave * t
+    found[at.NOW] += t
+
+
+def times_above(level: float, duration: Array, speed: Array, strides: Whole, blocks: Array, found: Array) -> None:
+    """Longest time without a break for which the speed is above a level, in a cycle that repeats, and all such time."""
+    found[at.BEGAN] = -1.0
+    for block in range(len(blocks)):
+        if blocks[block, 0] > level:
+            add_above(found, 2.0, 2.0, blocks[block, 2])
+        elif blocks[block, 1] <= level:
+            add_above(found, 0.0, 1.0, blocks[block, 2])
+        else:
+            for k in range(block * at.BLOCK, min((block + 1) * at.BLOCK, len(duration))):
+                m, n = k * strides[at.OF_SPEED], strides[at.OF_SPEED + 1]
+                a, b = abs(speed[m]), abs(speed[m + n])
+                enter, leave = below(level, a, b) if max(a, b) > level else (0.0, 1.0)
+                add_above(found, enter, leave, duration[k])
+    begin, end = found[at.BEGAN], found[at.NOW]
+    found[at.LONGEST] = max(found[at.LONGEST], found[at.FIRST] + end - begin) if begin >= 0.0 else end
 
 
 def look_through(
     wanted: float, level: float, duration: Array, speed: Array, acceleration: Array, torque: Array, strides: Whole,
     sums: Array, window: Array, counts: Whole, highest: Array, ranges: Array,
 ) -> int:  # fmt: skip
-    """Look at all segments, or (1) how long the speed is above a level."""
-    if wanted > 0.0:
-        times_above(level, duration, speed, strides, sums[0])
+    """Look at all segments, or how long the speed is above a level: (2) in blocks, which (1) puts in the window."""
+    if wanted == 1.0:
+        put_blocks(duration, speed, strides, window[0])
+        return 0
+    if wanted == 2.0:
+        times_above(level, duration, speed, strides, window[0], sums[0])
         return 0
     return look_at_all(level, duration, speed, acceleration, torque, strides, sums, window, counts, highest, ranges)

@@ -105,6 +105,8 @@ def take(
     last = min(last, first + at.FINEST)
     copy(s, first, last, duration, speed, acceleration, torque, strides)
     put_currents(d, s, last - first)
+    if d[at.WANTED] < 0.0:  # nothing is to follow a mean
+        return last, last - first
     taken, count = cut(d, s, last - first)
     return first + taken, count
 

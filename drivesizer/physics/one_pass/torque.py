@@ -37,5 +37,5 @@ def torque_above(cycle: AtGearhead, limit: float) -> tuple[float, float]:
         return math.nan, math.nan
     if not base.scalars.peak_torque / cycle.belt > limit:
         return 0.0, 0.0
-    longest, total = times_above(load.duration, base.torque, limit * cycle.belt)
+    longest, total = times_above(load.duration, base.torque)(limit * cycle.belt)
     return max(longest - 8 * float(np.spacing(load.total)), 0.0), total / load.total
