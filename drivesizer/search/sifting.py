@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Set
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.stress import put
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
-from drivesizer.search.columns.bands import at_ends, estimated
+from drivesizer.search.columns.bands import BothEnds, at_ends, both_ends, estimated
 from drivesizer.search.columns.candidates import Candidates, Crossed, joined, pairs
 from drivesizer.search.columns.evaluation import figures_by_physics
 from drivesizer.search.columns.limits_over_time import Wanted
@@ -32,6 +33,7 @@ PASSES, OPEN, UNKNOWN = range(3)  # certainty
 _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
 _CHUNK = 1 << 20  # drives at a time
 _NEAREST = 32  # of the rejected, kept until all are known
+_OF_ROWS = ("rows", "unknown", "margin", "encoder", "controller", "brake")  # of what was examined
 _ALIKE = 1e-7  # share of a margin within which rounding makes others equal
 
 
@@ -124,18 +126,19 @@ def any_passes(problem: Problem) -> bool:
 
 def _examined(problem: Problem, every: Candidates, exact: Wanted | bool, margins: bool) -> Iterator[_Found]:
     """Some of them after the other: all at the favourable end, where printed figures are as printed."""
-    uncertain = np.zeros(len(every.motor), bool)
-    uncertain[estimated(problem, every)] = True
-    favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
+    uncertain = estimated(problem, every)
+    ends = both_ends(problem, every.on(uncertain)) if len(uncertain) else None
     for some, pairs_ in _chunks(problem, every):
-        easy = _together(examine(favourable, some, exact=exact, margins=margins))
-        few = np.flatnonzero(uncertain[pairs_])
-        if len(few):
-            again = Crossed(some.pairs.on(few), some.belts)
-            hard = _together(examine(unfavourable, again, exact=exact, margins=margins))
-            yield _at_both(problem, some, easy, few, hard)
+        if ends is None:
+            found = _together(examine(problem, some, exact=exact, margins=margins))
+            yield _found(problem, some, found, np.zeros(len(found.rows), bool))
         else:
-            yield _found(problem, some, easy, np.zeros(len(easy.rows), bool))
+            first, last = np.searchsorted(uncertain, (pairs_.start, pairs_.stop))
+            few = uncertain[first:last] - pairs_.start
+            twice = joined([some.pairs, ends.unfavourable(some.pairs.on(few))])
+            both = Crossed(twice, some.belts, len(some.pairs.motor))
+            examined = examine(ends.problem, both, exact=exact, margins=margins, offered=ends.offered)
+            yield _at_both(problem, both, _together(examined), few, ends)
 
 
 def _together(found: Iterator[Examined]) -> Examined:
@@ -153,10 +156,11 @@ def _together(found: Iterator[Examined]) -> Examined:
 
 
 def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.bool_]) -> _Found:
+    """What was found of some candidates, with the nearest of the rejected."""
     figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin, BRAKE: one.brake.astype(float)}
     few = _closest(one.bound)
     failing = _nearest(problem, [(every.on(one.rejected[few]), one.bound[few])])
-    count = len(every.pairs.motor) * len(every.belts)
+    count = len(every.counted.motor) * len(every.belts)
     return _Found(count, every.on(one.rows), opened, one.unknown, figures, one.failed_by, *failing)
 
 
@@ -171,51 +175,57 @@ def _closest(bound: Array) -> NDArray[np.int64]:
     return near
 
 
-def _at_both(problem: Problem, every: Crossed, easy: Examined, few: NDArray[np.int64], hard: Examined) -> _Found:
-    """Candidates that pass at the favourable end, then those of the other end alone; ``few`` were examined at both."""
-    total, (belt, row) = len(every.pairs.motor), np.divmod(hard.rows, len(few))
-    passing = few[row] + belt * total
-    at_hard, at_easy = (_marked(rows, total * len(every.belts)) for rows in (passing, easy.rows))
-    both, alone = at_hard[easy.rows], ~at_easy[passing]
-    opened = _marked(few, total)[easy.rows % total] & ~both
-    unknown, margin = easy.unknown.copy(), easy.margin.copy()
-    opened[both] = (unknown[both] != hard.unknown[~alone]).any(axis=1)  # rows of both rise
-    unknown[both] &= hard.unknown[~alone]
-    margin[both] = hard.margin[~alone]
-    figures = {name: column.copy() for name, column in easy.figures.items()}
-    for name, column in figures.items():
-        column[both] = hard.figures[name][~alone]
-    brake = easy.brake.copy()
-    brake[both] = hard.brake[~alone]
-    rest = np.flatnonzero(~at_hard[easy.rejected])
-    whole = easy._replace(
-        rows=np.concatenate([easy.rows, passing[alone]]),
-        unknown=np.concatenate([unknown, hard.unknown[alone]]),
-        margin=np.concatenate([margin, hard.margin[alone]]),
-        brake=np.concatenate([brake, hard.brake[alone]]),
-        figures={name: np.concatenate([column, hard.figures[name][alone]]) for name, column in figures.items()},
-        rejected=easy.rejected[rest],
-        bound=easy.bound[rest],
-    )
-    opened = np.concatenate([opened, np.ones(np.count_nonzero(alone), bool)])
-    if alone.any():  # behind each belt they come last
-        by_belt = np.argsort(whole.rows // total, kind="stable")
-        whole, opened = _reordered(whole, by_belt), opened[by_belt]
+def _at_both(problem: Problem, every: Crossed, found: Examined, few: NDArray[np.int64], ends: BothEnds) -> _Found:
+    """Candidates that pass at the favourable end, then those of the other end alone; ``few`` pairs were at both."""
+    count, row = len(every.counted.motor), found.rows % len(every.pairs.motor)
+    at_hard = row >= count
+    easy, hard = (_on_rows(found, np.flatnonzero(side)) for side in (~at_hard, at_hard))
+    there = row[at_hard]
+    hard = hard._replace(rows=hard.rows - there + few[there - count], brake=ends.brakes(hard.brake))
+    place = np.searchsorted(easy.rows, hard.rows)  # rows rise
+    both = np.append(easy.rows, -1)[place] == hard.rows
+    opened = np.isin(row[~at_hard], few)
+    whole = _at_the_unfavourable(easy, opened, place[both], _on_rows(hard, np.flatnonzero(both)))
+    if not both.all():
+        whole, opened = _with_others(whole, opened, _on_rows(hard, np.flatnonzero(~both)), len(every.pairs.motor))
     return _found(problem, every, whole, opened)
 
 
-def _marked(rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    """Whether each of so many rows is among some."""
-    found = np.zeros(count, bool)
-    found[rows] = True
-    return found
+def _at_the_unfavourable(
+    easy: Examined, opened: NDArray[np.bool_], place: NDArray[np.int64], hard: Examined
+) -> Examined:
+    """Candidates that pass, with those that do so at both ends as they are at the unfavourable one: they are not open.
+
+    But for those that lack other figures there.
+    """
+    unknown = easy.unknown[place]
+    opened[place] = (unknown != hard.unknown).any(axis=1)
+    return easy._replace(
+        unknown=put(easy.unknown, place, unknown & hard.unknown),
+        margin=put(easy.margin, place, hard.margin),
+        brake=put(easy.brake, place, hard.brake),
+        figures={name: put(column, place, hard.figures[name]) for name, column in easy.figures.items()},
+    )
 
 
-def _reordered(found: Examined, rows: NDArray[np.int64]) -> Examined:
-    """Those that came through in another order."""
-    figures = {name: column[rows] for name, column in found.figures.items()}
-    changed = {name: getattr(found, name)[rows] for name in ("rows", "unknown", "margin", "brake")}
-    return found._replace(figures=figures, **changed)
+def _with_others(
+    found: Examined, opened: NDArray[np.bool_], others: Examined, pairs_: int
+) -> tuple[Examined, NDArray[np.bool_]]:
+    """Candidates with those that pass at the unfavourable end alone, which come last behind each belt and are open."""
+    kept = np.flatnonzero(~np.isin(found.rejected, others.rows))
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(one, name) for one in (found, others)]) for name in _OF_ROWS
+    }
+    figures = {name: np.append(column, others.figures[name]) for name, column in found.figures.items()}
+    whole = found._replace(figures=figures, rejected=found.rejected[kept], bound=found.bound[kept], **columns)
+    by_belt = np.argsort(whole.rows // pairs_, kind="stable")
+    return _on_rows(whole, by_belt), np.append(opened, np.ones(len(others.rows), bool))[by_belt]
+
+
+def _on_rows(found: Examined, rows: NDArray[np.int64]) -> Examined:
+    """Some of those that came through."""
+    columns: dict[str, Any] = {name: getattr(found, name)[rows] for name in _OF_ROWS}
+    return found._replace(figures={name: column[rows] for name, column in found.figures.items()}, **columns)
 
 
 def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slice]]:

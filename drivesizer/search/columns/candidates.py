@@ -49,6 +49,12 @@ class Crossed(NamedTuple):
 
     pairs: Candidates  # whatever their belt
     belts: list[float]
+    first: int | None = None  # so many of the pairs are counted and may be the closest rejected; None: all
+
+    @property
+    def counted(self) -> Candidates:
+        """The pairs whose failures count."""
+        return self.pairs if self.first is None else self.pairs.on(slice(self.first))
 
     def number(self, belt: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
         """Numbers of candidates by those of their belts and the rows of their pairs."""

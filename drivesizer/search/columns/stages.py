@@ -75,6 +75,7 @@ def examine(
     exact: Wanted | bool = True,
     each: Collection[str] = (),
     margins: bool = False,
+    offered: Offers | None = None,
 ) -> Iterator[Examined]:
     """Candidates against every limit: pairs behind several belts in stages, a list of candidates all the way.
 
@@ -94,13 +95,15 @@ def examine(
         Names of checks to decide of candidates that fail on another as well.
     margins
         In stages: compute the smallest margin of each.
+    offered
+        What there is for each motor, where it is at hand.
 
     Yields
     ------
     Examined
         Some of them at a time, in order.
     """
-    offered = offers(problem)
+    offered = offered or offers(problem)
     if isinstance(sets, Crossed):
         started = by_their_parts(problem, offered, sets, margins)
     else:

@@ -87,9 +87,19 @@ def bound_of(found: Sequence[CheckColumn], count: int) -> Array:
 class Sieve:
     """Candidates through the stages; ``rejected`` and ``failed_by`` are of all that went in."""
 
-    def __init__(self, rows: NDArray[np.int64], unknown: NDArray[np.uint64], margin: Array, margins: bool) -> None:
-        """The numbers of candidates in stages, with what the checks of their parts amount to."""
-        self.rows, self.unknown, self.margin, self.margins = rows, unknown, margin, margins
+    def __init__(
+        self,
+        rows: NDArray[np.int64],
+        unknown: NDArray[np.uint64],
+        margin: Array,
+        margins: bool,
+        counted: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """The numbers of candidates in stages, with what the checks of their parts amount to.
+
+        ``counted``: whose failures count and which may be the closest rejected; None all.
+        """
+        self.rows, self.unknown, self.margin, self.margins, self.counted = rows, unknown, margin, margins, counted
         self.staged = True
         self.checks: list[CheckColumn] = []
         self.failed_by: Counter[str] = Counter()
@@ -106,7 +116,8 @@ class Sieve:
         """The candidates that are left in parts; what was counted goes with the first."""
         found = []
         for place in places:
-            part = Sieve(self.rows[place], self.unknown[place], self.margin[place], self.margins)
+            counted = None if self.counted is None else self.counted[place]
+            part = Sieve(self.rows[place], self.unknown[place], self.margin[place], self.margins, counted)
             part.staged, part.checks = self.staged, [check.on(place) for check in self.checks]
             found.append(part)
         found[0].failed_by, found[0].rejected = self.failed_by, self.rejected
@@ -124,17 +135,22 @@ class Sieve:
         if not found or not len(self.rows):
             return _ALL
         for check in found:
-            self.failed_by[check.name] += int(np.count_nonzero(check.failed))
+            self.failed_by[check.name] += int(np.count_nonzero(self._counted(check.failed)))
         amount = amounting(found, len(self.rows), self.margins)
         kept: NDArray[np.int64] | slice = _ALL
         if amount.failed.any():
-            rejected, kept = np.flatnonzero(amount.failed), np.flatnonzero(~amount.failed)
+            rejected, kept = np.flatnonzero(self._counted(amount.failed)), np.flatnonzero(~amount.failed)
             self.rejected.append((self.rows[rejected], bound_of([c.on(rejected) for c in found], len(rejected))))
             self.rows, self.margin = self.rows[kept], self.margin[kept]
             self.unknown, unknown = self.unknown.take(kept, axis=0), amount.unknown.take(kept, axis=0)
+            self.counted = None if self.counted is None else self.counted[kept]
         else:
             unknown = amount.unknown
         self.unknown |= unknown
         if self.margins:
             self.margin = np.minimum(self.margin, amount.margin[kept])
         return kept
+
+    def _counted(self, failed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Failures that count."""
+        return failed if self.counted is None else failed & self.counted
