@@ -92,7 +92,10 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     for stem in stems:
         if stems.count(stem) > 1:
             raise InputError(f"two catalogues are called {quoted(stem)}; rename one of the files")
-    raws = [read_bytes(path, _LARGEST) for path in paths]
+    try:
+        raws = [read_bytes(path, _LARGEST) for path in paths]
+    except InputError as error:
+        raise UnknownCatalogError(str(error)) from None
     keys = [_key(raw) for raw in raws]
 
     def join() -> Catalog:

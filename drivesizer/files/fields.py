@@ -14,7 +14,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationIn
 from pydantic_core import core_schema
 
 from drivesizer.files.frozen import dataclass
-from drivesizer.units import KINDS, label, noun, to_si
+from drivesizer.units import KINDS, Kind, label, noun, to_si
 
 __all__ = [
     "Acceleration", "Allowance", "Altitude", "Angle", "Area", "Axis", "BackEfficiency", "Bearing", "Capacitance",
@@ -52,13 +52,19 @@ class Quantity:
         else:
             value = self._rounded(to_si(text, self.rotary if turns else self.kind))
         for bad, words in (
-            (not value > self.above, f"above {self.above:g}"),
-            (not value >= self.least, f"at least {self.least:g}"),
-            (not value <= self.most, f"at most {self.most:g}"),
+            (not value > self.above, f"above {_limit(self.above, kind)}"),
+            (not value >= self.least, f"at least {_limit(self.least, kind)}"),
+            (not value <= self.most, f"at most {_limit(self.most, kind)}"),
         ):
             if bad:
-                raise ValueError(f"must be {words} {label(kind.si)}".rstrip() + f", e.g. {kind.example}")
+                raise ValueError(f"must be {words}, e.g. {self._example(text, value, kind)}")
         return value
+
+    def _example(self, text: object, value: float, kind: Kind) -> str:
+        """An example of the kind; of a share above 1 without its sign the per cent that are meant."""
+        if self.most == 1.0 < value <= 100.0 and not str(text).rstrip().endswith("%"):
+            return f"{value / 100:g} or {value:g} %"
+        return kind.example
 
     def _rounded(self, value: float) -> float:
         """An angle as its limit where it is written as that: 1.5708 rad is 90 deg, no more."""
@@ -80,6 +86,11 @@ class Quantity:
             "description": f"{' or '.join(noun(kind) for kind in kinds)} with unit{_OR_GRADE * self.grade}",
             "examples": [KINDS[kind].example for kind in kinds],
         }
+
+
+def _limit(value: float, kind: Kind) -> str:
+    """A limit with its unit; of an angle in degrees, as one thinks of it."""
+    return f"{math.degrees(value):g} deg" if kind.si == "rad" else f"{value:g} {label(kind.si)}".rstrip()
 
 
 Place = Annotated[float, Quantity("length")]  # with its sign

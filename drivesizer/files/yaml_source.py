@@ -167,6 +167,12 @@ def _not_yaml(error: yaml.MarkedYAMLError, text: str) -> str:
             error.context_mark.line,
             f"{problem} {error.context or ''}, which begins here".replace(" ,", ","),
         )
+    elif error.context_mark and error.context_mark.line < line:
+        begun = error.context_mark.line
+        if "simple key" in (error.context or ""):  # the line before is no field
+            line, problem = begun, f"{problem} behind a field's name"
+        elif "flow" in (error.context or ""):
+            problem = f"{problem}; the bracket of line {begun + 1} is not closed"
     line = min(line, max(len(lines) - 1, 0))
     if "nesting depth" in problem:  # libyaml looks ahead of what it hands on
         return f"{line + 1}: {_TOO_DEEP}"

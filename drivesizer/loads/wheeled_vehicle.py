@@ -26,6 +26,7 @@ from drivesizer.files.fields import (
     Density,
     Length,
     Mass,
+    Part,
     Section,
     Share,
     SignedSpeed,
@@ -78,7 +79,7 @@ class WheeledVehicle(LoadModel):
     mass: Mass = Field(description="whole vehicle, payload included")
     driven_wheels: Count = Field(description="wheels with a drive")
     wheel_diameter: Length
-    rolling_resistance: Coefficient | None = Field(default=None, description="C_rr; or give sinkage")
+    rolling_resistance: Part | None = Field(default=None, description="C_rr; or give sinkage")
     sinkage: Thickness | None = Field(default=None, description="sinking depth z of (4); or give rolling_resistance")
     friction_coefficient: Coefficient | None = Field(default=None, description="between wheel and floor, for traction")
     driven_share: Share | None = Field(

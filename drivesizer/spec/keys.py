@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from types import UnionType
 from typing import Any, Union, get_args, get_origin
 
@@ -63,6 +64,8 @@ def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
         The known key that is meant, the kind or the group that has it, or all known keys.
     """
     key = str(path[-1])
+    if re.match(r"[0-9]", key):
+        return "a comma ends a field between { and }; a number has a decimal point, e.g. 3.6 km/h"
     known = known_keys(model, path[:-1], data)
     named = next((word for word in _OTHER_WORDS.get(key, ()) if word in known), None)
     if named:
@@ -73,7 +76,8 @@ def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
 
 def _other_kind(model: type[BaseModel], path: Path_, word: str) -> str:
     """The profiles or kinds with a word that the one of the file lacks; empty where none has it."""
-    owners = [model] if len(path) == 2 else []  # of load and motion, each one of several models
+    # of load and motion, each one of several models, and of each stage of the transmission
+    owners = [model] if len(path) == 2 or (len(path) == 3 and isinstance(path[1], int)) else []
     fields = [m.model_fields[str(path[0])] for m in owners if path[0] in m.model_fields]
     models = [m for field in fields for m in models_of(field) if word in m.model_fields]
     for name in ("profile", "kind"):

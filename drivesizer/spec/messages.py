@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+import re
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -50,6 +52,9 @@ def explained(
     # A misspelt key also leaves the right one missing: the misspelling is reported.
     unknown = {path[:-1] for path, fault in faults if fault["type"] == "extra_forbidden"}
     faults = [(path, fault) for path, fault in faults if fault["type"] != "missing" or path[:-1] not in unknown]
+    # A word where words or a list may stand is no list, either: that it is not known is said.
+    words = {path for path, fault in faults if fault["type"] == "literal_error"}
+    faults = [(path, fault) for path, fault in faults if fault["type"] != "list_type" or path not in words]
     faults.sort(key=lambda pair: (pair[1]["type"] != "extra_forbidden", source.line(pair[0]) or 0))
     lines = []
     for path, fault in faults:
@@ -87,8 +92,9 @@ def _path(fault: dict[str, Any], data: Any) -> Path_:
             if not absent:
                 continue
         path.append(step)
-    if fault["type"] == "value_error" and not path:  # an error of several fields names one of them
-        path = _named(str(fault["ctx"]["error"]).partition(":")[0], data)
+    if fault["type"] == "value_error" and isinstance(data, dict):  # an error of several fields names one of them
+        said = str(fault["ctx"]["error"])
+        path += _named(said.partition(":")[0], data) or _named(said.partition(" ")[0], data)
     if fault["type"] == "union_tag_invalid":
         path.append(fault["ctx"]["discriminator"].strip("'"))
     return tuple(path)
@@ -115,15 +121,17 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
         case "missing":
             return f"is missing; expected {_example(model, path, data)}"
         case "int_type" | "int_from_float":
-            return f"{found} is not a whole number"
+            return f"{found} is not a whole number; expected one, e.g. 2"
         case "bool_type" | "bool_parsing":
-            return f"{found} is neither true nor false"
+            return f"{found} is neither true nor false; expected one of both"
         case "list_type":
             return f"{found} is not a list; expected entries between [ and ]{_default(model, path, data)}"
         case "string_type":
             return "is empty; expected text" if fault["input"] is None else f"{found} is not text; put it in quotes"
-        case "greater_than_equal" | "less_than_equal":
-            return f"{found} must be {fault['msg'].removeprefix('Input should be ')}"
+        case "greater_than_equal":
+            return f"{found} must be at least {fault['ctx']['ge']}"
+        case "less_than_equal":
+            return f"{found} must be at most {fault['ctx']['le']}"
         case "extra_forbidden":
             return f"unknown key; {meant(model, path, data)}"
         case "too_short":
@@ -135,13 +143,11 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
         case "string_too_long":
             return f"{found} is too long; expected at most {fault['ctx']['max_length']} characters"
         case "value_error":
-            text = str(fault["ctx"]["error"])
-            own = text.removeprefix(f"{'.'.join(map(str, path))}: ")
-            return own if own != text or own.startswith(_ALONE) else f"{found} {own}"
+            return _of_values(str(fault["ctx"]["error"]), fault["input"], path)
         case "literal_error":
-            return f"{found} is not known; expected {fault['ctx']['expected']}"
+            return _not_known(fault.get("input"), fault["ctx"]["expected"])
         case "union_tag_invalid":
-            return f"{quoted(fault['ctx']['tag'])} is not known; expected {fault['ctx']['expected_tags']}"
+            return _not_known(fault["ctx"]["tag"], fault["ctx"]["expected_tags"])
         case "union_tag_not_found":
             return "kind is missing"
         case "model_type" | "model_attributes_type" | "dict_type":
@@ -149,6 +155,28 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
         case _:
             text = fault["msg"][0].lower() + fault["msg"][1:]
             return f"{found}: {text.replace('input ', '')}"
+
+
+def _of_values(text: str, found: Any, path: Path_) -> str:
+    """What a validator says: of a field with what was found there, of several fields, whose names it has, as it is."""
+    own = text.removeprefix(f"{'.'.join(map(str, path))}: ")
+    if own != text:
+        return own
+    if isinstance(found, dict) and found:
+        of = found.get(path[-1]) if path and text.startswith(f"{path[-1]} ") else None
+        return text if of is None or isinstance(of, list | dict) else f"{quoted(of)}: {text}"
+    return text if text.startswith(_ALONE) else f"{quoted(_brief(found))} {text}"
+
+
+def _not_known(found: Any, expected: str) -> str:
+    """A word that is none of those that are expected, and the nearest of them.
+
+    >>> _not_known("vehicle", "'wheeled_vehicle'")
+    '"vehicle" is not known; the nearest is wheeled_vehicle; expected \\'wheeled_vehicle\\''
+    """
+    near = difflib.get_close_matches(str(found).lower(), re.findall(r"'([^']+)'", expected), 1, 0.6)
+    hint = f"; the nearest is {near[0]}" if near and len(str(found)) > len("car") else ""
+    return f"{quoted(_brief(found))} is not known{hint}; expected {expected}"
 
 
 def _brief(value: Any) -> Any:

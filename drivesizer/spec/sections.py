@@ -86,7 +86,10 @@ class Supply(Section):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if not (self.min or self.nominal) <= self.nominal <= (self.max or self.nominal):
-            raise ValueError("expected min <= nominal <= max")
+            low, high = (None if one is None else f"{one:g} V" for one in (self.min, self.max))
+            given = [("min", low), ("nominal", f"{self.nominal:g} V"), ("max", high)]
+            found = ", ".join(f"{name} {text}" for name, text in given if text)
+            raise ValueError(f'"{found}": expected min <= nominal <= max')
         return self
 
     @model_validator(mode="after")

@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Bearing, Coefficient, Length, Place, Quantity, Section, default
+from drivesizer.files.fields import Bearing, Length, Part, Place, Quantity, Section, default
 from drivesizer.platform.wheels import Wheel, table_wheel
 
 __all__ = ["CasterPlace", "Differential", "Layout", "Mecanum", "Omni", "WheelPlace"]
@@ -117,4 +117,4 @@ class CasterPlace(Section):
 
     x: Place
     y: Place
-    rolling_resistance: Coefficient | None = Field(default=None, description="C_rr; that of the wheels if not given")
+    rolling_resistance: Part | None = Field(default=None, description="C_rr; that of the wheels if not given")

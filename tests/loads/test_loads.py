@@ -633,7 +633,7 @@ EDGES = [
     ("conveyor", "friction_coefficient: 0.21, ", "", "load.friction_coefficient: is missing; expected"),
     ("conveyor", "efficiency: 90 %", "efficiency: 0", 'load.efficiency: "0" must be above 0'),
     ("conveyor", "efficiency: 90 %", "efficiency: 110 %", 'load.efficiency: "110 %" must be at most 1'),
-    ("conveyor", "incline: 12 deg", "incline: 91 deg", 'load.incline: "91 deg" must be at most 1.5708 rad'),
+    ("conveyor", "incline: 12 deg", "incline: 91 deg", 'load.incline: "91 deg" must be at most 90 deg, e.g. 2 deg'),
     ("hoist", "falls: 3", "falls: 0", "load.falls"),
     ("hoist", "counterweight: 9 kg", "counterweight: -1 kg", 'load.counterweight: "-1 kg" must be at least 0 kg'),
     ("hoist", "mass: 14 kg, ", "", "load.mass: is missing; expected"),

@@ -139,3 +139,52 @@ def test_what_unknown_reject_leaves_out_is_counted():
     assert len(allowed.sets) == allowed.counts.feasible
     assert unknown and (rejected.counts.left_out, allowed.counts.left_out) == (unknown, 0)
     assert rejected.counts.feasible == allowed.counts.feasible - unknown
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("30 kg", "30,5 kg",
+         'robot.yaml:4: load.mass: "30,5 kg" has a comma in its number; write a decimal point: 30.5 kg'),
+        ("30 kg", "1.030,5 kg", "write a decimal point: 1030.5 kg; expected mass"),
+        ("30 kg", "1,030 kg", "write a decimal point: 1.030 kg, or 1030 kg; expected mass"),
+        ("  - kind: gearhead", "  - {kind: gearhead, ratio: 27}",
+         "robot.yaml:14: transmission[1].ratio: unknown key; it belongs to kind: belt or gear or"),
+        ("  - kind: gearhead", '  - {kind: belt, ratio: "1:3", efficiency: 90 %}',
+         'transmission[1].ratio: "1:3": write the quotient, 0.333333; expected plain number'),
+        ("  - kind: gearhead", "  - {kind: belt, ratio: 3, efficiency: 95}",
+         'transmission[1].efficiency: "95" must be at most 1, e.g. 0.95 or 95 %'),
+        ("rolling_resistance: 2 %", "rolling_resistance: 2",
+         'robot.yaml:7: load.rolling_resistance: "2" must be at most 1, e.g. 0.02 or 2 %'),
+        ("wheeled_vehicle", "vehicle", 'load.kind: "vehicle" is not known; the nearest is wheeled_vehicle; expected '),
+        ("wheeled_vehicle", "car", "load.kind: \"car\" is not known; expected 'wheeled_vehicle', "),
+        ("{nominal: 24 V, current: 20 A}", "{nominal: 24 V, min: 26 V}",
+         'robot.yaml:15: supply: "min 26 V, nominal 24 V": expected min <= nominal <= max'),
+        ("driven_wheels: 2", "driven_wheels: 2.5", '"2.5" is not a whole number; expected one, e.g. 2'),
+        ("[maxon]", "[nowhere.yaml]", "robot.yaml:16: select.catalogs: nowhere.yaml: cannot be read (no such file"),
+        ("{nominal: 24 V, current: 20 A}", "{nominal: 24 V, current: 3,6 A}",
+         "robot.yaml:15: supply.6 A: unknown key; a comma ends a field between { and }; "),
+        ("  mass: 30 kg", "  mass 30 kg", "robot.yaml:4: not YAML: could not find expected ':' behind a field's name"),
+        ("current: 20 A}", "current: 20 A", "; the bracket of line 15 is not closed"),
+    ],
+)  # fmt: skip
+def test_what_buyers_write(old, new, said):
+    assert said in lines((old, new))[0]
+
+
+def test_a_word_that_is_not_known_is_no_list_either():
+    assert len(lines(("catalogs: [maxon]", "catalogs: [maxon], objective: preis"))) == 1
+
+
+def test_a_field_that_others_contradict_is_named_with_its_line():
+    arm = SPEC[: SPEC.index("  mass")].replace("wheeled_vehicle", "arm")
+    text = f"{arm}  mass: 3.2 kg\n  length: 260 mm\n  inertia: 0.09 kg*m^2\n{SPEC[SPEC.index('motion') :]}"
+    with pytest.raises(InputError) as caught:
+        read_spec(YamlSource(text.replace("0.5 m/s", "30 rpm"), "robot.yaml"))
+    said = 'robot.yaml:6: load.inertia: "0.09 kg*m^2": inertia must be at least mass times length squared, 0.2163 kg·m²'
+    assert list(caught.value.lines) == [said]
+
+
+def test_a_limit_of_an_angle_is_in_degrees():
+    found = lines(("  inertia", "  slope: 91 deg\n  inertia"))
+    assert 'load.slope: "91 deg" must be at most 60 deg, e.g. 2 deg' in found[0]

@@ -134,7 +134,7 @@ REFUSED = [
     ("mass: 45 kg ", "mass: lognormal(45 kg, 3 kg) ", "robot.yaml:10: load.mass: ", "no distribution that is known"),
     ("select:\n", "tolerances: {motor: {resistance: +- 120 %}}\nselect:\n", "tolerances.motor.resistance", "reaches 0"),
     ("select:\n", "tolerances: {motor: {resistence: 3 %}}\nselect:\n", "resistence", 'did you mean "resistance"?'),
-    ("select:\n", "tolerances: {samples: 3}\nselect:\n", "tolerances.samples", "greater than or equal to 64"),
+    ("select:\n", "tolerances: {samples: 3}\nselect:\n", "tolerances.samples", "must be at least 64"),
     ("select:\n", "tolerances: {confidence: 120 %}\nselect:\n", "tolerances.confidence", "must be at most 1"),
 ]  # fmt: skip
 
