@@ -43,7 +43,7 @@ from drivesizer.version import __version__
 __all__ = [
     "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "BrakeResistor", "CacheWarning",
     "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "PowerSupply", "Pulley", "Source",
-    "Stepper", "Table", "columns_of", "lines", "load", "of_text", "one_of", "shipped",
+    "Stepper", "Table", "columns_of", "lines", "load", "of_text", "one_of", "path_of", "shipped",
 ]  # fmt: skip
 
 
@@ -85,9 +85,9 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     CatalogError
         When a file does not follow the schema.
     """
-    known = shipped()
-    named = [each for name in names for each in (known if name == "all" else [name])]
-    paths = [_path(name, beside, known) for name in dict.fromkeys(named)]
+    named = [each for name in names for each in (shipped() if name == "all" else [name])]
+    found = [path_of(name, beside) for name in dict.fromkeys(named)]
+    paths = list({os.path.realpath(path): path for path in found}.values())  # a file by two names is one
     stems = [path.stem for path in paths]
     for stem in stems:
         if stems.count(stem) > 1:
@@ -109,7 +109,27 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     return _compiled(name, key, join)
 
 
-def _path(name: str, beside: Path | None, known: Mapping[str, Path]) -> Path:
+def path_of(name: str, beside: Path | None = None) -> Path:
+    """The file of a catalogue.
+
+    Parameters
+    ----------
+    name
+        Of a shipped catalogue, or a path.
+    beside
+        Folder from which relative paths count.
+
+    Returns
+    -------
+    Path
+        Which may lead nowhere.
+
+    Raises
+    ------
+    UnknownCatalogError
+        When it is neither.
+    """
+    known = _found_once()
     if name in known:
         return known[name]
     path = (beside or Path()) / name

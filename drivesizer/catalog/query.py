@@ -7,13 +7,14 @@ figure neither meets a condition nor fails it; such parts are counted separately
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import DIRECT, PARTS, Catalog, Table, columns_of, load, shipped
+from drivesizer.catalog import DIRECT, PARTS, Catalog, Table, columns_of, load, path_of, shipped
 from drivesizer.catalog.conditions import Condition, column_name
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.frozen import dataclass
@@ -64,7 +65,8 @@ def open_all(names: Iterable[str] = ()) -> dict[str, Catalog]:
         When one is neither shipped nor a readable catalogue file, or two have one name.
     """
     found: dict[str, Catalog] = {}
-    for given in dict.fromkeys(names or shipped()):
+    files = {name if name == "all" else os.path.realpath(path_of(name)): name for name in names or shipped()}
+    for given in files.values():
         catalog = load([given])
         name = ", ".join(catalog.digests)
         if name in found:

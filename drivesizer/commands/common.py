@@ -14,7 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from drivesizer.commands.numbers import whole_option
-from drivesizer.errors import DrivesizerError, InputError
+from drivesizer.errors import DrivesizerError, InputError, UnknownCatalogError
 
 __all__ = [
     "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "load",
@@ -105,7 +105,7 @@ def _read(path: Path, more: list[str] | None) -> Any:
     spec: Any = load_any(path)
     if not more:
         return spec
-    names = [str(Path(name).absolute()) if name.endswith((".yaml", ".yml")) else name for name in more]
+    names = [_catalogue(name) for name in more]
 
     def with_more(one: Any) -> Any:
         select = one.select.model_copy(update={"catalogs": list(dict.fromkeys([*one.select.catalogs, *names]))})
@@ -114,6 +114,18 @@ def _read(path: Path, more: list[str] | None) -> Any:
     if hasattr(spec, "axes"):
         return spec.changed(with_more)
     return with_more(spec)
+
+
+def _catalogue(name: str) -> str:
+    """What an option names, for the spec: a file by its whole path, which is not beside the spec."""
+    from drivesizer.catalog import path_of, shipped
+
+    if name in ("all", *shipped()):
+        return name
+    try:
+        return str(path_of(name).absolute())
+    except UnknownCatalogError as error:
+        raise InputError(f"--catalog: {error}") from None
 
 
 def print_notes(messages: tuple[str, ...]) -> None:

@@ -322,6 +322,13 @@ def test_loading_by_name_and_by_file(tmp_path: Path) -> None:
     assert "maxon" in shipped()
 
 
+def test_one_file_by_two_names_is_one_catalogue(tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text(OTHER)
+    (tmp_path / "linked.yaml").symlink_to("own.yaml")
+    names = ["own.yaml", str(tmp_path / "own.yaml"), f"../{tmp_path.name}/own.yaml", "linked.yaml"]
+    assert load(names, beside=tmp_path).motors["part"].tolist() == ["Z1", "Z2", "Z3"]
+
+
 def test_two_files_of_one_name(tmp_path: Path) -> None:
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()

@@ -215,6 +215,12 @@ def test_a_wrong_input_is_one_line(run, small, args, said):
     refused(run, said, *(small if arg == "SMALL" else arg for arg in args))
 
 
+def test_one_file_by_two_names_is_listed_once(run, small):
+    status, out, _ = run("list", "motors", "--json", "--catalog", small, "--catalog", small.parent / ".." / small.parent.name / small.name)
+    assert status == 0
+    assert out == run("list", "motors", "--json", "--catalog", small)[1]
+
+
 def test_two_catalogues_of_one_name_are_refused(run, small, tmp_path):
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "small.yaml").write_text(SMALL)

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from small_catalogue import CATALOGUE
 
 # the command line, the beginning of what is said of it, and the end
 SAID = [
@@ -54,6 +55,15 @@ def test_numbers_are_read_as_they_are_typed(run, example):
     """Spaces and leading zeros as Python takes them; a number beyond its digits is refused like any text."""
     assert run("size", example, "-q", "--top", " 02 ")[0] == 0
     assert run("size", example, "--top", "9" * 5000)[0] == 2
+
+
+def test_a_catalogue_of_the_command_line_is_no_fault_of_the_spec(run, example, tmp_path, monkeypatch):
+    """An unknown one was said to be in a line of the spec; the spec's own file once more, to be another of its name."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.yaml").write_text(CATALOGUE)
+    (tmp_path / "robot.yaml").write_text(example.read_text().replace("catalogs: [maxon]", "catalogs: [own.yaml]"))
+    assert run("size", "--catalog", "nope")[2].startswith('drivesizer: --catalog: no catalogue is called "nope"; ')
+    assert run("size", "--catalog", "own.yaml")[1:] == run("size")[1:]
 
 
 @pytest.mark.parametrize("words", [[], ["catalog"]])
