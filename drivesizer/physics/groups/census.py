@@ -17,7 +17,7 @@ __all__ = ["LEVEL", "SHORT", "Census", "Group", "census", "columns_of", "in_bloc
 Array = NDArray[np.float64]
 SHORT = 1 << 15  # segments up to which a cycle is looked at as a whole
 LEVEL = 1e-9  # of the largest acceleration: less is what rounding leaves of a steady speed
-_ROOM = 4096  # points of a group that none exceeds
+_ROOM = 1 << 16  # points of a group that none exceeds; what is unused takes no memory
 _PAIRS = np.triu_indices(4)
 _OF_TORQUE, _BESIDE = 0, (at.ACCELERATION, at.DIRECTION, at.SPEED)
 
@@ -168,7 +168,7 @@ def census(cycle: Any) -> Census | None:
     look = compiled() if len(cycle.duration) > SHORT else None
     if look is None:
         return None
-    sums, window = np.zeros((at.GROUPS + 1, at.SUMS)), np.zeros((4 * at.GROUPS, _ROOM, 4))
+    sums, window = np.zeros((at.GROUPS + 1, at.SUMS)), np.empty((4 * at.GROUPS, 4, _ROOM))
     counts = np.zeros(4 * at.GROUPS, np.int64)
     level = LEVEL * max(float(cycle.acceleration.max()), -float(cycle.acceleration.min()))
     highest = np.full((4 * at.GROUPS, at.BINS, at.BINS), -np.inf)
@@ -196,7 +196,7 @@ def _ranges(cycle: Any) -> Array:
 def _groups(sums: Array, window: Array, counts: NDArray[np.int64]) -> Iterator[Group]:
     """The groups that have segments."""
     for number in np.flatnonzero(sums[: at.GROUPS, at.LASTS] > 0.0).tolist():
-        fronts = [window[row, : counts[row]].copy() for row in range(4 * number, 4 * number + 4)]
+        fronts = [window[row, :, : counts[row]].T.copy() for row in range(4 * number, 4 * number + 4)]
         for front in fronts:
             front[:] = front[np.argsort(front[:, 3], kind="stable")]
         torque, motion = divmod(number, at.MOTIONS)

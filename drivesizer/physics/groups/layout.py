@@ -24,3 +24,4 @@ SUMS = 17
 LONGEST, IN_ALL, FIRST, BEGAN, NOW = range(5)  # s, of the time above a level, in the place of sums
 BLOCK = 64  # segments that are looked at together for that
 BINS = 64  # of acceleration and of speed
+WIDE = 32  # points of a group that are looked at together

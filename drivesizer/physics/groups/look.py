@@ -91,30 +91,52 @@ def mark(highest: Array, i: int, j: int, x: float) -> None:
             highest[m, n] = x
 
 
+def swap(window: Array, row: int, k: int, m: int) -> None:
+    """Let two points change places."""
+    for n in range(4):
+        window[row, n, k], window[row, n, m] = window[row, n, m], window[row, n, k]
+
+
+def exceeded(window: Array, row: int, count: int, x: float, y: float, z: float) -> bool:
+    """Whether a point exceeds or equals another in everything; some at a time, by few instructions."""
+    of_x, of_y, of_z = window[row, 0], window[row, 1], window[row, 2]
+    for k in range(0, count, at.WIDE):
+        found, end = 0, min(k + at.WIDE, count)
+        for n in range(k, end):
+            found += 1 if (of_x[n] >= x) & (of_y[n] >= y) & (of_z[n] >= z) else 0
+        if found > 0:
+            for n in range(k, end if k > 0 else 0):
+                if of_x[n] >= x and of_y[n] >= y and of_z[n] >= z:
+                    swap(window, row, n, n // 2)  # what exceeds one will exceed others: it moves ahead
+                    break
+            return True
+    return False
+
+
+def without_lower(window: Array, row: int, count: int, x: float, y: float, z: float) -> int:
+    """Leave out what a point exceeds or equals in everything: the number of those that stay."""
+    k = 0
+    while k < count:
+        if x >= window[row, 0, k] and y >= window[row, 1, k] and z >= window[row, 2, k]:
+            count -= 1
+            swap(window, row, k, count)
+        else:
+            k += 1
+    return count
+
+
 def put(
     window: Array, counts: Whole, highest: Array, ranges: Array, row: int, x: float, y: float, z: float, place: float
 ) -> bool:
     """Put a point to those that none exceeds or equals, unless one does; False where there is no room for it."""
     i, j = bin_of(ranges, 0, y), bin_of(ranges, 1, z)
-    if x <= highest[row, i, j]:  # one of more acceleration and speed has as much torque: so it is with nearly all
+    if x <= highest[row, i, j] or exceeded(window, row, counts[row], x, y, z):  # so it is with nearly all
         return True
-    count, k = counts[row], 0
-    while k < count:
-        a, b, c = window[row, k, 0], window[row, k, 1], window[row, k, 2]
-        if a >= x and b >= y and c >= z:
-            for n in range(4):  # what exceeds one will exceed others: it moves ahead
-                window[row, k, n], window[row, k // 2, n] = window[row, k // 2, n], window[row, k, n]
-            return True
-        if x >= a and y >= b and z >= c:
-            count -= 1
-            for n in range(4):
-                window[row, k, n] = window[row, count, n]
-        else:
-            k += 1
+    count = without_lower(window, row, counts[row], x, y, z)
     counts[row] = count
-    if count == window.shape[1]:
+    if count == window.shape[2]:
         return False
-    window[row, count, 0], window[row, count, 1], window[row, count, 2], window[row, count, 3] = x, y, z, place
+    window[row, 0, count], window[row, 1, count], window[row, 2, count], window[row, 3, count] = x, y, z, place
     counts[row] = count + 1
     mark(highest[row], i, j, x)
     return True
