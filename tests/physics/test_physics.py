@@ -199,15 +199,17 @@ def test_each_check_is_that_of_its_worst_case(catalog):
                 c = checks[name]
                 rank = 0 if c.failed[row] else 2 if c.passed[row] else 1
                 margin = float(c.margin[row])
-                each.append((rank, math.inf if math.isnan(margin) else margin, number))
+                unknown = math.isnan(margin)  # then where most is demanded
+                order = (math.inf, -abs(np.nan_to_num(c.demand[row]))) if unknown else (margin, 0.0)
+                each.append((rank, *order, number))
             worst = min(each)
             status = 0 if check.failed[row] else 2 if check.passed[row] else 1
             assert status == worst[0], name
-            theirs = alone[worst[2]][name]
+            theirs = alone[worst[-1]][name]
             assert check.demand[row] == pytest.approx(theirs.demand[row], rel=1e-9, nan_ok=True), name
             assert check.limit[row] == pytest.approx(theirs.limit[row], rel=1e-9, nan_ok=True), name
             if check.case is not None and not math.isnan(check.demand[row]):
-                assert each[int(check.case[row])][:2] == pytest.approx(worst[:2], rel=1e-9)
+                assert each[int(check.case[row])][:3] == pytest.approx(worst[:3], rel=1e-9)
                 told.add(names[int(check.case[row])])
     assert len(told) > 3
     fails = np.logical_or.reduce([c.failed for c in together.values()])
