@@ -359,9 +359,12 @@ def _kept_at_rest(case: ClosedLoop) -> list[str]:
     needed = abs(machine.rest_torque) / machine.ratio / machine.torque_constant
     if not case.profile.top_speed or not kept > needed + _KEPT * case.figure("rms_current"):
         return []
+    cure = "switch the power stage off at rest to save that heat"
+    if needed:  # the weight would move the load
+        cure = "a brake that holds at rest saves that heat; with the power stage off alone the load moves"
     return [
         f"at rest the integral of the loop holds up to {show(kept, 'A', 'current', 3)} against friction, where holding "
-        f"the load needs {show(needed, 'A', 'current', 3)}: switch the power stage off at rest to save that heat"
+        f"the load needs {show(needed, 'A', 'current', 3)}: {cure}"
     ]
 
 

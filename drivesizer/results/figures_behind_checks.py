@@ -12,6 +12,7 @@ from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.tables import ESTIMATED
+from drivesizer.results.check import in_a_sentence
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check
@@ -89,6 +90,8 @@ def _reported(drive_set: DriveSet) -> tuple[Check, ...]:
 
 def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
     """The parts, or figures of parts, that a check lacks."""
+    if check.name.startswith(("resistor_", "chopper_")) and isnan(check.limit) and not isnan(check.demand):
+        return [in_a_sentence(check.title)]  # the limit is the resistor's own figure
     lacking = []
     for name in rests_on(check, drive_set):
         role, _, field = name.partition(".")

@@ -18,8 +18,10 @@ from drivesizer.output.parts import parts_list
 from drivesizer.output.report.figures.field import torque_speed
 from drivesizer.output.report.figures.field_panels import Panel, paper_points
 from drivesizer.output.report.figures.set_behaviour import Behaviour
+from drivesizer.output.report.sections.candidates import gearhead_words
 from drivesizer.output.report.sections.part_lines import parts_table
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.simulate import hardest_case, validate
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -121,3 +123,43 @@ def test_a_set_that_no_loop_can_drive_is_reported_without(tmp_path, monkeypatch,
     assert any(said.startswith("not simulated in closed loop: motor") for said in document["warnings"])
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "not simulated in closed loop: motor" in page and "from from" not in page
+
+
+LIFT = """
+name: lift
+load: {kind: belt_axis, mass: 18 kg, pulley_diameter: 50.93 mm, efficiency: 0.94, incline: 90 deg, friction_force: 25 N}
+motion: {profile: s_curve, distance: 900 mm, speed: 0.9 m/s, acceleration: 3 m/s^2, jerk: 30 m/s^3, rest_time: 8 s,
+  there_and_back: true, payload: 7 kg, payload_back: 0 kg}
+supply: {nominal: 48 V, max: 50 V, kind: power_supply}
+brake_resistor: {resistance: 8 ohm, power: 20 W, chopper_voltage: 54 V}
+select: {catalogs: [maxon]}
+"""
+
+
+@pytest.fixture(scope="module")
+def lift(catalog):
+    return explain(read_spec(YamlSource(LIFT, "lift.yaml")), "614949", "223084", catalog=catalog)[0]
+
+
+def test_a_resistor_of_unknown_pulse_energy_lacks_that_alone(lift):
+    lacks = dict(unknown_figures(lift))
+    assert lacks["Brake resistor pulse energy"] == "brake resistor pulse energy"
+
+
+def test_a_load_that_its_weight_would_move_is_not_advised_to_be_without_power(lift, catalog):
+    """The gearhead's friction lets the integral stay at the current of lifting; only a brake may relieve the motor."""
+    spec = read_spec(YamlSource(LIFT, "lift.yaml"))
+    (warning,) = (w for w in validate(spec, lift).warnings if w.startswith("at rest the integral"))
+    assert warning.endswith("a brake that holds at rest saves that heat; with the power stage off alone the load moves")
+
+
+def test_a_part_number_that_is_family_and_reduction_is_printed_once(lift):
+    same = replace(lift.gearhead, family="38A", reduction="25:1", part="38A 25:1")
+    assert gearhead_words(replace(lift, gearhead=same)) == "38A 25:1"
+    assert gearhead_words(lift) == "GP 52 C 15:1 223084"
+
+
+def test_a_part_that_no_catalogue_lists_is_so_in_the_report_too(lift, catalog):
+    lines = parts_list(replace(lift, encoder=None), catalog, 1)
+    (row,) = (row for row in parts_table(lines, 1, "").rows if row.cells[1] == "encoder")
+    assert row.cells[2] == "none is listed for this motor"

@@ -155,7 +155,7 @@ def gearhead_words(one: DriveParts, *, belt: bool = True) -> str:
     str
     """
     driven = f" + belt {one.belt_name}" if belt and one.belt_name else ""
-    part = one.gearhead.part if "gearhead" in one.parts else ""
+    part = one.gearhead.part if "gearhead" in one.parts and one.gearhead.part != one.gearhead_name else ""
     return " ".join(f"{one.gearhead_name} {part}{driven}".split())
 
 

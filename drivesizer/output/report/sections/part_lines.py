@@ -76,7 +76,9 @@ def total_of(total: Total) -> str:
 def _row(line: PartLine, note: str) -> Row:
     maker = line.family if line.maker in line.family else f"{line.maker} {line.family}"
     named = ", ".join(filter(None, (maker.strip(), line.said)))
+    if not line.part and not named:
+        named = "none is listed for this motor"
     order = ordered_as(line.part, line.order_number)
-    return Row((f"{line.quantity} ×", line.role, named or "unknown", (order, Small(note)) if note else order,
+    return Row((f"{line.quantity} ×", line.role, named, (order, Small(note)) if note else order,
                 mass_text(line), money_text(line.price, line.currency),
                 money_text(line.quantity * line.price, line.currency)))  # fmt: skip
