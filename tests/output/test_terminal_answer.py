@@ -9,6 +9,7 @@ import pytest
 import drivesizer
 from drivesizer.output.part_totals import totals
 from drivesizer.output.parts import machine_parts
+from drivesizer.output.report.lines.machine import machine_words
 from drivesizer.output.terminal.sizing import DETAILS, sizing
 from drivesizer.output.terminal.tables import checks, objective
 from drivesizer.results.check import Band, Check
@@ -237,3 +238,25 @@ def test_one_thing_is_no_several(starter, capsys, monkeypatch):
     out = told(few, capsys, monkeypatch, quiet=True)
     assert "the tightest of 1 check\n" in "\n".join(line.rstrip() for line in out.splitlines()) + "\n"
     assert "1 drive considered, 1 meets all limits." in out
+
+
+@pytest.mark.parametrize("columns", [50, 60, 72, 80, 110, 140])
+def test_masses_are_whole_at_any_width(columns, starter, capsys, monkeypatch):
+    """Where there is little room names go on below, and the price of all is left out; never a mass or a price."""
+    printed = told(starter, capsys, monkeypatch, columns, quiet=True)
+    lines = [line.rstrip() for line in printed.splitlines()]
+    assert max(map(len, lines)) <= columns
+    rows = [line for line in lines if line.startswith("2 ×")]
+    assert len(rows) == 4 and [row.split()[-2:] for row in rows] == [
+        ["132", "g"],
+        ["146", "g"],
+        ["70", "g"],
+        ["90", "g"],
+    ]
+    assert "127.00 EUR" in rows[0] and ("254.00 EUR" in rows[0]) == (columns >= 72)
+
+
+def test_the_head_of_a_report_has_the_payload(catalog):
+    spec = load_spec({**HELD, "motion": HELD["motion"] | {"payload": "5 kg", "payload_back": "7 kg"}})
+    assert machine_words(spec) == "Hoist, 40 kg and a payload of up to 7 kg, 1 drive"
+    assert machine_words(load_spec(HELD)) == "Hoist, 40 kg, 1 drive"

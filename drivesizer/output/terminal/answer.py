@@ -33,6 +33,8 @@ __all__ = ["compared", "names_of", "next_commands", "recommended", "side_by_side
 _WIDE = 110  # columns from which on a part has a single line
 _NAMED = 4  # unknown checks at most that are named
 _NAME = 30  # characters of a part's name, beyond which it is broken so that prices and masses are seen
+_NARROW = 72  # columns below which only the price of one is shown
+_LEAST_NAME = 8  # and at least of it on the narrowest terminal
 _TIGHT = 3  # checks with the smallest margins that are shown
 
 
@@ -49,7 +51,7 @@ def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
         Its drive that is recommended.
     """
     lines = machine_parts(best, result.problem)
-    console.print(_parts(lines, best, wide=console.width >= _WIDE))
+    console.print(_parts(lines, best, console.width))
     console.print(Text.assemble(("total: ", "bold"), total_texts(lines, _summed), _unpriced(lines)))
     console.print()
     title = f"{MARK[best.status]}: the tightest of {number_of(len(best.deciding), 'check')}"
@@ -61,9 +63,9 @@ def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
 # --- the parts list ---------------------------------------------------------------------------------------------------
 
 
-def _parts(lines: list[PartLine], best: DriveSet, *, wide: bool) -> Table:
-    """A row for each part: quantity, part, prices and mass."""
-    several = lines[0].quantity > 1
+def _parts(lines: list[PartLine], best: DriveSet, width: int) -> Table:
+    """A row for each part: quantity, part, prices and mass; where a terminal is narrow without the price of all."""
+    several, wide = lines[0].quantity > 1 and width >= _NARROW, width >= _WIDE
     more = [("price", "right"), ("all", "right")] if several else [("price", "right")]
     heads = [("", "right"), ("", "left"), ("part", "left"), *([("", "left")] if wide else []), *more, ("mass", "right")]
     table = tables.bare(*heads, edged=False)
@@ -77,7 +79,10 @@ def _parts(lines: list[PartLine], best: DriveSet, *, wide: bool) -> Table:
     known = [line for line in lines if line.part]
     names = max(len(_named(line, best)) for line in known)
     numbers = 0 if wide else max(len(line.part) for line in known)
-    table.columns[2].min_width = max(numbers, names if wide else min(names, _NAME))
+    longest = max(len(text) for cell in table.columns[2].cells for text in str(cell).split("\n"))
+    figures = tables.width_of(table) - longest
+    room = max(width - figures, _LEAST_NAME)
+    table.columns[2].min_width = min(max(numbers, names if wide else min(names, _NAME)), room)
     return table
 
 

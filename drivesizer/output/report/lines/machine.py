@@ -32,7 +32,7 @@ def driven_over(v: Validation) -> str:
 def machine_words(spec: RobotSpec) -> str:
     """The machine in a line: a platform with its wheels and its path, else the kind of load with mass or inertia."""
     load, platform = spec.load, spec.platform
-    mass = _burden(load)
+    mass = _burden(load) + _carried(spec)
     if platform is None or not isinstance(load, WheeledVehicle):
         kind = load.kind.replace("_", " ").capitalize()
         return ", ".join(filter(None, (kind, mass, _counted(load.motors, "drive"))))
@@ -50,6 +50,15 @@ def _burden(load: Load) -> str:
     """
     figures = ((getattr(load, name, None), name, unit) for name, unit in (("mass", "kg"), ("inertia", "kg*m^2")))
     return next((show(value, unit, kind) for value, kind, unit in figures if value), "")
+
+
+def _carried(spec: RobotSpec) -> str:
+    """The largest payload that the motion adds to the mass, in words."""
+    motion = spec.motion if spec.carries else None
+    payloads = [getattr(motion, name, None) for name in ("payload", "payload_back")]
+    payloads += [piece.payload for piece in getattr(motion, "segments", ())]
+    most = max(filter(None, payloads), default=0.0)
+    return f" and a payload of up to {show(most, 'kg', 'mass')}" if most else ""
 
 
 def _wheels(platform: Platform) -> Iterator[str]:
