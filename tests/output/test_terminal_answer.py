@@ -260,3 +260,11 @@ def test_the_head_of_a_report_has_the_payload(catalog):
     spec = load_spec({**HELD, "motion": HELD["motion"] | {"payload": "5 kg", "payload_back": "7 kg"}})
     assert machine_words(spec) == "Hoist, 40 kg and a payload of up to 7 kg, 1 drive"
     assert machine_words(load_spec(HELD)) == "Hoist, 40 kg, 1 drive"
+
+
+def test_what_is_not_known_meets_no_limits(starter, capsys, monkeypatch):
+    unknown = replace(starter.sets[0], status="unknown")
+    for count, said in ((7, "7 fail no check, ranked by mass."), (1, "1 fails no check.")):
+        counts = replace(starter.counts, feasible=count)
+        out = told(replace(starter, sets=(unknown,), counts=counts), capsys, monkeypatch, quiet=True)
+        assert said in " ".join(out.split()) and "all limits" not in out

@@ -203,12 +203,15 @@ def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
     """Number of drives that were considered and that meet all limits; what the others fail on, where it is wanted."""
     counts = result.counts
     drives = number_of(counts.considered, "drive")
-    meet = "meets" if counts.feasible == 1 else "meet"
+    one, best = counts.feasible == 1, next(iter((*result.sets, *result.unsure)), None)
+    meet = f"meet{'s' * one} all limits"
+    if best and best.status != "pass":  # what is not known meets nothing
+        meet = f"fail{'s' * one} no check"
     ranked = f", ranked by {result.objective.replace('_', ' ')}" if counts.feasible > 1 else ""
     alone = (
         f" of the drive, {counts.judged:,} were checked in the machine" if 0 < counts.judged < counts.feasible else ""
     )
-    console.print(f"{drives} considered, {counts.feasible:,} {meet} all limits{alone}{ranked}.")
+    console.print(f"{drives} considered, {counts.feasible:,} {meet}{alone}{ranked}.")
     if counts.left_out:
         console.print(
             f"{counts.left_out:,} more meet all limits that are known; select: {{unknown: reject}} leaves them out."
