@@ -21,7 +21,7 @@ from drivesizer.commands.catalog_files import (
     take_in,
     write_csv,
 )
-from drivesizer.commands.numbers import whole_option
+from drivesizer.commands.options import file_option, whole_option
 from drivesizer.errors import InputError, nearest, quoted
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ app = typer.Typer(
 )
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else, figures in SI.")]
-Csv = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Also write the parts to this CSV file.")]
+Csv = Annotated[Path | None, file_option("--csv", metavar="FILE", help="Also write the parts to this CSV file.")]
 Limit = Annotated[
     int, whole_option("--limit", 100, 1, meaning="How many parts the table shows; JSON and CSV hold all.")
 ]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drivesizer.commands.options import file_argument, file_option
 from drivesizer.errors import InputError, quoted
 from drivesizer.output.counted import number_of
 from drivesizer.version import __version__
@@ -75,7 +76,7 @@ def write_csv(path: Path, hits: list[Hit]) -> None:
 
 
 def export(
-    output: Annotated[Path, typer.Option("--output", "-o", help="parts.csv (one section) or parts.json.")],
+    output: Annotated[Path, file_option("--output", "-o", help="parts.csv (one section) or parts.json.")],
     section: Section = None,
     catalog: Names = None,
 ) -> None:
@@ -102,10 +103,10 @@ Stated = Annotated[str | None, typer.Option(help="As in the map, and before it."
 
 
 def take_in(
-    file: Annotated[Path, typer.Argument(metavar="FILE.CSV", help="A header, a row of units, then the parts.")],
+    file: Annotated[Path, file_argument(metavar="FILE.CSV", help="A header, a row of units, then the parts.")],
     section: Annotated[str, typer.Option(help="motors, gearheads, encoders or controllers.")],
-    map_: Annotated[Path | None, typer.Option("--map", help="YAML: their header to our column, source, maker.")] = None,
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="The catalogue file to write.")] = None,
+    map_: Annotated[Path | None, file_option("--map", help="YAML: their header to our column, source, maker.")] = None,
+    output: Annotated[Path | None, file_option("--output", "-o", help="The catalogue file to write.")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be read.")] = False,
     manufacturer: Stated = None,
     family: Stated = None,

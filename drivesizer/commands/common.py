@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.numbers import whole_option
+from drivesizer.commands.options import file_argument, whole_option
 from drivesizer.errors import DrivesizerError, InputError, UnknownCatalogError
 
 __all__ = [
@@ -22,7 +22,7 @@ __all__ = [
     "writing_report",
 ]  # fmt: skip
 
-Spec = Annotated[Path, typer.Argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
+Spec = Annotated[Path, file_argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Top = Annotated[int, whole_option("--top", 3, 1, 1000, meaning="How many drives to show, at most 1000.")]
 Chosen = Annotated[
@@ -117,7 +117,7 @@ def _read(path: Path, more: list[str] | None) -> Any:
 
 
 def _catalogue(name: str) -> str:
-    """What an option names, for the spec: a file by its whole path, which is not beside the spec."""
+    """Catalogue that an option names, for the spec: a file by its whole path, which is not beside the spec."""
     from drivesizer.catalog import path_of, shipped
 
     if name in ("all", *shipped()):

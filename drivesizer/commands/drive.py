@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from drivesizer.commands.common import DEFAULT, Chosen, Json, More, Spec, load, print_notes, progress, working
+from drivesizer.commands.options import file_argument, file_option, whole_option
 from drivesizer.errors import InputError
 
 __all__ = ["drive"]
@@ -16,7 +17,7 @@ __all__ = ["drive"]
 def drive(
     spec: Spec = DEFAULT,
     trajectory: Annotated[
-        Path | None, typer.Argument(metavar="TRAJECTORY.CSV", help="t, x, y, heading; or waypoints; else the spec's.")
+        Path | None, file_argument(metavar="TRAJECTORY.CSV", help="t, x, y, heading; or waypoints; else the spec's.")
     ] = None,
     chosen: Chosen = None,
     json: Json = False,
@@ -24,11 +25,12 @@ def drive(
         bool, typer.Option("--follow", help="Also simulate path following: both robot models, slip, poses fed back.")
     ] = False,
     failed: Annotated[
-        list[int] | None, typer.Option(metavar="WHEEL", help="A wheel whose motor has failed; may be repeated.")
+        list[int] | None,
+        whole_option("--failed", 2, metavar="WHEEL", meaning="A wheel whose motor has failed; may be repeated."),
     ] = None,
-    csv: Annotated[Path | None, typer.Option(help="Also write posture, speeds and torques over time.")] = None,
+    csv: Annotated[Path | None, file_option(help="Also write posture, speeds and torques over time.")] = None,
     drawings: Annotated[
-        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw path and errors (--follow): SVG, PNG.")
+        Path | None, file_option("--figures", metavar="FOLDER", help="Also draw path and errors (--follow): SVG, PNG.")
     ] = None,
     catalogs: More = None,
 ) -> None:

@@ -19,20 +19,23 @@ from drivesizer.commands.common import (
     working,
 )  # fmt: skip
 from drivesizer.commands.machine import of_one_axis, sized_machine
+from drivesizer.commands.options import file_option, whole_option
 from drivesizer.commands.validate import pick
 
 __all__ = ["export"]
 
 
 def export(
-    output: Annotated[Path, typer.Option("--output", "-o", help="The file to write.")],
+    output: Annotated[Path, file_option("--output", "-o", help="The file to write.")],
     form: Annotated[str, typer.Option("--format", metavar="NAME", help="mjcf, urdf, sdf, ros2_control, fmu or json.")],
     spec: Spec = DEFAULT,
     chosen: Chosen = None,
     axis: OfAxis = None,
     wheel: Annotated[
         int | None,
-        typer.Option("--wheel", metavar="N", help="Of a platform: the drive of one wheel; else the base with all."),
+        whole_option(
+            "--wheel", 1, metavar="N", meaning="Of a platform: the drive of one wheel; else the base with all."
+        ),
     ] = None,
     catalogs: More = None,
 ) -> None:

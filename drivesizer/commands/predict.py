@@ -11,7 +11,7 @@ import typer
 
 from drivesizer.commands.catalog_files import Names, open_named
 from drivesizer.commands.common import Json, print_notes, working
-from drivesizer.commands.numbers import number_option
+from drivesizer.commands.options import file_option, number_option
 from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def predict(
     ] = None,
     json: Json = False,
     figure: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Also draw line and temperatures: .svg or .png.")
+        Path | None, file_option(metavar="FILE", help="Also draw line and temperatures: .svg or .png.")
     ] = None,
 ) -> None:
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""

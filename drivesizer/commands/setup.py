@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from drivesizer.commands.common import DEFAULT, Json
+from drivesizer.commands.options import file_option
 from drivesizer.commands.starting import KINDS, MACHINES, at_terminal, by_questions, copy_example, starter
 from drivesizer.errors import InputError, quoted
 
@@ -41,11 +42,11 @@ def init(
         str | None,
         typer.Option(help=f"Kind of load: {', '.join(KINDS)}; or a machine: {', '.join(MACHINES)}."),
     ] = None,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
+    output: Annotated[Path, file_option("--output", "-o", help="The file to write; - prints it.")] = DEFAULT,
     example: Annotated[str | None, typer.Option(metavar="NAME", help="An example, such as sps_robot.")] = None,
     urdf: Annotated[
         Path | None,
-        typer.Option("--from-urdf", metavar="FILE", help="Wheels or joints of a URDF, joints of an MJCF."),
+        file_option("--from-urdf", metavar="FILE", help="Wheels or joints of a URDF, joints of an MJCF."),
     ] = None,
     joint: Annotated[str | None, typer.Option(metavar="NAME", help="With --from-urdf: one joint alone.")] = None,
 ) -> None:

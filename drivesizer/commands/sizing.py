@@ -23,7 +23,7 @@ from drivesizer.commands.common import (
     working,
     writing_report,
 )
-from drivesizer.commands.numbers import number_option, whole_option
+from drivesizer.commands.options import file_option, number_option, whole_option
 from drivesizer.commands.proving import proven
 from drivesizer.commands.setup import start_by_questions
 from drivesizer.commands.starting import at_terminal
@@ -68,8 +68,8 @@ def size(
     loop_samples: LoopSamples = None,
     processes: Processes = 1,
     json: Json = False,
-    csv: Annotated[Path | None, typer.Option(help="Also write the drives to this CSV file.")] = None,
-    pdf: Annotated[Path | None, typer.Option(help="Also write the report to this PDF file.")] = None,
+    csv: Annotated[Path | None, file_option(help="Also write the drives to this CSV file.")] = None,
+    pdf: Annotated[Path | None, file_option(help="Also write the report to this PDF file.")] = None,
     checks: Annotated[bool, typer.Option("--checks", help="Also every check, and the operating figures.")] = False,
     derivation: Annotated[bool, typer.Option("--derivation", help="Also the requirements.")] = False,
     beside: Annotated[bool, typer.Option("--paper", help="Also the same drive by the other method.")] = False,
@@ -146,7 +146,7 @@ def _pareto(text: str | None) -> tuple[str, ...]:
 
 def report(
     output: Annotated[
-        list[Path], typer.Option("--output", "-o", help="A file to write; may be repeated. Its suffix gives its kind.")
+        list[Path], file_option("--output", "-o", help="A file to write; may be repeated. Its suffix gives its kind.")
     ],
     spec: Spec = DEFAULT,
     top: Top = 10,
@@ -154,7 +154,7 @@ def report(
     objective: Objective = None,
     pareto: Pareto = None,
     drawings: Annotated[
-        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also every figure, as SVG and as PNG.")
+        Path | None, file_option("--figures", metavar="FOLDER", help="Also every figure, as SVG and as PNG.")
     ] = None,
     confidence: Confidence = None,
     samples: Samples = None,

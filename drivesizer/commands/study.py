@@ -12,7 +12,7 @@ import typer
 
 from drivesizer.commands.common import print_notes
 from drivesizer.commands.ends import STOPPED
-from drivesizer.commands.numbers import whole_option
+from drivesizer.commands.options import file_argument, file_option, whole_option
 from drivesizer.output.counted import number_of
 
 __all__ = ["study"]
@@ -21,12 +21,12 @@ _ORDER = ("pass", "open", "unknown", "fail", "error")
 
 
 def study(
-    path: Annotated[Path, typer.Argument(metavar="STUDY.YAML", help="The study; study.yaml by default.")] = Path(
+    path: Annotated[Path, file_argument(metavar="STUDY.YAML", help="The study; study.yaml by default.")] = Path(
         "study.yaml"
     ),
     folder: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Folder of the results; else here, named as the study."),
+        file_option("--output", "-o", metavar="FOLDER", help="Folder of the results; else here, named as the study."),
     ] = None,
     processes: Annotated[
         int, whole_option("--processes", 2, 0, 1024, meaning="Processes; 0 is one for each core.")

@@ -21,7 +21,7 @@ from drivesizer.commands.common import (
     progress,
     simulating,
 )
-from drivesizer.commands.numbers import whole_option
+from drivesizer.commands.options import file_option, whole_option
 from drivesizer.errors import InputError, quoted
 
 __all__ = ["pick", "validate"]
@@ -32,9 +32,9 @@ def validate(
     profile: Profile = None,
     chosen: Chosen = None,
     json: Json = False,
-    csv: Annotated[Path | None, typer.Option(help="Also write the time series to this CSV file.")] = None,
+    csv: Annotated[Path | None, file_option(help="Also write the time series to this CSV file.")] = None,
     drawings: Annotated[
-        Path | None, typer.Option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG.")
+        Path | None, file_option("--figures", metavar="FOLDER", help="Also draw the loop, Bode and step: SVG and PNG.")
     ] = None,
     case: Annotated[
         str | None, typer.Option(metavar="NAME", help="The load case to simulate; else the hardest.")

@@ -9,7 +9,7 @@ import typer
 
 from drivesizer.commands.common import DEFAULT, Spec
 from drivesizer.commands.ends import STOPPED
-from drivesizer.commands.numbers import whole_option
+from drivesizer.commands.options import whole_option
 from drivesizer.errors import InputError, reason_of
 
 if TYPE_CHECKING:

@@ -216,7 +216,8 @@ def test_a_wrong_input_is_one_line(run, small, args, said):
 
 
 def test_one_file_by_two_names_is_listed_once(run, small):
-    status, out, _ = run("list", "motors", "--json", "--catalog", small, "--catalog", small.parent / ".." / small.parent.name / small.name)
+    other = small.parent / ".." / small.parent.name / small.name
+    status, out, _ = run("list", "motors", "--json", "--catalog", small, "--catalog", other)
     assert status == 0
     assert out == run("list", "motors", "--json", "--catalog", small)[1]
 

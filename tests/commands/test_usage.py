@@ -3,9 +3,13 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
+from typing import get_args, get_type_hints
 
 import pytest
 from small_catalogue import CATALOGUE
+
+from drivesizer import cli
 
 # the command line, the beginning of what is said of it, and the end
 SAID = [
@@ -19,6 +23,7 @@ SAID = [
     ("serve --port 65536", '--port: "65536" is out of range; expected 0 to 65535, e.g. 8000', ""),
     ("catalog list --limit 0", '--limit: "0" is out of range; expected 1 or more, e.g. 100', ""),
     ("predict 1 --minutes x", '--minutes: "x" is not a number; expected e.g. 60', ""),
+    ("drive --failed x", '--failed: "x" is not a whole number; expected e.g. 2', ""),
     ("size --top", "size: --top has no value; expected one behind it, e.g. `drivesizer size ", "--objective price`"),
     ("size --json=3", "size: --json takes no value; expected --json alone, e.g. `drivesizer size ", "price`"),
     ("study --no-maps=3", "study: --no-maps takes no value; expected --no-maps alone, ", "study examples/study.yaml`"),
@@ -44,6 +49,31 @@ def test_a_command_line_that_cannot_be_parsed_is_one_line(run, words, begins, en
     assert err.startswith(f"drivesizer: {begins}")
     assert err.endswith(f"{ends}\n")
     assert "; expected " in err and "e.g. " in err
+
+
+def commands():
+    """All commands, those of groups too, by their functions."""
+    groups = [cli.app, *(group.typer_instance for group in cli.app.registered_groups)]
+    return [info.callback for group in groups for info in group.registered_commands]
+
+
+@pytest.mark.parametrize("command", commands(), ids=lambda command: command.__name__)
+def test_typer_judges_no_number_and_no_file(command):
+    """It has words of its own for them, and refuses a file to write where it may not be read."""
+    hints = get_type_hints(command, include_extras=True)
+    for name in hints.keys() - {"return"}:
+        kind, given = get_args(hints[name])  # annotated
+        kinds = {kind, *get_args(kind), *(one for part in get_args(kind) for one in get_args(part))}
+        assert not kinds & {int, float} or given.parser is not None, name
+        assert Path not in kinds or not given.readable, name
+
+
+def test_a_file_that_may_not_be_read_is_named_and_one_to_write_is_written(run, example, tmp_path, monkeypatch):
+    """To root all may be read: the system's own word is replaced."""
+    monkeypatch.setattr(os, "access", lambda path, mode, **_: mode != os.R_OK)
+    (tmp_path / "out.csv").write_text("older")
+    assert run("size", example, "-q", "--csv", tmp_path / "out.csv")[0] == 0
+    assert (tmp_path / "out.csv").read_text() != "older"
 
 
 def test_what_a_terminal_obeys_is_written_out(run):

@@ -1,8 +1,13 @@
-"""Options that take a number: what is wrong with one is said with its option, its range and an example."""
+"""Options and arguments of which typer would refuse a value in words of its own: numbers, and files.
+
+What is wrong with a number is said with its option, its range and an example; what is wrong with a file where it is
+read or written.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import inf
 from typing import Any
 
@@ -10,20 +15,26 @@ import typer
 
 from drivesizer.errors import DrivesizerError, quoted
 
-__all__ = ["NumberError", "number_option", "whole_option"]
+__all__ = ["NumberError", "file_argument", "file_option", "number_option", "whole_option"]
+
+# typer looks whether a file may be read, also where it is one to write
+file_option = partial(typer.Option, readable=False)
+file_argument = partial(typer.Argument, readable=False)
 
 
 class NumberError(DrivesizerError):
     """A number that an option does not take; no ValueError, which typer would say in words of its own."""
 
 
-def whole_option(option: str, example: int, low: float = -inf, high: float = inf, *, meaning: str) -> Any:
+def whole_option(
+    option: str, example: int, low: float = -inf, high: float = inf, *, meaning: str, metavar: str = "<int>"
+) -> Any:
     """An option that takes a whole number, as typer has it.
 
     Parameters
     ----------
-    option, meaning
-        Its name, ``--top``, and its line of the help.
+    option, meaning, metavar
+        Its name, ``--top``, its line of the help, and what stands there for the number.
     example
         A number that it takes.
     low, high
@@ -34,7 +45,7 @@ def whole_option(option: str, example: int, low: float = -inf, high: float = inf
     typer.Option
         For the annotation of a command's parameter.
     """
-    return typer.Option(option, parser=_whole(option, example, low, high), metavar="<int>", help=meaning)
+    return typer.Option(option, parser=_whole(option, example, low, high), metavar=metavar, help=meaning)
 
 
 def number_option(option: str, example: float, *, meaning: str) -> Any:
@@ -65,7 +76,7 @@ def _whole(option: str, example: int, low: float, high: float) -> Callable[[obje
 
     >>> _whole("--top", 3, 1, 1000)("x")
     Traceback (most recent call last):
-    drivesizer.commands.numbers.NumberError: --top: "x" is not a whole number; expected 1 to 1000, e.g. 3
+    drivesizer.commands.options.NumberError: --top: "x" is not a whole number; expected 1 to 1000, e.g. 3
     """
     limits = f"{low:.0f} or more, " if high == inf else f"{low:.0f} to {high:.0f}, "
     expected = f"expected {limits if low > -inf else ''}e.g. {example}"
