@@ -51,14 +51,14 @@ class Quantity:
             value = self._rounded(math.atan(to_si(text, "dimensionless")))
         else:
             value = self._rounded(to_si(text, self.rotary if turns else self.kind))
-        for bad, words in (
-            (not value > self.above, f"above {_limit(self.above, kind)}"),
-            (not value >= self.least, f"at least {_limit(self.least, kind)}"),
-            (not value <= self.most, f"at most {_limit(self.most, kind)}"),
-        ):
-            if bad:
-                raise ValueError(f"must be {words}, e.g. {self._example(text, value, kind)}")
-        return value
+        if value > self.above and self.least <= value <= self.most:
+            return value
+        words = f"at most {_limit(self.most, kind)}"
+        if not value > self.above:
+            words = f"above {_limit(self.above, kind)}"
+        elif not value >= self.least:
+            words = f"at least {_limit(self.least, kind)}"
+        raise ValueError(f"must be {words}, e.g. {self._example(text, value, kind)}")
 
     def _example(self, text: object, value: float, kind: Kind) -> str:
         """An example of the kind; of a share above 1 without its sign the per cent that are meant."""

@@ -14,6 +14,7 @@ from dataclasses import MISSING, FrozenInstanceError
 from functools import cache
 from operator import attrgetter
 from reprlib import recursive_repr
+from types import MemberDescriptorType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 __all__ = ["dataclass"]
@@ -76,10 +77,13 @@ def _init(cls: Any) -> Any:
     fields = dataclasses.fields(cls)
     plain = [_argument(one) for one in fields if not one.kw_only]
     named = [_argument(one) for one in fields if one.kw_only]
-    lines = [f"set_(self, {one.name!r}, {_value(one)})" for one in fields]
+    slots = {one.name: slot for one in fields if isinstance(slot := getattr(cls, one.name, None), MemberDescriptorType)}
+    put = {one.name: f"put_{one.name}(self, " if one.name in slots else f"set_(self, {one.name!r}, " for one in fields}
+    lines = [f"{put[one.name]}{_value(one)})" for one in fields]
     if hasattr(cls, "__post_init__"):
         lines.append("self.__post_init__()")
     known: dict[str, Any] = {"set_": object.__setattr__, "anew": _ANEW}
+    known |= {f"put_{name}": slot.__set__ for name, slot in slots.items()}  # quicker: the slot need not be looked up
     for one in fields:
         known[f"of_{one.name}"] = one.default if one.default_factory is MISSING else one.default_factory
     head = ", ".join(["self", *plain, *(["*", *named] if named else [])])

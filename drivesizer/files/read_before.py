@@ -55,7 +55,9 @@ def left_out_before(data: dict[str, Any], known: dict[str, Any], before: Section
 
 def _is_read(value: Any) -> bool:
     """Whether it is a section, or a list of them."""
-    return all(isinstance(one, Section) for one in (value if isinstance(value, list) else [value]))
+    if isinstance(value, list):
+        return all(isinstance(one, Section) for one in value)
+    return isinstance(value, Section)
 
 
 def _kept(data: Any, known: Any, before: Any) -> Any:

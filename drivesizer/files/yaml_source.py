@@ -48,6 +48,12 @@ class YamlSource:
         self.data = _build(text, name, lambda path, line: None)
         self._lines: dict[Path_, int] = {}
 
+    def with_data(self, data: Any) -> YamlSource:
+        """The same document with other data, whose fields have its lines."""
+        other = object.__new__(YamlSource)
+        other.__dict__.update(self.__dict__, data=data)
+        return other
+
     def line(self, path: Path_) -> int | None:
         """Line of the field at a path, or of the nearest field above it (parsed again on the first call)."""
         if not self.numbered:

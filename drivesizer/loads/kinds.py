@@ -39,6 +39,7 @@ MODULES: dict[str, str] = {kind: name for name in _FILES for kind in _SEVERAL.ge
 Of = TypeVar("Of")
 
 
+@cache
 def _home(name: str) -> ModuleType:
     return import_module(f"drivesizer.loads.{name}")
 

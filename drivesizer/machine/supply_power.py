@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.set_cycle import set_cycle, supplied_in_parts, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED
-from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.load_cycle import LoadCycle, middle
 from drivesizer.physics.power_stage import Feed, at_inputs, lost_in_source, of_the_source
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.waveform import Energy, Wave, energy, extreme_powers, largest_power
@@ -131,8 +131,8 @@ def drive_power_in_parts(
     distance = distance_of(spec, found.cycle.load_cycle)
     finest = _FINEST if len(found.flows.duration) <= _PART else 1
     for mean, warm in supplied_in_parts(found, _PART):
-        duration, *ends = _pieces(mean, warm, finest)
-        columns = sets * np.array(_powers(*ends, found.feed, motors))
+        duration, current, volts, as_warm = _pieces(mean, warm, finest)
+        columns = sets * np.array(_powers(current, volts, as_warm, found.feed, motors))
         yield DrivePower(duration=duration, **dict(zip(_COLUMNS, columns, strict=True)), distance=distance)
 
 
@@ -207,7 +207,7 @@ def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
         return float(load.distance)
     if not isinstance(load, WheeledVehicle):
         return nan
-    return cycle.radius * float(np.abs(cycle.speed).mean(axis=1) @ cycle.duration)
+    return cycle.radius * float(middle(np.abs(cycle.speed)) @ cycle.duration)
 
 
 def together(powers: Sequence[DrivePower]) -> DrivePower:
@@ -247,7 +247,7 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
     return [p.at(duration, some) for p, some in zip(powers, place, strict=True)]
 
 
-def _pieces(mean: Wave, warm: Wave, finest: int) -> tuple[Array, ...]:
+def _pieces(mean: Wave, warm: Wave, finest: int) -> tuple[Array, Array, Array, Array]:
     """Length of the pieces, and current and both voltages at the ends of each; so many of a segment at most.
 
     Both waves are of the same current, so that they are cut alike.

@@ -34,7 +34,7 @@ from drivesizer.physics.elements.gear_life import turned_load
 from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, extremes_of, first_largest
 from drivesizer.physics.groups import layout as at
 from drivesizer.physics.groups.census import SHORT, Census, census, in_blocks
-from drivesizer.physics.load_cycle import Figure, end_times, mean_product, places
+from drivesizer.physics.load_cycle import Figure, end_times, mean_product, middle, places
 from drivesizer.physics.products import product
 from drivesizer.physics.waveform import Wave, energy
 
@@ -409,7 +409,7 @@ class Turning(NamedTuple):
 
 def _turning(functions: Array) -> Turning:
     speed, steady = functions[:, :, SPEED], (functions[:, 0] == functions[:, 1]).all(axis=1)
-    return Turning(speed, np.abs(speed).mean(1), mean_product(speed, speed), steady)
+    return Turning(speed, middle(np.abs(speed)), mean_product(speed, speed), steady)
 
 
 class Peak(NamedTuple):

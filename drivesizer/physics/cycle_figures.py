@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.groups import layout as at
 from drivesizer.physics.groups.census import SHORT, Census, times_above
 from drivesizer.physics.lasting_speed import lasting_speeds, lasting_speeds_by
-from drivesizer.physics.load_cycle import Figure, integral, mean_product, rms
+from drivesizer.physics.load_cycle import Figure, integral, mean_product, middle, rms
 
 __all__ = [
     "Scalars", "belt_factors", "directed_torque", "moments", "piece_counts", "scalars", "scalars_by_census",
@@ -56,7 +56,7 @@ def six_functions(cycle: Any, efficiency: Figure) -> list[Array]:
         Driving torque, braking torque, torque at rest, acceleration, direction and speed, shape (segments, 2, ...).
     """
     torque, running, power = directed_torque(cycle, efficiency)
-    direction = np.sign(cycle.speed.mean(1))[:, None]
+    direction = np.sign(middle(cycle.speed))[:, None]
     return [
         np.where(running & (power > 0.0), torque, 0.0),
         np.where(running & (power <= 0.0), torque, 0.0),
@@ -81,7 +81,7 @@ def directed_torque(cycle: Any, efficiency: Figure) -> tuple[Array, NDArray[np.b
         Torque at both ends of each segment [N*m], shape (segments, 2, ...); whether the segment runs; its power at the
         load [W], by whose sign it drives or brakes.
     """
-    power = (cycle.torque.mean(1) * cycle.speed.mean(1))[:, None]
+    power = (middle(cycle.torque) * middle(cycle.speed))[:, None]
     running = np.any(cycle.speed != 0.0, axis=1)[:, None]
     torque = cycle.torque * np.where(~running, 1.0, np.where(power > 0.0, 1.0 / efficiency, efficiency))
     return torque, running, power

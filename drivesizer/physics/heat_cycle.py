@@ -244,8 +244,7 @@ def highest(found: Periodic, *shares: float) -> Highest:
     w, h = shares
     values, slopes, pulls = (w * x[0] + h * x[1] for x in (found.rises, found.slopes, found.pulls))
     top, segment = first_largest(values[1:].T)  # the first start is the last end
-    t = np.broadcast_to(found.t, slopes.shape)
-    until = np.take_along_axis(t, segment[None], axis=0)[0]
+    until = np.broadcast_to(found.t, slopes.shape)[segment, np.arange(len(segment))]
     inner, turn, reached = _turned(found, values, slopes, pulls, top)
     if not len(reached):  # mostly: the highest is at an end
         return Highest(top, segment, until)
@@ -271,15 +270,25 @@ def _turned(found: Periodic, values: Array, slopes: Array, pulls: Array, top: Ar
     return inner, turn, start + weight.slope * slope + weight.pull * pull
 
 
-def tops(found: Periodic) -> Array:
+def tops(found: Periodic, wanted: NDArray[np.bool_]) -> Array:
     """Highest rise of the winding in each segment, also within it [K]: segments, then motors.
 
     Parameters
     ----------
     found
         The periodic state.
+    wanted
+        Segments in which it is wanted, shape (segments, 1).
+
+    Returns
+    -------
+    array
+        Shape (segments, motors); of segments in which it is not wanted it may be that of the warmer end.
     """
     top: Array = np.maximum(found.rises[0][:-1], found.rises[0][1:])
+    turns = (found.slopes[0] > 0.0) & (found.pulls[0] < 0.0)
+    if not np.any(turns & wanted):
+        return top
     inner, _, reached = _turned(found, found.rises[0], found.slopes[0], found.pulls[0], top)
     top[inner] = np.maximum(top[inner], reached)
     return top

@@ -20,7 +20,8 @@ from drivesizer.errors import InputError
 from drivesizer.files.frozen import dataclass
 
 __all__ = [
-    "Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "integral", "mean_product", "places", "rms",
+    "Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "integral", "mean_product", "middle",
+    "places", "rms",
 ]  # fmt: skip
 
 Ends = NDArray[np.float64]  # at the left and the right end: (segments, 2); of several cycles (segments, 2, cycles)
@@ -159,6 +160,16 @@ def end_times(duration: NDArray[np.float64]) -> Ends:
     """Time at both ends of each segment, from the start of the cycle [s]: shape (segments, 2, ...)."""
     end = np.cumsum(duration, axis=0)
     return np.stack([end - duration, end], axis=1)
+
+
+def middle(ends: Ends) -> NDArray[np.float64]:
+    """Mean of a quantity over each segment, in its own unit: shape (segments, ...); quicker than a mean of any number.
+
+    >>> middle(np.array([[1.0, 3.0], [2.0, 2.0]])).tolist()
+    [2.0, 2.0]
+    """
+    found: NDArray[np.float64] = (ends[:, 0] + ends[:, 1]) / 2
+    return found
 
 
 def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> Figure:

@@ -83,7 +83,7 @@ def current_and_winding(
     course = winding_course(two_bodies(motor), ambient, duration, mean_square(flows), loss, steady)
     mean = np.where(np.isfinite(heat.winding), heat.winding, np.nan)
     for rows, T in ((np.isinf(course.peak), motor["max_winding_temperature"]), (np.isnan(course.peak), mean)):
-        for x in (course.mean, course.ends, course.means):
+        for x in (course.mean, course.ends, course.means) if rows.any() else ():
             x[rows] = T[rows].reshape(-1, *[1] * (x.ndim - 1))
     return flows, course
 
@@ -142,7 +142,7 @@ def winding_course(
     known = np.flatnonzero(np.broadcast_to(motor.known, n) & ~np.isnan(I2.sum(axis=1) + P_h.sum(axis=1) + ambient))
     size = max(_CELLS // count, 1)
     if len(known) == n == 1:  # of a long cycle a second copy would take much room
-        return _block(some_of(motor, n, known), ambient, duration, I2, P_h, steady)
+        return _block(motor, ambient, duration, I2, P_h, steady)
     peak, when, mean = np.full((3, n), np.nan)
     found = WindingCourse(peak, when, mean, np.full((n, count, 2), np.nan), np.full((n, count), np.nan))
     for rows in (known[first : first + size] for first in range(0, len(known), size)):
@@ -228,7 +228,7 @@ def winding_rises(
 def _of_pieces(found: Periodic, steady: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Rises of the winding [K] at both ends of the pieces, (P, 2, n), and their means over each, (P, n)."""
     left, right = found.rises[0][:-1], found.rises[0][1:]
-    top, later = tops(found), right >= left
+    top, later = tops(found, steady), right >= left
     ends = [np.where(steady & warmer, top, x) for x, warmer in ((left, ~later), (right, later))]
     change = found.weight.slope_integral * found.slopes[0] + found.weight.pull_integral * found.pulls[0]
     means = left + np.divide(change, found.t, out=np.zeros_like(change), where=found.t > 0.0)

@@ -173,11 +173,12 @@ class CheckColumn:
         if isinstance(rows, np.ndarray) and rows.dtype == bool:
             rows = np.flatnonzero(rows)
         taken = object.__new__(CheckColumn)  # quicker than ``replace``: a search takes some rows of many columns
-        for put, value in zip(_PUT, _ALL(self), strict=True):
+        for put, value in zip(_PUT_PLAIN, _PLAIN(self), strict=True):
             put(taken, value)
         for put, column in zip(_PUT_COLUMNS, _ALL_COLUMNS(self), strict=True):
             if isinstance(column, np.ndarray):
-                put(taken, column[rows] if isinstance(rows, slice) else column.take(rows))
+                column = column[rows] if isinstance(rows, slice) else column.take(rows)
+            put(taken, column)
         return taken
 
     def with_rows(self, rows: NDArray[Any], some: CheckColumn) -> CheckColumn:
@@ -196,8 +197,8 @@ def _access(names: Sequence[str]) -> tuple[Callable[[CheckColumn], tuple[Any, ..
     return attrgetter(*names), [getattr(CheckColumn, name).__set__ for name in names]
 
 
-_ALL, _PUT = _access([field.name for field in fields(CheckColumn)])
 _ALL_COLUMNS, _PUT_COLUMNS = _access([*_COLUMNS, "zero"])
+_PLAIN, _PUT_PLAIN = _access([field.name for field in fields(CheckColumn) if field.name not in (*_COLUMNS, "zero")])
 
 
 def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:

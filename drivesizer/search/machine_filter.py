@@ -265,7 +265,7 @@ def divided(found: Found, weigh: Weigh, top: int, rows: Iterable[int], *, short:
     evaluation = found.evaluation
 
     def fails(row: int) -> bool:
-        return bool(evaluation.failed[row]) or _fails(evaluation.problem, weigh(evaluation, row).checks)
+        return evaluation.fails(row) or _fails(evaluation.problem, weigh(evaluation, row).checks)
 
     return list(islice((row for row in rows if fails(row) == short), top))
 

@@ -416,7 +416,8 @@ def _by_the_paper(
     every, catalog = _all_candidates(problem), problem.catalog
     found = evaluate(problem, every, rejected=misses is not None)
     margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
-    fails = np.sum([check.failed for check in found.checks], axis=0)
+    each = np.array([check.failed for check in found.checks])
+    fails = each.sum(axis=0)
     figures = {"margin": margin}
     value = ranking.values(catalog, found.candidates, figures, objective)
     order = ranking.order(catalog, found.candidates, *value, margin=margin, before=[
@@ -425,7 +426,7 @@ def _by_the_paper(
         np.where(failed, fails, 0),
     ])  # fmt: skip
     passes = ~failed if problem.spec.select.unknown == "allow" else ~failed & ~unknown
-    tally = {check.name: count for check in found.checks if (count := np.count_nonzero(check.failed))}
+    tally = {check.name: count for check, count in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if count}
     left_out = int(np.count_nonzero(~failed & ~passes))
     counts = Counts(considered=len(every.motor), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
     passing, rejected = order[passes[order]], order[~passes[order]]

@@ -70,7 +70,7 @@ class Shortlist:
     def record(self, row: int, rank: int = 0, **known: Any) -> DriveSet:
         """A drive with the machine's budgets, unless it fails by itself; what else is known is as for ``drive_set``."""
         evaluation = self.found.evaluation
-        if not evaluation.failed[row]:
+        if not evaluation.fails(row):
             known["budget"] = self.weigh(evaluation, row)
         made = drive_in_brief if self.checks_alone else drive_set
         return made(evaluation, row, rank, self.objective, **known)

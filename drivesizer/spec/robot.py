@@ -387,7 +387,8 @@ class RobotSpec(HasLater):
     @property
     def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
         """The spec itself and its further cases, by name."""
-        return ((AS_SPECIFIED if self._cases else "", self), *self._cases)
+        further = self._cases
+        return ((AS_SPECIFIED if further else "", self), *further)
 
     @property
     def is_direct(self) -> bool:
@@ -583,10 +584,10 @@ def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before:
 
 def _unchanged(data: dict[str, Any], axis: str, before: RobotSpec | None) -> dict[str, Any]:
     """Sections of a spec that was read before where their data are the very same, or both leave them out."""
-    if before is None or before._source is None or _axis(before._source.data) != axis:
+    source = None if before is None else before._source
+    if before is None or source is None or _axis(source.data) != axis:
         return {}
-    written = before._source.data
-    return {**left_out_before(data, written, before), **read_before(data, written, before)}
+    return {**left_out_before(data, source.data, before), **read_before(data, source.data, before)}
 
 
 def _axis(data: Mapping[str, Any]) -> str:

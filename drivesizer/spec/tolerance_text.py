@@ -74,8 +74,9 @@ class _Figure(NamedTuple):
 
 def has_tolerance(text: str) -> bool:
     """Whether a text has the form of a figure with a tolerance."""
-    return any(pattern.fullmatch(text.strip()) for pattern in (_ENDS, _SHAPE)) or (
-        _WIDTH.fullmatch(text.strip()) is not None and text.strip()[:1] in "+-.0123456789"
+    bare = text.strip()
+    return any(pattern.fullmatch(bare) for pattern in (_ENDS, _SHAPE)) or (
+        bare[:1] in "+-.0123456789" and _WIDTH.fullmatch(bare) is not None
     )
 
 

@@ -188,7 +188,7 @@ def _counted(columns: Sequence[Column], store: Store, outcome: Outcome) -> Itera
         yield rows
 
 
-def _over(plan: Plan, names: Sequence[str]) -> Chosen:
+def _over(plan: Plan, names: Sequence[str]) -> Chosen | None:
     """What maps are over; drawing is loaded where there are any."""
     from drivesizer.study.maps import chosen
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from copy import copy
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -69,14 +68,14 @@ def document_of(job: Job, variant: Variant) -> YamlSource:
     YamlSource
         Not yet checked; messages have the lines of the spec's file.
     """
-    source = copy(_source(*job.specs[variant.spec]))
+    source = _source(*job.specs[variant.spec])
+    data = source.data
     for axis, value in zip(job.axes, variant.values, strict=True):
-        source.data = changed(source.data, axis.path, value)
-    names = job.catalogs[variant.catalogs]
-    if names:
-        for path in _choices(source):
-            source.data = changed(source.data, (*path, "select", "catalogs"), list(names))
-    return source
+        data = changed(data, axis.path, value)
+    found, names = source.with_data(data), job.catalogs[variant.catalogs]
+    for path in _choices(found) if names else ():
+        found.data = changed(found.data, (*path, "select", "catalogs"), list(names or ()))
+    return found
 
 
 def _choices(source: YamlSource) -> list[Path_]:

@@ -52,6 +52,15 @@ def test_what_is_kept_of_a_drive_is_what_is_computed_of_it(best, tmp_path, catal
             assert np.array_equal(losses, housing_loss(parts[0], demand.total_ratio), equal_nan=True)
 
 
+def test_power_without_that_of_the_motors_is_the_same(spec, best):
+    whole, brief = drive_power(spec, best), drive_power(spec, best, motors=False)
+    for name in whole._fields:
+        if name in ("motor_drawn", "motor_returned"):
+            assert np.isnan(getattr(brief, name)).all() and getattr(whole, name).max() > 0.0
+        else:
+            np.testing.assert_array_equal(getattr(brief, name), getattr(whole, name))
+
+
 # --- efficiency
 
 

@@ -290,6 +290,19 @@ def test_divided_differences_hold_to_rounding_at_any_spread(fast, slow):
         assert [values[0] for values in found] == pytest.approx(expected, rel=2e-14)
 
 
+@given(st.lists(st.tuples(st.floats(-900.0, -1e-9), st.floats(-1.0, 0.2)), min_size=1, max_size=4))
+def test_nodes_one_by_one_are_as_in_columns(nodes):
+    """Few are doubled as figures, not as columns: to the bit the same."""
+    f = np.array([fast for fast, _ in nodes])
+    s = np.maximum(f, np.array([-fast * share for fast, share in nodes]))
+    with pytest.MonkeyPatch.context() as patch:
+        alone = heat_step.phi(f.copy(), s.copy())
+        patch.setattr(heat_step, "_FEW", 0)
+        together = heat_step.phi(f.copy(), s.copy())
+    for one, same in zip(alone, together, strict=True):
+        np.testing.assert_array_equal(one, same)
+
+
 # --- edges -----------------------------------------------------------------------------------------------------------
 
 

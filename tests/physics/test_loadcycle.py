@@ -13,6 +13,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.profile import trapezoid
 from drivesizer.loads.course import Profile
+from drivesizer.physics import cycle_figures
 from drivesizer.physics.load_cycle import LoadCycle, integral, rms
 from drivesizer.spec.robot import read_spec
 
@@ -36,6 +37,19 @@ def test_integrals_of_products_against_simpson(rows):
     for dt, (w0, w1), (t0, t1) in rows:
         by_hand += dt / 6 * (w0 * t0 + 4 * (w0 + w1) / 2 * (t0 + t1) / 2 + w1 * t1)
     assert integral(c.duration, c.speed, c.torque) == pytest.approx(by_hand, rel=1e-12, abs=1e-9)
+
+
+@given(segments)
+def test_products_side_by_side_are_as_each_alone(rows):
+    """Of a short cycle all products are integrated at once: to the bit as one after the other."""
+    cycle = cycle_of(rows).split()
+    six = cycle_figures.six_functions(cycle, 0.9)
+    acts = np.array([function.any() for function in six])
+    with pytest.MonkeyPatch.context() as patch:
+        found = cycle_figures.moments(cycle.duration, cycle.total, six, acts)
+        patch.setattr(cycle_figures, "_SHORT", 0)
+        alone = cycle_figures.moments(cycle.duration, cycle.total, six, acts)
+    np.testing.assert_array_equal(found, alone)
 
 
 @given(segments)

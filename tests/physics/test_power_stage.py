@@ -17,6 +17,7 @@ from drivesizer.physics.power_stage import (
     Feed,
     PowerStage,
     at_input,
+    at_inputs,
     lost_in_source,
     of_the_source,
     power_stage,
@@ -78,6 +79,14 @@ def test_power_at_the_input_of_a_stage_by_hand():
     sums = energy(at_input(steady, stage(loss=1.0, resistance=0.1)))
     assert sums.drawn == pytest.approx([26.4, 0.0]) and sums.returned == pytest.approx([0.0, 21.6])
     assert at_input(steady, stage()) is steady
+
+
+def test_several_voltages_at_one_current_are_as_each_alone():
+    current, volts = np.array([[[3.0, -1.0], [-1.0, 2.0]]]), np.array([[[10.0, 11.0], [12.0, 9.0]]])
+    found, lossy = Wave(np.array([1.0, 2.0]), current, volts), stage(loss=0.7, resistance=0.2)
+    for at, one in zip((volts, 2.0 * volts), at_inputs(found, lossy, (volts, 2.0 * volts)), strict=True):
+        for a, b in zip(one, at_input(found._replace(voltage=at), lossy), strict=True):
+            np.testing.assert_array_equal(a, b)
 
 
 def test_losses_of_a_current_that_changes_its_sign_are_exact():

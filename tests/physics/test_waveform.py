@@ -9,7 +9,16 @@ from hypothesis import strategies as st
 
 from drivesizer.physics import waveform
 from drivesizer.physics.power_stage import PowerStage, at_input
-from drivesizer.physics.waveform import Wave, energy, largest_power, longest_above, mean_square, most_stored, wave
+from drivesizer.physics.waveform import (
+    Wave,
+    energy,
+    extreme_powers,
+    largest_power,
+    longest_above,
+    mean_square,
+    most_stored,
+    wave,
+)
 
 FINE = 4000  # samples of a segment
 
@@ -80,6 +89,14 @@ def test_largest_power_against_fine_sampling(rows):
             a, b = (x[0, k, 0] + place * (x[0, k, 1] - x[0, k, 0]) for x in (found.current, found.voltage))
             at_that_time.append(a * b)
     assert max(at_that_time) == pytest.approx(power[0], rel=1e-9, abs=1e-9)
+
+
+@given(segments)
+def test_the_extreme_powers_are_the_largest_either_way(rows):
+    found = one(*rows)
+    out, back = extreme_powers(found)
+    assert out == largest_power(found)[0]
+    assert back == largest_power(found._replace(voltage=-found.voltage))[0]
 
 
 @settings(max_examples=60)

@@ -94,13 +94,18 @@ class Evaluation(NamedTuple):
             figures={name: column[rows] for name, column in self.figures.items()},
         )
 
+    def fails(self, index: int) -> bool:
+        """Whether one candidate fails a check that is not mere advice."""
+        return any(check.failed[index] for check in self.checks if not check.advice)
+
     def status(self, index: int) -> Status:
         """Outcome of the checks of one candidate."""
-        if self.failed[index]:
+        if self.fails(index):
             return "fail"
-        if self.unknown[index]:
+        opened = self.open_checks(index)
+        if not all(check.passed[index] or check.advice or check.name in opened for check in self.checks):
             return "unknown"
-        return "open" if self.open_checks(index) else "pass"
+        return "open" if opened else "pass"
 
     def open_checks(self, index: int) -> set[str]:
         """Names of the checks of one candidate that estimated figures leave open; informational ones do not count."""
