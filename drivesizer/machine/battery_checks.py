@@ -29,6 +29,7 @@ __all__ = [
     "battery_checks",
     "battery_columns",
     "charging",
+    "drawn_columns",
     "raised_voltage",
     "required_autonomy",
 ]  # fmt: skip
@@ -109,6 +110,22 @@ def battery_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> tuple
     *raised, current = charging(spec, pack, load)
     checks = (*_lasting(spec, section, pack, load), *_voltages(spec, pack, load), *raised, *_room(pack, load))
     return (*checks, *_currents(spec, pack, load), current)
+
+
+def drawn_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> tuple[CheckColumn, ...]:
+    """Those of what is drawn alone, whatever is regenerated.
+
+    Parameters
+    ----------
+    spec, section, pack, load
+        As for ``battery_columns``.
+
+    Returns
+    -------
+    tuple[CheckColumn, ...]
+        One for each limit that applies.
+    """
+    return (*_lasting(spec, section, pack, load), *_voltages(spec, pack, load), *_currents(spec, pack, load))
 
 
 def accepted(spec: Any) -> Any:

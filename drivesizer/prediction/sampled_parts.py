@@ -28,7 +28,7 @@ from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.search.uncertainty.class_of_part import holding
-from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_dry_share, with_losses
+from drivesizer.search.uncertainty.sampled_parts import motor_factors, with_dry_share, with_losses
 from drivesizer.search.uncertainty.sobol_sequence import sobol
 
 __all__ = ["Figures", "SampledParts", "sampled_parts"]

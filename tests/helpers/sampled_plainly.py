@@ -12,7 +12,7 @@ from drivesizer.machine.problem import problem
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
-from drivesizer.search.uncertainty.sampled_checks import SetRows
+from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import applied, case_paths
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import ControllerChoice

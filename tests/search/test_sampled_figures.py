@@ -14,8 +14,8 @@ from drivesizer.files.yaml_source import read
 from drivesizer.machine.problem import problem
 from drivesizer.search.uncertainty.class_of_part import used
 from drivesizer.search.uncertainty.prepare import blocks, prepared
-from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.sampled_figures import figure_columns, figure_spreads
+from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import assumptions
 from drivesizer.spec.robot import read_spec

@@ -370,7 +370,7 @@ def test_a_drive_fails_in_the_samples_that_its_probability_leaves_out(
     assert (1.0 - failed.mean(axis=1)).tolist() == pytest.approx(shown, abs=1e-12)
     np.testing.assert_array_equal(failing(ready, parts, some, 2), failed)
     monkeypatch.setattr("drivesizer.search.uncertainty.prepare._ROWS", 100)
-    monkeypatch.setattr("drivesizer.search.uncertainty.sampled_checks._HELD", 1)
+    monkeypatch.setattr("drivesizer.search.uncertainty.sampled_parts._HELD", 1)
     np.testing.assert_array_equal(failing(ready, parts, some), failed)
 
 

@@ -16,7 +16,7 @@ from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.search.uncertainty.counted_figures import COLUMNS, NOT_SAMPLED, reason
 from drivesizer.search.uncertainty.probabilities import Subject, at_ends, without_effect
-from drivesizer.search.uncertainty.sampled_checks import SetRows
+from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.sizing import load_parts
 from drivesizer.spec.keys import models_at

@@ -19,7 +19,8 @@ from drivesizer.search.set_record import drive_set
 from drivesizer.search.uncertainty import sampled_load_cycles
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
 from drivesizer.search.uncertainty.run import subject
-from drivesizer.search.uncertainty.sampled_checks import SetRows, checks_of
+from drivesizer.search.uncertainty.sampled_checks import checks_of
+from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions
 from drivesizer.sizing import load_parts, size

@@ -24,8 +24,9 @@ from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.uncertainty.class_of_part import holding, used
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
-from drivesizer.search.uncertainty.sampled_checks import SetRows, checks_of
+from drivesizer.search.uncertainty.sampled_checks import checks_of
 from drivesizer.search.uncertainty.sampled_figures import figure_columns
+from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
 from drivesizer.sizing import explained, load_parts, size

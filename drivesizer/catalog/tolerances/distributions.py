@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CUT", "END", "Distribution", "lognormal"]
+__all__ = ["CUT", "END", "Distribution", "deviations_at", "lognormal"]
 
 Array = NDArray[np.float64]
 CUT = 4.0  # standard deviations from the mean, at which a normal distribution ends
@@ -44,6 +44,30 @@ def lognormal(low: Any, median: Any, high: Any, deviations: Array) -> Array:
     return np.asarray(median * np.where(deviations > 0.0, high / median, median / low) ** (deviations / END))
 
 
+def deviations_at(share: Array) -> Array:
+    """Standard deviations from the mean below which given shares of a normal figure's values lie, cut at ``CUT``.
+
+    Parameters
+    ----------
+    share
+        Any shape, 0 to 1 [1].
+
+    Returns
+    -------
+    array
+        Of the same shape [1].
+
+    Examples
+    --------
+    >>> deviations_at(np.array([0.0, 0.5, 1.0])).round(9) + 0.0
+    array([-4.,  0.,  4.])
+    """
+    from scipy.special import ndtri
+
+    found: Array = ndtri(np.clip(_TAIL + share * (1.0 - 2.0 * _TAIL), _TAIL, 1.0 - _TAIL))
+    return found
+
+
 class Distribution(NamedTuple):
     """A figure's values: uniform between ends, triangular with a peak, or normal with its mean and deviation.
 
@@ -67,13 +91,25 @@ class Distribution(NamedTuple):
             return float((b - a) / np.sqrt(12.0))
         return float(np.sqrt((a * a + b * b + c * c - a * b - a * c - b * c) / 18.0))
 
-    def at(self, share: Array) -> Array:
+    @property
+    def by_deviations(self) -> bool:
+        """Whether its values come of standard deviations."""
+        return self.shape in ("normal", "lognormal")
+
+    def at(self, share: Array, deviations: Array | None = None) -> Array:
         """The values below which given shares of all values lie: the inverse of the distribution function.
 
         Parameters
         ----------
         share
             Any shape, 0 to 1 [1].
+        deviations
+            What ``deviations_at`` gives of them, where it is at hand.
+
+        Returns
+        -------
+        array
+            Of the same shape, in the unit of the ends.
 
         Examples
         --------
@@ -83,11 +119,8 @@ class Distribution(NamedTuple):
         a, b, c = self.low, self.high, self.peak
         if self.shape == "uniform":
             return a + share * (b - a)
-        if self.shape in ("normal", "lognormal"):
-            from scipy.special import ndtri
-
-            inner = np.clip(_TAIL + share * (1.0 - 2.0 * _TAIL), _TAIL, 1.0 - _TAIL)
-            deviations: Array = ndtri(inner)
+        if self.by_deviations:
+            deviations = deviations_at(share) if deviations is None else deviations
             if self.shape == "lognormal":
                 return lognormal(a, c, b, deviations)
             return np.clip(c + (b - a) / (2 * CUT) * deviations, a, b)

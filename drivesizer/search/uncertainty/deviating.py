@@ -10,7 +10,7 @@ from drivesizer.catalog.parts import by_name
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.results.drive_set import DriveParts
-from drivesizer.search.uncertainty.sampled_checks import motor_factors, with_dry_share, with_losses
+from drivesizer.search.uncertainty.sampled_parts import motor_factors, with_dry_share, with_losses
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["deviating_drive"]

@@ -20,9 +20,9 @@ from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.problem import Problem
 from drivesizer.search.uncertainty.counted_figures import enters_checks
 from drivesizer.search.uncertainty.sampled_battery import Feeding, feeding
-from drivesizer.search.uncertainty.sampled_checks import Block
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 from drivesizer.search.uncertainty.sampled_load_cycles import Cycles, cycles_of
+from drivesizer.search.uncertainty.sampled_parts import Block
 from drivesizer.search.uncertainty.sampling import first_of_each
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
 from drivesizer.spec.robot import RobotSpec
@@ -60,6 +60,15 @@ class Prepared(NamedTuple):
     def fitted(self) -> float:
         """Largest error of the load cycles, of their largest value."""
         return max(case.cycles.fitted for case in self.cases)
+
+    def on(self, rows: NDArray[np.int64]) -> Prepared:
+        """Some of the samples."""
+        one_for_all = [case.cycles.size == 1 for case in self.cases]
+        cases = [
+            case if alike else case._replace(cycles=_some(case.cycles, rows))
+            for case, alike in zip(self.cases, one_for_all, strict=True)
+        ]
+        return self._replace(values=self.values[rows], cases=tuple(cases))
 
     @property
     def cells(self) -> int:

@@ -17,8 +17,9 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Driver, Reliability, Spread
 from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
-from drivesizer.search.uncertainty.sampled_checks import Block, SetRows, checks_of
-from drivesizer.search.uncertainty.sampling import Sample, mean_and_error
+from drivesizer.search.uncertainty.sampled_checks import checks_of
+from drivesizer.search.uncertainty.sampled_parts import Block, SetRows
+from drivesizer.search.uncertainty.sampling import Sample, mean_and_error, values_of
 from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlations
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.spec.robot import RobotSpec
@@ -311,8 +312,9 @@ def at_ends(problem: Problem, given: Sequence[Assumption]) -> Prepared:
         1 + 2 n samples of n assumptions.
     """
     values = np.tile([assumption.nominal for assumption in given], (1 + 2 * len(given), 1))
-    for k, assumption in enumerate(given):
-        values[_ends(k), k] = assumption.distribution.at(np.array([0.05, 0.95]))
+    ends = values_of(given, np.tile([[0.05], [0.95]], len(given)))
+    for k in range(len(given)):
+        values[_ends(k), k] = ends[:, k]
     return prepared(problem, given, values, every=True)
 
 

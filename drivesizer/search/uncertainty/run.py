@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 from drivesizer.errors import InputError
@@ -15,7 +16,7 @@ from drivesizer.results.reliability import Reliability, Uncertain, Uncertainty
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.uncertainty.class_of_part import used
 from drivesizer.search.uncertainty.counted_figures import reason
-from drivesizer.search.uncertainty.failing import failing
+from drivesizer.search.uncertainty.failing import MostFirst, counted, passing
 from drivesizer.search.uncertainty.options import POOL, Sampling
 from drivesizer.search.uncertainty.prepare import Prepared, prepared
 from drivesizer.search.uncertainty.probabilities import (
@@ -27,9 +28,9 @@ from drivesizer.search.uncertainty.probabilities import (
     examined,
     without_effect,
 )
-from drivesizer.search.uncertainty.sampled_checks import SetRows
 from drivesizer.search.uncertainty.sampled_figures import figure_spreads
-from drivesizer.search.uncertainty.sampling import Sample, mean_and_error, sample
+from drivesizer.search.uncertainty.sampled_parts import SetRows
+from drivesizer.search.uncertainty.sampling import Sample, sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
 
 __all__ = ["SampledDrives", "reliabilities", "sample_drives", "subject", "uncertainty"]
@@ -39,7 +40,7 @@ class SampledDrives(NamedTuple):
     """Drives over samples, by their rows in the result of the search."""
 
     good: list[int]  # in their order; with a required confidence those that reach it
-    bad: list[int]  # that do not, the most reliable first
+    bad: Sequence[int]  # that do not, the most reliable first
     subjects: dict[int, Subject]  # both
     ready: Prepared
     drawn: Sample
@@ -87,14 +88,26 @@ def sample_drives(
     return SampledDrives(good, bad, {**subjects}, ready, drawn._replace(values=ready.values), how, ends)
 
 
-def _divided(ready: Prepared, subjects: Mapping[int, Subject], how: Sampling) -> tuple[list[int], list[int]]:
-    """Rows of drives that reach the required confidence, and of those that do not, the most reliable first."""
+def _divided(ready: Prepared, subjects: Mapping[int, Subject], how: Sampling) -> tuple[list[int], Sequence[int]]:
+    """Rows of drives that reach the required confidence, and of those that do not, the most reliable first.
+
+    Drives of which bounds say enough are not looked at any closer.
+    """
     if how.confidence is None:
         return [*subjects], []
-    failed = failing(ready, ready.problem.catalog, [*subjects.values()], how.processes)
-    chance = {row: mean_and_error(~one).value for row, one in zip(subjects, failed, strict=True)}
-    good = [row for row in subjects if chance[row] >= how.confidence]
-    return good, sorted((row for row in subjects if row not in good), key=lambda row: -chance[row])
+    catalog, required = ready.problem.catalog, how.confidence
+    some = passing(ready, catalog, [*subjects.values()], how.processes)
+    found = dict(zip(subjects, some, strict=True))
+
+    @cache
+    def count(row: int) -> int:
+        return counted(ready, catalog, subjects[row], found[row])
+
+    def enough(samples: int) -> bool:
+        return samples / len(ready.values) >= required
+
+    good = [row for row, one in found.items() if enough(one.least) or (enough(one.most) and enough(count(row)))]
+    return good, MostFirst({row: one.most for row, one in found.items() if row not in good}, count)
 
 
 def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery_checks import Load, battery_columns, required_autonomy
+from drivesizer.machine.battery_checks import Load, drawn_columns, required_autonomy
 from drivesizer.machine.battery_pack import Pack, pack_of, run_time
 from drivesizer.physics.battery import current_of_power, terminal_voltage
 from drivesizer.results.check_columns import CheckColumn
@@ -137,7 +137,7 @@ def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequenc
     load = Load(mean=mean, peak=peak, rms=nan, back=nan, speed=speed, full=full, charge=left, lowest=lowest)
     checked = {*BATTERY_LASTING} if len(draws) > 1 else {*BATTERY_SAMPLED}
     checked -= {*BATTERY_VOLTAGES} if feeds.pack.polarisation else set()
-    return [check for check in battery_columns(spec, spec.battery, feeds.pack, load) if check.name in checked]
+    return [check for check in drawn_columns(spec, spec.battery, feeds.pack, load) if check.name in checked]
 
 
 def _travel(spec: Any, at: AtSamples) -> Any:

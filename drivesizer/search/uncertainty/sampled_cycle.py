@@ -38,6 +38,13 @@ class AtSamples(AtGearhead):
                 found[b] += columns[a] * self.moments[a, b]
         return found.T
 
+    def mean_with(self, c: Array, function: int) -> Array:
+        """Mean over each sample's cycle of c f(t) times one of the functions; c of shape (samples, 6)."""
+        found = np.zeros(max(len(c), self.moments.shape[-1]))
+        for k in self.active:
+            found += c[:, k] * self.moments[k, function]
+        return found
+
     def line(self, c: Array) -> Array:
         """The sum c f(t) at both ends of each segment, shape (segments, 2, samples); c of shape (samples, 6)."""
         if self.kept is not None and self.kept[0] is c:
@@ -55,7 +62,7 @@ class AtSamples(AtGearhead):
         self.kept = c, self.line(c)
 
     def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
-        """Largest absolute value of c f(t) over each sample's cycle."""
+        """Largest absolute value of c f(t) over each sample's cycle; nobody asks when."""
         line = self.line(coefficients)
         found = np.abs(line)
         if left_out is not None:
@@ -63,10 +70,8 @@ class AtSamples(AtGearhead):
                 against = left_out[:, k] & (line * self.base.functions[k] < 0.0)
                 found = np.where(against, -np.inf, found)
         found = found.reshape(-1, len(coefficients))
-        worst = found.argmax(axis=0)[None]
-        time = np.broadcast_to(self.base.time.reshape(len(found), -1), found.shape)
-        value, when = (np.take_along_axis(x, worst, axis=0)[0] for x in (found, time))
-        return bounded(value, when, left_out)
+        value = found.max(axis=0)
+        return bounded(value, np.broadcast_to(np.nan, value.shape), left_out)
 
     @cached_property
     def total(self) -> Array:

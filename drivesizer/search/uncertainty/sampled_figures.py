@@ -19,7 +19,8 @@ from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.reliability import FigureSpread
 from drivesizer.search.uncertainty.prepare import Prepared, blocks
 from drivesizer.search.uncertainty.probabilities import quantiles
-from drivesizer.search.uncertainty.sampled_checks import Block, Loaded, SetRows, loaded, parts_of, stepper_of
+from drivesizer.search.uncertainty.sampled_checks import Loaded, loaded, stepper_of
+from drivesizer.search.uncertainty.sampled_parts import Block, SetRows, parts_of
 from drivesizer.search.uncertainty.sampled_steppers import stepper_figures
 
 __all__ = ["figure_columns", "figure_spreads"]

@@ -61,7 +61,7 @@ def moments(
     pair of Moments
         Columns over the samples: lower and upper bounds, the same where the winding's heat is known.
     """
-    k_t, limit = parts.motor["torque_constant"], controller_current(parts.controller, spec.environment.ambient)
+    k_t = parts.motor["torque_constant"]
     current = cycles.line(demands.coefficients) / k_t
     induced = cycles.speeds * (demands.back_emf * demands.total_ratio)
     kept, count = kept_on_the_bus(spec), current.shape[-1]
@@ -74,14 +74,20 @@ def moments(
     )  # fmt: skip
     top = np.broadcast_to(hottest(spec, cycles, heat, stress, parts.motor), (count,))
     sides = _sides(spec, cycles, heat, parts.motor, (current, induced), top, outputs)
-    limit = np.broadcast_to(limit, (count,))
-    above = np.where(np.isnan(limit), np.nan, 0.0)
-    if (stress.current.value > limit).any():
-        duration = np.broadcast_to(cycles.load_cycle.duration, (len(current), count))
-        above = longest_above(_wave(duration, current, current), limit)
+    above = _time_above(spec, cycles, current, stress, parts)
     steady = np.broadcast_to(temperature_at_most(spec.environment.ambient, cycles, heat, stress, parts.motor), (count,))
     mean, cold = np.broadcast_to(heat.winding, (count,)), stress.cold_voltage.value
     return _bounded([one._replace(above=above, voltage=np.maximum(one.voltage, cold)) for one in sides], mean, steady)
+
+
+def _time_above(spec: Any, cycles: AtSamples, current: Array, stress: Stress, parts: Parts) -> Array:
+    """Longest uninterrupted time above the controller's continuous current [s]; NaN where that is unknown."""
+    count = current.shape[-1]
+    limit = np.broadcast_to(controller_current(parts.controller, spec.environment.ambient), (count,))
+    if not (stress.current.value > limit).any():
+        return np.where(np.isnan(limit), np.nan, 0.0)
+    duration = np.broadcast_to(cycles.load_cycle.duration, (len(current), count))
+    return longest_above(_wave(duration, current, current), limit)
 
 
 class _Outputs(NamedTuple):

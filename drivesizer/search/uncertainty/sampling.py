@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.search.uncertainty.sobol_sequence import sobol
+from drivesizer.search.uncertainty.sobol_sequence import normal_deviations, sobol
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 
-__all__ = ["REPLICATES", "Sample", "Share", "first_of_each", "mean_and_error", "sample"]
+__all__ = ["REPLICATES", "Sample", "Share", "first_of_each", "mean_and_error", "sample", "values_of"]
 
 Array = NDArray[np.float64]
 REPLICATES = 8
@@ -89,8 +89,23 @@ def first_of_each(samples: int, size: int) -> NDArray[np.int64]:
 
 
 def values_of(given: Sequence[Assumption], cube: Array) -> Array:
-    """Values of assumptions at points of the cube."""
-    values = [one.distribution.at(cube[:, k]) for k, one in enumerate(given)]
+    """Values of assumptions at points of the cube.
+
+    Parameters
+    ----------
+    given
+        The assumptions.
+    cube
+        Shape (points, assumptions), 0 to 1.
+
+    Returns
+    -------
+    array
+        Of the same shape; SI, of a catalogue figure its factor.
+    """
+    normal = [k for k, one in enumerate(given) if one.distribution.by_deviations]
+    deviations = dict(zip(normal, normal_deviations(cube[:, normal]).T, strict=True)) if normal else {}
+    values = [one.distribution.at(cube[:, k], deviations.get(k)) for k, one in enumerate(given)]
     return np.stack(values, axis=1) if values else np.zeros((len(cube), 0))
 
 
