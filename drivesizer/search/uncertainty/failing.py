@@ -1,7 +1,7 @@
 """In how many samples a drive passes: all that is needed of drives before it is known which of them are shown.
 
 The checks are those of ``probabilities``, which has their margins, quantiles and shares too. Bounds over the waveform
-decide most samples; the course of the winding's temperature is left to drives of which they do not tell enough.
+decide most samples; the course of the winding's temperature is left to drives of which they do not show enough.
 """
 
 from __future__ import annotations

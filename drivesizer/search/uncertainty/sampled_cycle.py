@@ -62,7 +62,7 @@ class AtSamples(AtGearhead):
         self.kept = c, self.line(c)
 
     def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
-        """Largest absolute value of c f(t) over each sample's cycle; nobody asks when."""
+        """Largest absolute value of c f(t) over each sample's cycle; the moments are not needed."""
         line = self.line(coefficients)
         found = np.abs(line)
         if left_out is not None:
