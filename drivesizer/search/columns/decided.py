@@ -97,12 +97,6 @@ class _Case:
         """Of some of the candidates, for bounds."""
         return (*self.some(mask)[:-1], self.bounding.on(mask))
 
-    def passing(self, high: Moments) -> NDArray[np.bool_]:
-        """Which candidates pass all limits by upper bounds."""
-        checks = waveform_limits(self.spec, high, high, self.columns[3])
-        found: NDArray[np.bool_] = np.logical_and.reduce([check.passed for check in checks])
-        return found
-
     def open(self, found: Pair, alive: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
         """Of each limit, where the two bounds differ in the status of a candidate that passes so far.
 
@@ -180,8 +174,8 @@ def decided(
         shortest, longest = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
-        passing = None if nearness or before else case.passing
-        found = waveform_bounds.bounds(spec, cycle, demand, heating, stresses, case.bounding, passing)
+        closely = nearness or before is not None
+        found = waveform_bounds.bounds(spec, cycle, demand, heating, stresses, case.bounding, nearness=closely)
         if before:
             known = (
                 ("winding", "winding_time") if spec.resists else ("winding", "winding_time", "voltage", "voltage_time")

@@ -27,7 +27,7 @@ from drivesizer.physics.stress import Heat, Parts, Stress, on, replaced, tempera
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.bus_bounds import most_kept
-from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_passing
+from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_passing, waveform_limits
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["above_bounds", "at_source", "bounds", "closer_above", "most_cold_power", "resisted"]
@@ -45,7 +45,8 @@ def bounds(
     heating: Heat,
     stresses: Stress,
     parts: Parts,
-    passing: Callable[[Moments], NDArray[np.bool_]] | None = None,
+    *,
+    nearness: bool = True,
 ) -> Pair:
     """Lower and upper bounds over the waveform, from moments and extremes alone.
 
@@ -59,8 +60,9 @@ def bounds(
         Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
     parts
         The parts of each candidate.
-    passing
-        Which candidates pass by upper bounds: those that do by wide ones get no others.
+    nearness
+        Whether it matters how near to its limits a candidate is that passes: else wide bounds do for those that pass by
+        them, and upper ones for those that are short of voltage.
 
     Returns
     -------
@@ -81,13 +83,31 @@ def bounds(
         heating.mean,
         T_low,
     )
-    if passing is None:
+    if nearness:
         return resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
     low, high = _by_the_largest_current(spec, cycle, demand, heating, stresses, parts, (low, high))
-    rows = np.flatnonzero(~passing(high))
-    some = on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows), (on(low, rows), on(high, rows))
-    few = resisted(spec, cycle, *some, coolest[rows])
-    return replaced(low, rows, few[0]), replaced(high, rows, few[1])
+    rows = np.flatnonzero(~np.logical_and.reduce([c.passed for c in waveform_limits(spec, high, high, parts)]))
+    at = _Candidates(spec, cycle, on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
+    least = _at_least(at, on(low, rows), coolest[rows])
+    short = next(c.failed for c in waveform_limits(spec, least, least, at.parts) if c.name == "supply_voltage")
+    few = np.flatnonzero(~short)
+    return replaced(low, rows, least), replaced(high, rows[few], _at_most(at.on(few), on(high, rows[few])))
+
+
+class _Candidates(NamedTuple):
+    """A load case behind one belt and its candidates."""
+
+    spec: RobotSpec
+    cycle: AtGearhead
+    demand: Demands
+    heating: Heat
+    stresses: Stress
+    parts: Parts
+
+    def on(self, rows: NDArray[np.int64]) -> _Candidates:
+        """Some of the candidates."""
+        columns = on(self.demand, rows), on(self.heating, rows), on(self.stresses, rows), self.parts.on(rows)
+        return _Candidates(self.spec, self.cycle, *columns)
 
 
 def _by_the_largest_current(
@@ -102,7 +122,7 @@ def _by_the_largest_current(
     volts = cold + warmer * current
     low = low._replace(voltage=cold, stored=np.zeros_like(cold))
     high = high._replace(voltage=volts, stored=most_kept(spec, cycle, demand, motor))
-    if not (spec.supply.current or spec.supply.power):
+    if not _limits_power(spec):
         return low, high
     most = current * volts + _most_beyond(cycle, demand, stresses, motor["torque_constant"])
     most = at_source(most, stresses, spec.feed(parts.controller, parts.brake))
@@ -135,24 +155,41 @@ def resisted(
     Pair
         Lower and upper bounds.
     """
-    motor, (low, high) = parts.motor, found
-    k_t = motor["torque_constant"]
+    at, (low, high) = _Candidates(spec, cycle, demand, heating, stresses, parts), found
+    return _at_least(at, low, coolest), _at_most(at, high)
+
+
+def _at_least(at: _Candidates, low: Moments, coolest: Array) -> Moments:
+    """Lower bounds of the winding with those of voltage and power put to them, by a winding nowhere cooler."""
+    motor, feed = at.parts.motor, at.spec.feed(at.parts.controller, at.parts.brake)
+    cool, k_t = np.asarray(resistance_at(resistance_25(motor), coolest)), motor["torque_constant"]
+    leads = np.broadcast_to(feed.leads if at.spec.resists else 0.0, k_t.shape)
+    least, power = _each(at.cycle, _least_at_points, k_t, at.demand, cool, leads, feed.broadcast(len(k_t)))
+    low = low._replace(voltage=np.maximum(least, at.stresses.cold_voltage.value), stored=np.zeros_like(k_t))
+    if not _limits_power(at.spec):
+        return low
+    return low._replace(power=of_the_source(power + feed.stage.standby, feed))
+
+
+def _at_most(at: _Candidates, high: Moments) -> Moments:
+    """Upper bounds of the winding with those of voltage and power put to them."""
+    spec, cycle, demand, heating, stresses, parts = at
+    motor, feed, cold = parts.motor, spec.feed(parts.controller, parts.brake), stresses.cold_voltage.value
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
-    cool, hot = (np.asarray(resistance_at(resistance_25(motor), T)) for T in (coolest, warmest))
-    feed = spec.feed(parts.controller, parts.brake)
-    feeding = feed.broadcast(len(k_t))
-    leads = np.broadcast_to(feed.leads if spec.resists else 0.0, k_t.shape)
-    at = _each(cycle, _at_points, k_t, demand, cool, hot, leads, feeding)
-    cold = stresses.cold_voltage.value
-    low = low._replace(voltage=np.maximum(at.least, cold), stored=np.zeros_like(k_t))
-    high = high._replace(voltage=np.maximum(at.most, cold), stored=most_kept(spec, cycle, demand, motor))
-    if not (spec.supply.current or spec.supply.power):
-        return low, high
-    most = np.minimum(_each(cycle, _power_bound, k_t, demand, hot), stresses.current.value * np.maximum(at.hot, cold))
-    most = most + _most_beyond(cycle, demand, stresses, k_t)
-    low = low._replace(power=of_the_source(at.power + feed.stage.standby, feed))
-    high = high._replace(power=at_source(most, stresses, feed))
-    return low, high
+    hot, k_t = np.asarray(resistance_at(resistance_25(motor), warmest)), motor["torque_constant"]
+    at_hot = most = np.maximum(_each(cycle, _most_at_points, k_t, demand, hot), cold)
+    if spec.resists:
+        most = np.maximum(at_hot, _each(cycle, _most_at_points, k_t, demand, hot + feed.leads))
+    high = high._replace(voltage=most, stored=most_kept(spec, cycle, demand, motor))
+    if not _limits_power(spec):
+        return high
+    power = np.minimum(_each(cycle, _power_bound, k_t, demand, hot), stresses.current.value * at_hot)
+    return high._replace(power=at_source(power + _most_beyond(cycle, demand, stresses, k_t), stresses, feed))
+
+
+def _limits_power(spec: RobotSpec) -> bool:
+    """Whether the supply has a limit of current or power."""
+    return bool(spec.supply.current or spec.supply.power)
 
 
 def _each(cycle: AtGearhead, compute: Callable[..., Any], *columns: Any) -> Any:
@@ -216,44 +253,35 @@ def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Arra
     return np.where(np.isnan(found), np.inf, found)
 
 
-class _AtPoints(NamedTuple):
-    """What there is at the extreme points, of which the peaks of all that is linear in the functions are among."""
-
-    least: Array  # V, less than the largest voltage: where a warmer winding only raises it
-    hot: Array  # V, more than it
-    most: Array  # V, with what resistances before the winding take
-    power: Array  # W, largest into the stage: between the points it may be more
-
-
-def _at_points(
-    cycle: AtGearhead, k_t: Array, demand: Demands, cool: Array, hot: Array, leads: Array, feed: Feed
-) -> _AtPoints:
-    """Voltage and power at the extreme points, of windings no cooler and no warmer than they may be."""
+def _least_at_points(
+    cycle: AtGearhead, k_t: Array, demand: Demands, cool: Array, leads: Array, feed: Feed
+) -> tuple[Array, Array]:
+    """Less than the largest voltage [V], by points where warmth only raises it, and power into the stage there [W]."""
     points = np.concatenate([cycle.extremes.high, cycle.extremes.low])
-    current, induced = _current_and_induced(points, k_t, demand)
-    peaks, unknown = [], np.flatnonzero(lacking(demand.left_out))
-    for R in (hot, hot + leads) if leads.any() else (hot,):
-        peak = np.abs(R * current + induced).max(axis=0)
-        peak[unknown] = _known_peak(cycle, k_t, demand, R, unknown)
-        peaks.append(peak)
-    volts = cool * current + induced
+    current, volts = _current_and_induced(points, k_t, demand)
+    volts += cool * current
     power = (current * volts + feed.lost(current)).max(axis=0)
     volts += leads * current
-    least = np.where(current * volts > 0.0, np.abs(volts), 0.0).max(axis=0)
-    return _AtPoints(least, peaks[0], np.maximum(peaks[0], peaks[-1]), power)
+    return np.where(current * volts > 0.0, np.abs(volts), 0.0).max(axis=0), power
+
+
+def _most_at_points(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> Array:
+    """The largest voltage with a winding of one resistance [V]: peaks of what is linear in the functions lie there."""
+    points = np.concatenate([cycle.extremes.high, cycle.extremes.low])
+    current, volts = _current_and_induced(points, k_t, demand)
+    volts += hot * current
+    found: Array = np.abs(volts).max(axis=0)
+    rows = np.flatnonzero(lacking(demand.left_out))
+    if len(rows):  # as far as what is unknown makes it no smaller
+        some = volts_of(on(demand, rows), k_t[rows], hot[rows])
+        found[rows] = cycle.peak(some, demand.left_out[rows]).value
+    return found
 
 
 def _current_and_induced(points: Array, k_t: Array, demand: Demands) -> tuple[Array, Array]:
     """Current [A] and induced voltage [V] at points of the functions: shape (points, candidates), few long rows."""
     current = product(points, (demand.coefficients / k_t[:, None]).T)
     return current, points[:, SPEED, None] * (demand.back_emf * demand.total_ratio)
-
-
-def _known_peak(cycle: AtGearhead, k_t: Array, demand: Demands, R: Array, rows: NDArray[np.int64]) -> Array:
-    """Largest voltage of candidates of whose torque a part is unknown, as far as that makes it no smaller [V]."""
-    if not len(rows):
-        return R[rows]
-    return cycle.peak(volts_of(on(demand, rows), k_t[rows], R[rows]), demand.left_out[rows]).value
 
 
 def winding_limits(
