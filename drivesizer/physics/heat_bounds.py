@@ -64,7 +64,7 @@ from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, Valu
 
 __all__ = ["Blocks", "Bracket", "blocks", "bracket"]
 
-_CELLS = 1 << 14  # motors times blocks at a time: what stays in the processor's cache
+_CELLS = 1 << 16  # motors times blocks at a time
 _MULTIPLIED = 1 << 18  # figures at a time in a product of matrices: above, its threads wait on a busy machine
 _FINER = 16  # steps per block at least, among which the blocks' ends are chosen
 _FINE = 1 << 13  # and steps in all
