@@ -231,19 +231,12 @@ def closer_power(
         Lower and upper bounds, no wider than they were.
     """
     heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
-    blocks_, k_t = _blocks(cycle, count), parts.motor["torque_constant"]
-    pieces = _pieces(cycle, count, blocks_)
-    T = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count)
-    owner = np.searchsorted(blocks_.first, pieces.first, side="right") - 1
+    T, pieces = _bracketed(cycle, demand, heating, parts, spec.environment.ambient, count), _pieces(cycle, count)
+    owner = np.searchsorted(_blocks(cycle, count).first, pieces.first, side="right") - 1
     cool, hot = _resistances(parts.motor, T)
-    ohms = cool[:, owner], hot[:, owner]
-    ends = _ends_in_blocks(demand, k_t, ohms, (pieces.high, pieces.low))
-    powers = _most_in_blocks(demand, k_t, ends, (pieces.high, pieces.low))
+    ohms, k_t = (cool[:, owner], hot[:, owner]), parts.motor["torque_constant"]
     feed = spec.feed(parts.controller, parts.brake).broadcast(len(low.power))
-    each, largest = feed.reshaped((-1, 1)), np.maximum(np.abs(ends[0]), np.abs(ends[1]))
-    reached = low.power - _ALIKE * np.abs(low.power)  # so that rounding leaves out no piece
-    with np.errstate(invalid="ignore"):  # of what runs away
-        may = ~(of_the_source(powers + each.lost(largest) + each.stage.standby, each) < reached[:, None])
+    may = _may_be_largest(demand, k_t, ohms, pieces, feed, low.power)
     may &= np.isfinite(low.power + T.warmest.max(axis=1))[:, None]
     least, most = low.power.copy(), high.power.copy()
     for some in _few_rows(may, pieces, len(cycle.load_cycle.duration)):
@@ -252,13 +245,27 @@ def closer_power(
     return low._replace(power=least), high._replace(power=most)
 
 
-def _pieces(cycle: AtGearhead, count: int, blocks_: Blocks) -> Envelope:
+def _may_be_largest(
+    demand: Demands, k_t: Array, ohms: tuple[Array, Array], pieces: Envelope, feed: Feed, least: Array
+) -> NDArray[np.bool_]:
+    """In which pieces the power out of the source may be more than it certainly is somewhere: (candidates, pieces)."""
+    ends = _ends_in_blocks(demand, k_t, ohms, (pieces.high, pieces.low))
+    powers = _most_in_blocks(demand, k_t, ends, (pieces.high, pieces.low))
+    each, largest = feed.reshaped((-1, 1)), np.maximum(np.abs(ends[0]), np.abs(ends[1]))
+    reached = least - _ALIKE * np.abs(least)  # so that rounding leaves out no piece
+    with np.errstate(invalid="ignore"):  # of what runs away
+        most = of_the_source(powers + each.lost(largest) + each.stage.standby, each)
+        found: NDArray[np.bool_] = ~(most < reached[:, None])
+    return found
+
+
+def _pieces(cycle: AtGearhead, count: int) -> Envelope:
     """The blocks in pieces, and what the functions reach in each."""
     store, name = cycle.base.coarse, ("pieces of blocks", count)
     if name not in store:
         duration = cycle.load_cycle.duration
         starts = np.linspace(0, len(duration), _PIECES, endpoint=False).astype(np.int64)
-        starts = distinct(np.append(starts, blocks_.first))
+        starts = distinct(np.append(starts, _blocks(cycle, count).first))
         reached = highest_and_lowest(len(duration), cycle.base.six, starts)
         store[name] = Envelope(np.add.reduceat(duration, starts), *reached, starts)
     found: Envelope = store[name]

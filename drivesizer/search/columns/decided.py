@@ -32,6 +32,7 @@ from drivesizer.search.columns.limits_over_time import (
     kept_on_the_bus,
     waveform_limits,
 )
+from drivesizer.search.columns.overload_bounds import above_bounds, closer_above
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["decided"]
@@ -171,7 +172,7 @@ def decided(
     """
     case = _Case(spec, cycle, demand, heating, stresses, parts, each, staged)
     if before and not case.controlled:
-        shortest, longest = waveform_bounds.above_bounds(spec, cycle, demand, stresses, parts)
+        shortest, longest = above_bounds(spec, cycle, demand, stresses, parts)
         found = before[0]._replace(above=shortest), before[1]._replace(above=longest)
     else:
         closely = nearness or before is not None
@@ -290,7 +291,7 @@ def _steps(case: _Case, nearness: bool) -> list[_Step]:
 
     What fails is rejected by bounds that are as close as can be, for of the rejected the closest are shown.
     """
-    (coarse, fine), above = _BLOCKS, waveform_bounds.closer_above
+    coarse, fine = _BLOCKS
     steps = [_Step(closer_in_blocks, coarse, _by_heat)]
     steps.append(_Step(closer_in_blocks, fine, _by_heat))
     if case.staged:
@@ -299,8 +300,8 @@ def _steps(case: _Case, nearness: bool) -> list[_Step]:
     if case.staged or case.spec.supply.capacitance is None:
         steps.append(_Step(stored_by_segments, _PIECES, _by_bus))
     if not nearness:
-        steps += [_Step(above, count, _by_time, only_passing=True) for count in _SOME_PIECES]
-    return [*steps, _Step(above, _PIECES, _by_time)]
+        steps += [_Step(closer_above, count, _by_time, only_passing=True) for count in _SOME_PIECES]
+    return [*steps, _Step(closer_above, _PIECES, _by_time)]
 
 
 def _by_heat(case: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
