@@ -305,13 +305,13 @@ def _steps(case: _Case, nearness: bool) -> list[_Step]:
 
 
 def _by_heat(case: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
-    """Where winding, voltage or power are open, and the course of temperatures is known."""
+    """Candidates whose winding, voltage or power is open, and whose course of temperatures is known."""
     found: NDArray[np.bool_] = np.logical_or.reduce([x for k, x in enumerate(left) if k not in _NOT_BY_HEAT])
     return found & case.told
 
 
 def _by_power(case: _Case, left: list[NDArray[np.bool_]]) -> NDArray[np.bool_]:
-    """Where the power is, alike."""
+    """Those of them whose power is."""
     found: NDArray[np.bool_] = np.logical_or.reduce([np.zeros_like(case.told), *left[_POWER:]])
     return found & case.told
 
