@@ -28,12 +28,12 @@ from drivesizer.results.sizing import Explanation, SizingResult, verdict
 from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.found import Found
 from drivesizer.search.machine_filter import best_in_machine, shortfall, weighing
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.paper.derivation import vehicle
 from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations, tried
-from drivesizer.search.search import Found
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.shortlist import Shortlist, shortlist
 from drivesizer.search.sifting import Progress

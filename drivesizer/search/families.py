@@ -6,8 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
+from drivesizer.search import ranking
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.columns.evaluation import smallest_margin
+from drivesizer.search.columns.limits_over_time import WAVEFORM_LIMITS
+from drivesizer.search.found import Evaluated, Judge
+from drivesizer.search.in_order import in_order
 
-__all__ = ["family_of", "first_of_each"]
+__all__ = ["alike_of_others", "best_of_others", "family_of", "first_of_each"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+_ALIKE = 32  # drives of a family that rank alike, of which margins are computed
 
 
 def family_of(catalog: Catalog, motor: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -25,8 +35,11 @@ def family_of(catalog: Catalog, motor: NDArray[np.int64]) -> NDArray[np.int64]:
     ndarray
         Equal for motors of one family, shape (drives,).
     """
-    _, number = np.unique(catalog.motors["family"].astype(str), return_inverse=True)
-    found: NDArray[np.int64] = number[motor]
+
+    def numbers() -> NDArray[np.int64]:
+        return np.unique(catalog.motors["family"].astype(str), return_inverse=True)[1]
+
+    found: NDArray[np.int64] = catalog.once("motor families", numbers)[motor]
     return found
 
 
@@ -37,3 +50,96 @@ def first_of_each(family: NDArray[np.int64]) -> NDArray[np.int64]:
     [0, 1, 4]
     """
     return np.sort(np.unique(family, return_index=True)[1])
+
+
+def alike_of_others(catalog: Catalog, sets: Candidates, order: Rows, first: int, wanted: int, rank: Array) -> Rows:
+    """Drives of which ``best_of_others`` needs margins, as far as the order of the first leaves that open.
+
+    Parameters
+    ----------
+    catalog, sets, order, wanted, rank
+        As ``best_of_others`` takes them.
+    first
+        How many of the first may still be ordered otherwise, and are evaluated anyway.
+
+    Returns
+    -------
+    array of int
+        Rows that are not among the first.
+    """
+    family = family_of(catalog, sets.motor[order])
+    leaders = first_of_each(family)
+    beyond = leaders[np.count_nonzero(leaders < first) :]
+    few = beyond[: max(wanted + 1 - (len(leaders) - len(beyond)), 0)] if first else beyond[:0]
+    return np.concatenate([order[:0], *(_alike(order, family, place, rank) for place in few.tolist())])
+
+
+def _alike(order: Rows, family: NDArray[np.int64], place: int, rank: Array) -> Rows:
+    """The drives of the family of one in order that rank as it does, the first of them."""
+    same = (family == family[place]) & (rank[:, order] == rank[:, order[[place]]]).all(axis=0)
+    found: Rows = order[same][:_ALIKE]
+    return found
+
+
+def best_of_others(
+    judge: Judge | None,
+    catalog: Catalog,
+    sets: Candidates,
+    evaluated: Evaluated,
+    order: Rows,
+    best: Rows,
+    wanted: int,
+    rank: Array,
+    bounded: Evaluated | None = None,
+) -> Rows:
+    """The best drive of each other motor family than that of the best; of those that rank alike the largest margin.
+
+    Parameters
+    ----------
+    judge, sets, evaluated, order
+        As ``in_order`` takes them.
+    catalog
+        The parts.
+    best
+        Rows of the drives that are shown.
+    wanted
+        How many families.
+    rank
+        A row for each figure that orders, shape (figures, drives).
+    bounded
+        Evaluates by bounds, where a waveform takes long.
+
+    Returns
+    -------
+    array of int
+        Rows, the best first.
+    """
+    if not wanted or not len(best):
+        return best[:0]
+    family, own = family_of(catalog, sets.motor[order]), family_of(catalog, sets.motor[best])[0]
+    others = family != own
+    order, family = order[others], family[others]
+    found = in_order(judge, sets, evaluated, order[first_of_each(family)], wanted).best[:wanted]
+    for n, row in enumerate(found):
+        alike = _alike(order, family, int(np.flatnonzero(order == row)[0]), rank)
+        if judge or not bounded:  # the machine may reject some of them
+            margin = ranking.rounded(smallest_margin(evaluated(alike).checks))
+        else:
+            margin = _widest(alike, evaluated, bounded)
+        found[n] = in_order(judge, sets, evaluated, alike[np.argsort(-margin, kind="stable")], 1).best[0]
+    return found
+
+
+def _widest(alike: Rows, evaluated: Evaluated, bounded: Evaluated) -> Array:
+    """The smallest margin of each drive, as it is rounded; of those that cannot have the largest minus infinity.
+
+    No more waveforms are computed than decide which drive has the largest.
+    """
+    if len(alike) == 1:
+        return np.zeros(1)
+    no_waveform = [check for check in bounded(alike).checks if check.name not in WAVEFORM_LIMITS]
+    most, found = ranking.rounded(smallest_margin(no_waveform)), np.full(len(alike), -np.inf)
+    for row in np.argsort(-most, kind="stable").tolist():
+        if most[row] >= found.max():
+            found[[row]] = ranking.rounded(smallest_margin(evaluated(alike[[row]]).checks))
+    return found

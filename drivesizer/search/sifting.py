@@ -44,6 +44,7 @@ class Sifted(NamedTuple):
     certainty: NDArray[np.int64]  # PASSES, OPEN by estimated figures, or UNKNOWN by one that has no band
     figures: dict[str, Array]  # that objectives count
     lacking: NDArray[np.int64]  # number of checks that are unknown, but for those that are so of all
+    most: Array  # what the smallest margin of each is at most; infinite where that is not known
 
 
 class _Found(NamedTuple):
@@ -54,6 +55,7 @@ class _Found(NamedTuple):
     opened: NDArray[np.bool_]
     unknown: NDArray[np.uint64]  # checks, as bits, shape (rows, words)
     figures: dict[str, Array]
+    most: Array
     failed_by: Counter[str]
     rejected: Candidates
     bound: Array  # the smallest margin of each of the rejected is no better
@@ -131,14 +133,14 @@ def _examined(problem: Problem, every: Candidates, exact: Wanted | bool, margins
     for some, pairs_ in _chunks(problem, every):
         if ends is None:
             found = _together(examine(problem, some, exact=exact, margins=margins))
-            yield _found(problem, some, found, np.zeros(len(found.rows), bool))
+            yield _found(problem, some, found, np.zeros(len(found.rows), bool), margins)
         else:
             first, last = np.searchsorted(uncertain, (pairs_.start, pairs_.stop))
             few = uncertain[first:last] - pairs_.start
             twice = joined([some.pairs, ends.unfavourable(some.pairs.on(few))])
             both = Crossed(twice, some.belts, len(some.pairs.motor))
             examined = examine(ends.problem, both, exact=exact, margins=margins, offered=ends.offered)
-            yield _at_both(problem, both, _together(examined), few, ends)
+            yield _at_both(problem, both, _together(examined), few, ends, margins)
 
 
 def _together(found: Iterator[Examined]) -> Examined:
@@ -155,13 +157,15 @@ def _together(found: Iterator[Examined]) -> Examined:
     return Examined(checks=[], figures=figures, failed_by=failed_by, **whole)
 
 
-def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.bool_]) -> _Found:
-    """What was found of some candidates, with the nearest of the rejected."""
-    figures = {name: one.figures[name] for name in COUNTED} | {"margin": one.margin, BRAKE: one.brake.astype(float)}
+def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.bool_], margins: bool) -> _Found:
+    """Some candidates as they were found, with the nearest of the rejected."""
+    not_known = np.full_like(one.margin, np.inf)
+    margin, most = (one.margin, not_known) if margins else (not_known, one.margin)
+    figures = {name: one.figures[name] for name in COUNTED} | {"margin": margin, BRAKE: one.brake.astype(float)}
     few = _closest(one.bound)
     failing = _nearest(problem, [(every.on(one.rejected[few]), one.bound[few])])
     count = len(every.counted.motor) * len(every.belts)
-    return _Found(count, every.on(one.rows), opened, one.unknown, figures, one.failed_by, *failing)
+    return _Found(count, every.on(one.rows), opened, one.unknown, figures, most, one.failed_by, *failing)
 
 
 def _closest(bound: Array) -> NDArray[np.int64]:
@@ -175,7 +179,9 @@ def _closest(bound: Array) -> NDArray[np.int64]:
     return near
 
 
-def _at_both(problem: Problem, every: Crossed, found: Examined, few: NDArray[np.int64], ends: BothEnds) -> _Found:
+def _at_both(
+    problem: Problem, every: Crossed, found: Examined, few: NDArray[np.int64], ends: BothEnds, margins: bool
+) -> _Found:
     """Candidates that pass at the favourable end, then those of the other end alone; ``few`` pairs were at both."""
     count, row = len(every.counted.motor), found.rows % len(every.pairs.motor)
     at_hard = row >= count
@@ -188,7 +194,7 @@ def _at_both(problem: Problem, every: Crossed, found: Examined, few: NDArray[np.
     whole = _at_the_unfavourable(easy, opened, place[both], _on_rows(hard, np.flatnonzero(both)))
     if not both.all():
         whole, opened = _with_others(whole, opened, _on_rows(hard, np.flatnonzero(~both)), len(every.pairs.motor))
-    return _found(problem, every, whole, opened)
+    return _found(problem, every, whole, opened, margins)
 
 
 def _at_the_unfavourable(
@@ -256,9 +262,9 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
     if not kept:
         none = every.on(slice(0, 0))
         figures, nothing = dict.fromkeys((*COUNTED, "margin", BRAKE), none.belt), np.zeros(0, np.int64)
-        return Sifted(none, nothing, figures, nothing)
+        return Sifted(none, nothing, figures, nothing, none.belt)
     sets = joined([k.sets for k in kept])
-    opened, unknown = (np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown"))
+    opened, unknown, most = (np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown", "most"))
     figures = {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures}
     rows = estimated(problem, sets)
     if names & set(COUNTED) and len(rows):
@@ -267,12 +273,12 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
             figures[name][rows] = middle[name]
     if problem.spec.select.unknown == "reject":
         known = np.flatnonzero(~unknown.any(axis=1))
-        return _on(Sifted(sets, opened * OPEN, figures, np.zeros(len(opened), np.int64)), known)
+        return _on(Sifted(sets, opened * OPEN, figures, np.zeros(len(opened), np.int64), most), known)
     own = unknown & ~np.bitwise_and.reduce(unknown, axis=0)  # what all lack sets none back
     lacking = np.unpackbits(own.view(np.uint8), axis=1).sum(axis=1, dtype=np.int64)
-    return Sifted(sets, np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES)), figures, lacking)
+    return Sifted(sets, np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES)), figures, lacking, most)
 
 
 def _on(found: Sifted, rows: NDArray[np.int64]) -> Sifted:
     figures = {name: column[rows] for name, column in found.figures.items()}
-    return Sifted(found.sets.on(rows), found.certainty[rows], figures, found.lacking[rows])
+    return Sifted(found.sets.on(rows), found.certainty[rows], figures, found.lacking[rows], found.most[rows])

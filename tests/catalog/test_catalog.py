@@ -19,8 +19,8 @@ from drivesizer.catalog.view.search_view import search_view
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
+from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.controllers import selected
-from drivesizer.search.search import candidates
 from drivesizer.spec.select import Choice
 
 ACME = """\

@@ -14,9 +14,10 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.weights import by_weights, used_share
 from drivesizer.search import ranking
 from drivesizer.search.choices import choices, picked
+from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.least_drawn import least_power
 from drivesizer.search.own_mass import problem_with_drive_mass
-from drivesizer.search.search import search, smallest_margin
+from drivesizer.search.search import search
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
 from drivesizer.spec.select import Choice, MotorChoice

@@ -141,7 +141,7 @@ def _behind(table: Table[Any], other: Table[Any], rows: NDArray[np.int64]) -> Ta
 
 
 class _Columns(Mapping[str, NDArray[Any]]):
-    """Columns of a table with some rows of another behind: put together when they are asked for, as few are."""
+    """Columns of a table with some rows of another behind: put together on first use, as few are used."""
 
     def __init__(
         self, columns: Mapping[str, NDArray[Any]], others: Mapping[str, NDArray[Any]], rows: NDArray[np.int64]
@@ -162,7 +162,7 @@ class _Columns(Mapping[str, NDArray[Any]]):
 
 
 def _offered(easy: Offers, hard: Offers, motors: NDArray[np.int64]) -> Offers:
-    """What there is for each motor, and for some of them at the unfavourable end."""
+    """Offers for each motor, and for some of them at the unfavourable end."""
     count = len(easy.encoders.row)
     every = np.append(np.arange(count), motors)
     encoders = easy.encoders._replace(
@@ -190,5 +190,5 @@ def _brakes(easy: OfferedBrakes, hard: OfferedBrakes, motors: NDArray[np.int64])
 
 
 def _moved(rows: NDArray[np.int64], by: int) -> NDArray[np.int64]:
-    """Rows that stand behind others; of none -1."""
+    """Rows of what comes behind others; of none -1."""
     return np.where(rows < 0, rows, rows + by)

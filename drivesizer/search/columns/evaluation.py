@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,14 +18,14 @@ from drivesizer.search.columns.bands import at_ends, estimated
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.encoders import counts_check, encoders_for, offered_encoders
-from drivesizer.search.columns.limits_over_time import Wanted
+from drivesizer.search.columns.limits_over_time import Exactly, Wanted
 from drivesizer.search.columns.offers import placed, scattered
 from drivesizer.search.columns.stages import examine
 from drivesizer.search.paper import rule as paper_rule
 from drivesizer.search.paper.derivation import at_the_motor, vehicle
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Evaluation", "at_figures", "by_physics", "evaluate", "figures_by_physics"]
+__all__ = ["Evaluation", "at_figures", "by_physics", "evaluate", "figures_by_physics", "smallest_margin"]
 
 
 class _Some(Mapping[str, Requirement]):
@@ -147,7 +146,7 @@ def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True, re
         return by_physics(problem, candidates, exact)
     few = len(candidates.motor) <= paper_rule.FEW
     if rejected or few or len(estimated(problem, candidates, "paper")):  # at one end of a band one may pass
-        return _over_bands(_by_the_paper, problem, candidates, "paper")
+        return _over_bands(lambda at, some, _: _by_the_paper(at, some), problem, candidates, "paper")
     given = candidates.motor, candidates.gearhead, candidates.belt
     left = np.flatnonzero(~paper_rule.hopeless(problem.spec, problem.catalog, *given))
     return _by_the_paper(problem, candidates.on(left), rejected=False)
@@ -187,38 +186,45 @@ def _with_controllers(found: Evaluation) -> Evaluation:
     return found._replace(checks=checks, controller=controller.row, encoder=encoder)
 
 
-def by_physics(problem: Problem, candidates: Candidates, exact: bool) -> Evaluation:
+def by_physics(problem: Problem, candidates: Candidates, exact: bool | NDArray[np.bool_]) -> Evaluation:
     """Every limit against the whole load cycle, whatever the spec's method.
 
     Parameters
     ----------
-    problem, candidates, exact
+    problem, candidates
         As :func:`evaluate` takes them.
+    exact
+        The same, of all candidates or of each.
 
     Returns
     -------
     Evaluation
         Columns over the candidates.
     """
-    return _over_bands(partial(at_figures, exact=exact), problem, candidates, "physics")
+
+    def at(given: Problem, some: Candidates, rows: Any) -> Evaluation:
+        return at_figures(given, some, exact if isinstance(exact, bool) else exact[rows])
+
+    return _over_bands(at, problem, candidates, "physics")
 
 
 def _over_bands(
-    at: Callable[[Problem, Candidates], Evaluation], problem: Problem, candidates: Candidates, method: str
+    at: Callable[[Problem, Candidates, Any], Evaluation], problem: Problem, candidates: Candidates, method: str
 ) -> Evaluation:
     """Candidates at the middle of the bands of their estimated figures; each check holds what it is at both ends.
 
-    Controller and brake are those of the unfavourable end: one drive is judged, not three.
+    Controller and brake are those of the unfavourable end: one drive is judged, not three. ``at`` evaluates some of
+    them, given which rows these are.
     """
-    rows = estimated(problem, candidates, method)
+    rows, every = estimated(problem, candidates, method), slice(None)
     if not len(rows):
-        return at(problem, candidates)
+        return at(problem, candidates, every)
     favourable, unfavourable = at_ends(problem)
-    hard = at(unfavourable, candidates.on(rows))
-    easy = at(favourable, candidates.on(rows)._replace(controller=hard.controller, brake=hard.brake))
-    middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake))
-    every = zip(middle.checks, easy.checks, hard.checks, strict=True)
-    return middle._replace(candidates=candidates, checks=[over_band(m, (e, h), rows) for m, e, h in every])
+    hard = at(unfavourable, candidates.on(rows), rows)
+    easy = at(favourable, candidates.on(rows)._replace(controller=hard.controller, brake=hard.brake), rows)
+    middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake), every)
+    same = zip(middle.checks, easy.checks, hard.checks, strict=True)
+    return middle._replace(candidates=candidates, checks=[over_band(m, (e, h), rows) for m, e, h in same])
 
 
 def _with_parts(
@@ -252,13 +258,15 @@ def figures_by_physics(
     return _by_belt(problem, candidates, exact, ())[1]
 
 
-def at_figures(problem: Problem, candidates: Candidates, exact: bool, each: Collection[str] = ()) -> Evaluation:
+def at_figures(
+    problem: Problem, candidates: Candidates, exact: bool | NDArray[np.bool_], each: Collection[str] = ()
+) -> Evaluation:
     """Every limit at the figures of the problem's catalogue, as they are.
 
     Parameters
     ----------
     problem, candidates, exact
-        As :func:`evaluate` takes them.
+        As :func:`by_physics` takes them.
     each
         Names of checks to decide of candidates that fail on another as well.
 
@@ -276,11 +284,12 @@ _PARTS = ("controller", "encoder", "brake")
 
 
 def _by_belt(
-    problem: Problem, candidates: Candidates, exact: Wanted | bool, each: Collection[str]
+    problem: Problem, candidates: Candidates, exact: Exactly, each: Collection[str]
 ) -> tuple[list[CheckColumn], dict[str, NDArray[Any]]]:
     """Checks of candidates, which are examined belt by belt, and their parts and figures as columns."""
     count = len(candidates.motor)
     order = np.argsort(candidates.belt, kind="stable")
+    exact = exact[order] if isinstance(exact, np.ndarray) else exact
     examined = examine(problem, candidates.on(order), exact=exact, each=each)
     found = [(order[one.rows], one) for one in examined]
     names = found[0][1].figures if found else {}
@@ -294,3 +303,9 @@ def _in_order(checks: list[CheckColumn]) -> list[CheckColumn]:
     """Checks in the order in which people read them."""
     order = {name: place for place, name in enumerate(CHECKS["physics"])}
     return sorted(checks, key=lambda check: order[check.name])
+
+
+def smallest_margin(checks: list[CheckColumn]) -> NDArray[np.float64]:
+    """The smallest margin of each candidate that is known; what passes by selection is left out."""
+    found: NDArray[np.float64] = np.minimum.reduce([check.tightness for check in checks]) if checks else np.zeros(0)
+    return found

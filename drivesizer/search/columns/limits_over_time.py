@@ -30,6 +30,7 @@ from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
     "WAVEFORM_LIMITS",
+    "Exactly",
     "Moments",
     "Pair",
     "Wanted",
@@ -81,6 +82,7 @@ WAVEFORM_LIMITS = (
     "supply_current", "supply_power",
 )  # fmt: skip
 Wanted = Literal["winding", "power", "limits", "all"]
+Exactly = Wanted | bool | NDArray[np.bool_]  # what is computed from the waveform whatever bounds decide; of which rows
 _OF_THE_WINDING = ("winding", "winding_time", "voltage", "voltage_time", "copper")
 _TOLD = {"winding": _OF_THE_WINDING, "power": (*_OF_THE_WINDING, "power", "power_time", "above")}
 Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds

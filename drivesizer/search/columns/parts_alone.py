@@ -167,7 +167,7 @@ class _Gearheads(NamedTuple):
     """Amount of the checks of those gearheads that some candidates have, behind each belt."""
 
     amount: Amount
-    bound: Array
+    bound: Array  # what the smallest margin of each is at most
     place: NDArray[np.int64]  # of each gearhead among them
     several: int  # behind each belt
 
@@ -254,7 +254,7 @@ def _started(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearhe
     place = gearheads.of(some.belt, sets.gearhead)
     unknown = gearheads.amount.unknown.take(place, axis=0) | motor.unknown.take(sets.motor, axis=0)
     unknown |= np.concatenate([one.amount.unknown for one in parts.load]).take(some.belt, axis=0)
-    margin = np.full(len(place), np.inf)
+    margin = gearheads.bound[place]
     if margins:
         of_load = np.concatenate([one.amount.margin for one in parts.load])
         margin = np.minimum.reduce([gearheads.amount.margin[place], motor.margin[sets.motor], of_load[some.belt]])

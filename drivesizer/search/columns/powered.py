@@ -22,7 +22,7 @@ from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
 from drivesizer.search.columns.decided import decided
 from drivesizer.search.columns.exactly import exact
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
-from drivesizer.search.columns.limits_over_time import Moments, Pair, Wanted, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import Exactly, Moments, Pair, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.altitude import controller_needed
 
@@ -59,7 +59,7 @@ def powered(
     cases: Sequence[Moving],
     parts: Parts,
     *,
-    exactly: Wanted | bool,
+    exactly: Exactly,
     each: Collection[str] = (),
     staged: bool = False,
     nearness: bool = True,
@@ -76,7 +76,7 @@ def powered(
         Columns over candidates; the controllers are chosen but where a row is given.
     exactly
         Compute the waveform of all, with their energy or as far as is wanted; else only of those that safe bounds leave
-        undecided.
+        undecided. Or a mask of which.
     each
         Names of checks to decide of candidates that fail on another as well.
     staged, nearness
@@ -159,7 +159,7 @@ class _Cases(NamedTuple):
     moving: Sequence[Moving]
     stresses: Sequence[Stress]
     parts: Parts
-    exactly: Wanted | bool
+    exactly: Exactly
     each: Collection[str]
     staged: bool
     nearness: bool
@@ -168,7 +168,10 @@ class _Cases(NamedTuple):
         """Some of the candidates."""
         moving, stresses = [on(case, rows) for case in self.moving], [on(u, rows) for u in self.stresses]
         cycles = [cycle.on(rows) for cycle in self.cycles]
-        return self._replace(cycles=cycles, moving=moving, stresses=stresses, parts=self.parts.on(rows))
+        exactly = self.exactly[rows] if isinstance(self.exactly, np.ndarray) else self.exactly
+        return self._replace(
+            cycles=cycles, moving=moving, stresses=stresses, parts=self.parts.on(rows), exactly=exactly
+        )
 
     @property
     def required(self) -> _Required:
@@ -226,9 +229,24 @@ class _Cases(NamedTuple):
     def _pair(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
         """Peaks and heat over the waveform of one load case."""
         args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
+        if isinstance(self.exactly, np.ndarray):
+            return self._in_part(k, parts, stresses, dead, before)
         if self.exactly:
             return exact(*args, "all" if self.exactly is True else self.exactly)
         return decided(*args, ~dead, before, each=self.each, staged=self.staged, nearness=self.nearness)
+
+    def _in_part(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
+        """The same, computed from the waveform of some candidates and by bounds of the others."""
+        columns = tuple(np.empty((2, len(Moments._fields), len(dead))))
+        for side in (True, False):
+            rows = np.flatnonzero(self.exactly == side)
+            if len(rows):
+                own = None if before is None else (on(before[0], rows), on(before[1], rows))
+                some = self.some(rows)._replace(exactly=side)
+                pair = some._pair(k, parts.on(rows), on(stresses, rows), dead[rows], own)
+                for whole, moments in zip(columns, pair, strict=True):
+                    whole[:, rows] = moments
+        return Moments(*columns[0]), Moments(*columns[1])
 
 
 def _again(

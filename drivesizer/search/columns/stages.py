@@ -26,7 +26,7 @@ from drivesizer.search.columns.brakes import at_motor, brake_limits, brakes_for
 from drivesizer.search.columns.candidates import Candidates, Crossed, Rows
 from drivesizer.search.columns.encoders import counts_check, encoders_for
 from drivesizer.search.columns.limits import moving_limits, size_limits, unpowered_limits
-from drivesizer.search.columns.limits_over_time import Wanted
+from drivesizer.search.columns.limits_over_time import Exactly
 from drivesizer.search.columns.offers import (
     Offers,
     limits_behind_each,
@@ -58,7 +58,7 @@ class Examined(NamedTuple):
     rows: NDArray[np.int64]  # which of those that were looked at these are
     checks: list[CheckColumn]  # theirs; in stages none are kept
     unknown: NDArray[np.uint64]  # checks that are, as bits in the order of ``check_kinds``, shape (rows, words)
-    margin: Array  # the smallest; infinite where margins are not computed
+    margin: Array  # the smallest; where margins are not computed, in stages what it is at most by the gearhead alone
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
     brake: NDArray[np.int64]  # -1 none
@@ -72,7 +72,7 @@ def examine(
     problem: Problem,
     sets: Candidates | Crossed,
     *,
-    exact: Wanted | bool = True,
+    exact: Exactly = True,
     each: Collection[str] = (),
     margins: bool = False,
     offered: Offers | None = None,
@@ -90,7 +90,7 @@ def examine(
         fall.
     exact
         Compute the waveform of all that come so far, with their energy or as far as is wanted; else only of those that
-        safe bounds leave undecided.
+        safe bounds leave undecided. Of a list a mask may say of which.
     each
         Names of checks to decide of candidates that fail on another as well.
     margins
@@ -272,7 +272,7 @@ def _brakes_of_each(
 
 
 def _powered(
-    problem: Problem, offered: Offers, moved: _Moved, exact: Wanted | bool, each: Collection[str]
+    problem: Problem, offered: Offers, moved: _Moved, exact: Exactly, each: Collection[str]
 ) -> Iterator[Examined]:
     """Current, and what needs the waveform, with the smallest controller that does for all cases; or steppers."""
     places, staged = _places(problem, moved), moved.sieve.staged
@@ -282,8 +282,9 @@ def _powered(
             found = Powered(*stepped(problem, offered, cycles, demand, parts, staged=staged))
         else:
             near = not staged or sieve.margins
+            which = exact[sieve.rows] if isinstance(exact, np.ndarray) else exact
             found = powered(
-                problem, offered, cycles, cases, parts, exactly=exact, each=each, staged=staged, nearness=near
+                problem, offered, cycles, cases, parts, exactly=which, each=each, staged=staged, nearness=near
             )
         yield _examined(sieve, parts, found)
 

@@ -1,0 +1,89 @@
+"""The search by the paper's rule: it compares the reductions of a family, so that all candidates are at hand."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivesizer.results.problem import Problem
+from drivesizer.results.sizing import Counts
+from drivesizer.search import ranking
+from drivesizer.search.columns.candidates import Candidates, candidates, pairs
+from drivesizer.search.columns.evaluation import evaluate, smallest_margin
+from drivesizer.search.families import best_of_others
+from drivesizer.search.found import Found, Judge, Passing
+from drivesizer.search.in_order import but_for, failing_before, in_order, without_rejected
+from drivesizer.search.paper.rule import FEW
+from drivesizer.search.ranking import Ranking
+from drivesizer.search.sifting import UNKNOWN
+
+__all__ = ["by_the_paper"]
+
+
+def by_the_paper(
+    problem: Problem,
+    top: int,
+    objective: Ranking,
+    misses: int | None,
+    pareto: tuple[str, ...],
+    judge: Judge | None,
+    others: int,
+) -> Found:
+    """Search all candidates by the paper's rule.
+
+    Parameters
+    ----------
+    problem, top, objective, misses, pareto, judge, others
+        As ``search`` takes them.
+
+    Returns
+    -------
+    Found
+        The best, the closest rejected, the front, those of other families, and the counts.
+    """
+    every, catalog = _all_candidates(problem), problem.catalog
+    found = evaluate(problem, every, rejected=misses is not None)
+    sets, margin, failed, unknown = found.candidates, smallest_margin(found.checks), found.failed, found.unknown
+    each = np.array([check.failed for check in found.checks])
+    value = ranking.values(catalog, sets, {"margin": margin}, objective)
+    before = [
+        np.where(failed, 2, unknown.astype(int)),
+        np.where(failed, -margin, 0.0),  # of those that fail first the nearest
+        np.where(failed, each.sum(axis=0), 0),
+    ]
+    order = ranking.order(catalog, sets, *value, margin=margin, before=before)
+    passes = ~failed if problem.spec.select.unknown == "allow" else ~failed & ~unknown
+    tally = {check.name: count for check, count in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if count}
+    left_out = int(np.count_nonzero(~failed & ~passes))
+    counts = Counts(considered=len(every.motor), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
+    passing, rejected = order[passes[order]], order[~passes[order]]
+    of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
+    kept = in_order(judge, sets, of_parts.on, passing, len(order) if pareto else top)
+    best, short = kept.best[:top], kept.rejected[:top]
+    near = rejected[: 0 if misses is None else min(misses, max(top - len(best), 0)) if counts.feasible else top]
+    on_front = best[:0]
+    if pareto:
+        of_all = ranking.front(catalog, sets.on(kept.best), {"margin": margin[kept.best]}, pareto)
+        on_front = kept.best[of_all]
+    unlike = best[:0]
+    if others:
+        rank = np.stack([unknown, value[1], ranking.rounded(value[0])])
+        unlike = best_of_others(judge, catalog, sets, found.on, passing, best[:1], others, rank)
+    few = np.concatenate([best, near, but_for(on_front, best), short, but_for(unlike, best)])
+    places = {int(row): n for n, row in enumerate(few)}
+    front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
+    return Found(
+        found.on(few), len(best), without_rejected(counts, kept), front, below, failing_before(kept, passing),
+        others=beside,
+        every=Passing(sets.on(passing), unknown[passing] * UNKNOWN, {"margin": margin[passing]},
+                      np.flatnonzero(np.isin(passing, best)), lambda rows: found.on(passing[rows])),
+    )  # fmt: skip
+
+
+def _all_candidates(problem: Problem) -> Candidates:
+    """All of them: of few the same record again, which variants of a spec have in common."""
+    belts = tuple(problem.belt_ratios)
+    if len(pairs(problem).motor) * len(belts) > FEW:
+        return candidates(problem)
+    key, of = ("candidates", problem.spec.is_direct, belts), (problem.spec.select,)
+    found: Candidates = problem.catalog.once(key, lambda: candidates(problem), of)
+    return found

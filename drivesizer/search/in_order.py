@@ -1,0 +1,113 @@
+"""Drives in order through the budgets of their machine, as many as are wanted."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.results.sizing import Counts
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.found import Evaluated, Judge, Kept
+
+__all__ = ["but_for", "failing_before", "in_order", "without_rejected"]
+
+_FIRST = 1 << 12  # drives that are judged at first
+_MOST = 1 << 16  # at a time
+
+
+def in_order(
+    judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: NDArray[np.int64], wanted: int
+) -> Kept:
+    """The drives in order that pass the machine's budgets, until so many are found or none is left.
+
+    Parameters
+    ----------
+    judge
+        Which pass; all where not given.
+    sets, evaluated
+        All drives, and a function that evaluates some of them.
+    order
+        Their rows, the best first.
+    wanted
+        How many.
+
+    Returns
+    -------
+    Kept
+        Rows of ``sets``.
+    """
+    if judge is None:
+        return Kept(order, order[:0], 0, Counter())
+    best, rejected, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
+    while start < len(order) and sum(map(len, best)) < wanted:
+        rows = order[start : start + size]
+        found = judge(sets.on(rows), _among(evaluated, rows), wanted - sum(map(len, best)))
+        best.append(rows[found.best])
+        rejected.append(rows[found.rejected])
+        by.update(found.by)
+        start, size = start + found.judged, min(16 * size, _MOST)
+    return Kept(np.concatenate(best), np.concatenate(rejected), start, by)
+
+
+def _among(evaluated: Evaluated, rows: NDArray[np.int64]) -> Evaluated:
+    """The same function for some of the drives, by their places among these."""
+    return lambda few: evaluated(rows[few])
+
+
+def without_rejected(counts: Counts, kept: Kept) -> Counts:
+    """The counts without the drives that fail on a budget of the machine.
+
+    Parameters
+    ----------
+    counts
+        Of drives by their own checks.
+    kept
+        Of ``in_order``.
+
+    Returns
+    -------
+    Counts
+        With how many were judged, and how many failed on each budget.
+    """
+    by = {name: count for name, count in kept.by.items() if count}
+    left = counts.feasible - len(kept.rejected)
+    return replace(counts, feasible=left, judged=kept.judged, failed_by_budget=by)
+
+
+def failing_before(kept: Kept, order: NDArray[np.int64]) -> int:
+    """Number of drives that fail on a budget before the first that passes.
+
+    Parameters
+    ----------
+    kept
+        Of ``in_order``.
+    order
+        Rows of the drives, the best first.
+
+    Returns
+    -------
+    int
+        All that were judged where none passes.
+    """
+    if not len(kept.best):
+        return len(kept.rejected)
+    return int(np.argmax(order == kept.best[0]))  # all before it were judged
+
+
+def but_for(rows: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Some rows without others.
+
+    Parameters
+    ----------
+    rows, others
+        Rows of drives.
+
+    Returns
+    -------
+    array of int
+        In their order; mostly there are none, and nothing is compared.
+    """
+    return rows[~np.isin(rows, others)] if len(rows) else rows
