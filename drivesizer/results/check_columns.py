@@ -201,10 +201,9 @@ _ALL_COLUMNS, _PUT_COLUMNS = _access([*_COLUMNS, "zero"])
 _PLAIN, _PUT_PLAIN = _access([field.name for field in fields(CheckColumn) if field.name not in (*_COLUMNS, "zero")])
 
 
-def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
+def _column(name: str, demand: Any, limit: Any, *, zero: Any = 0.0, needed: float = 0.0, **more: Any) -> CheckColumn:
     demand, limit = np.asarray(demand, float), np.asarray(limit, float)
-    zero = more.get("zero", 0.0)
-    above = demand if not more.get("needed") else zero + (demand - zero) * (1.0 + more["needed"])
+    above = zero + (demand - zero) * (1.0 + needed) if needed else demand
     passed, failed = above <= limit, above > limit
     idle, unbounded, unlimited = demand == zero, demand == np.inf, limit == np.inf
     if np.count_nonzero(idle | unbounded | unlimited):  # of most columns nothing is
@@ -213,8 +212,9 @@ def _column(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
         passed, failed = passed | idle, failed & ~idle
     shape = passed.shape  # of all of them, if one is a figure that all candidates have
     demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
+    passed, failed = np.asarray(passed), np.asarray(failed)
     return CheckColumn(
-        name=name, demand=demand, limit=limit, passed=np.asarray(passed), failed=np.asarray(failed), **more
+        name=name, demand=demand, limit=limit, passed=passed, failed=failed, zero=zero, needed=needed, **more
     )
 
 

@@ -33,6 +33,7 @@ PASSES, OPEN, UNKNOWN = range(3)  # certainty
 _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
 _CHUNK = 1 << 20  # drives at a time
 _NEAREST = 32  # of the rejected, kept until all are known
+_SOME = 1 << 12  # of the rejected, among which the farthest that may be kept is found
 _OF_ROWS = ("rows", "unknown", "margin", "encoder", "controller", "brake")  # of what was examined
 _ALIKE = 1e-7  # share of a margin within which rounding makes others equal
 
@@ -172,7 +173,8 @@ def _closest(bound: Array) -> NDArray[np.int64]:
     """Rows that are as near to their limits as the nearest, as many as are kept and their equals."""
     if len(bound) <= _NEAREST:
         return np.arange(len(bound))
-    last = -np.partition(-bound, _NEAREST - 1)[_NEAREST - 1]
+    farthest = -np.partition(-bound[-_SOME:], _NEAREST - 1)[_NEAREST - 1]  # of all the last is no farther
+    last = -np.partition(-bound[bound >= farthest], _NEAREST - 1)[_NEAREST - 1]
     few = np.flatnonzero(bound >= last - _ALIKE * abs(last))  # rounding makes equals of no others
     far = rounded(-bound[few])
     near: NDArray[np.int64] = few[~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1])]

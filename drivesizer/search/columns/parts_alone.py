@@ -173,7 +173,8 @@ class _Gearheads(NamedTuple):
 
     def of(self, belt: NDArray[np.int64], gearhead: NDArray[np.int64]) -> NDArray[np.int64]:
         """Places of some gearheads behind some belts among them."""
-        found: NDArray[np.int64] = belt * self.several + self.place[gearhead]
+        found: NDArray[np.int64] = belt * self.several
+        found += self.place.take(gearhead)
         return found
 
 
@@ -192,10 +193,11 @@ def _worth(parts: _Parts, gearhead: NDArray[np.int64], candidates: Sequence[_Num
 
 def _bounded(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearheads) -> Rejected:
     """Rejected candidates, and what the smallest margin of their parts is at most."""
-    motor, place = crossed.pairs.motor[some.row], gearheads.of(some.belt, crossed.pairs.gearhead[some.row])
-    bound = np.minimum(gearheads.bound[place], parts.motor.bound[motor])
+    of_pair = parts.motor.bound.take(crossed.pairs.motor)
+    place = gearheads.of(some.belt, crossed.pairs.gearhead.take(some.row))
+    bound = np.minimum(gearheads.bound.take(place), of_pair.take(some.row))
     of_load = np.concatenate([one.bound for one in parts.load])
-    return crossed.number(*some), np.minimum(bound, of_load[some.belt])
+    return crossed.number(*some), np.minimum(bound, of_load.take(some.belt), out=bound)
 
 
 def _failed_by(crossed: Crossed, parts: _Parts) -> Counter[str]:
