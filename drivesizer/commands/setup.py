@@ -101,8 +101,20 @@ def _start(text: str, output: Path) -> None:
         return
     from drivesizer.files.writing import new
 
-    new(output, text.encode())
+    new(output, _naming(text, output.name).encode())
     _written([output])
+
+
+def _naming(text: str, name: str) -> str:
+    """A spec whose comment on the next command names its own file; a name that no comment can hold is left out.
+
+    >>> _naming("# Then: drivesizer size robot.yaml", "hoist.yaml")
+    '# Then: drivesizer size hoist.yaml'
+    """
+    return text.replace(_NEXT.format("robot.yaml"), _NEXT.format(name), 1) if name.isprintable() else text
+
+
+_NEXT = "# Then: drivesizer size {}"
 
 
 def _written(paths: list[Path]) -> None:

@@ -93,3 +93,11 @@ def test_an_example_comes_with_the_files_that_it_names(name, told):
 def test_an_unknown_example_and_two_sources_are_refused(told):
     assert "sps_robot" in str(told("init", "--example", "sps_robo").exception)
     assert "expected one of them" in str(told("init", "--example", "sps_robot", "--kind", "fan").exception)
+
+
+@pytest.mark.parametrize(("name", "said"), [("hoist.yaml", "hoist.yaml"), ("two\nlines.yaml", "robot.yaml")])
+def test_the_comment_on_the_next_command_names_the_file_that_was_written(name, said, told):
+    assert told("init", "--kind", "hoist", "-o", name).exit_code == 0
+    lines = Path(name).read_text(encoding="utf-8").splitlines()
+    assert lines[2] == f"# Then: drivesizer size {said}"
+    assert load_spec(name).load.kind == "hoist"
