@@ -12,61 +12,51 @@ import importlib
 import os
 import sys
 import warnings
-from collections.abc import Callable
-from copy import copy
+from collections.abc import Collection
+from functools import cache
 from types import ModuleType
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivesizer.commands.catalog import app as catalog_commands
-from drivesizer.commands.drive import drive
 from drivesizer.commands.ends import ended
-from drivesizer.commands.export import export
 from drivesizer.commands.idle_threads import let_idle_threads_sleep
 from drivesizer.commands.memory import keep_freed_memory
-from drivesizer.commands.predict import predict
-from drivesizer.commands.setup import doctor, equations, init, schema
-from drivesizer.commands.sizing import explain, report, size
-from drivesizer.commands.study import study
 from drivesizer.commands.usage import parsed
-from drivesizer.commands.validate import validate
 from drivesizer.errors import InputError, printable
-from drivesizer.live.command import serve
 from drivesizer.version import __version__
 
 __all__ = ["app", "main"]
 
-app = typer.Typer(
-    name="drivesizer",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-)
+if TYPE_CHECKING:
+    app: typer.Typer  # of ``__getattr__``
 
-# in the order of use: short help and an example
-_COMMANDS: tuple[tuple[Callable[..., Any], str, str], ...] = (
-    (init, "Write a commented robot.yaml to start from.", "init --kind wheeled_vehicle -o robot.yaml"),
-    (size, "Find the drive, the next best, and why the others fail.",
-     "size examples/sps_robot.yaml --top 3 --objective price"),
-    (explain, "Why a combination of motor and gearhead passes or fails.",
-     "explain examples/sps_robot.yaml --motor 118743 --gearhead 406764"),
-    (validate, "Simulate a drive over its profile in closed loop.",
-     "validate examples/sps_robot.yaml --profile trapezoid"),
-    (drive, "Drive a platform along a trajectory, wheel by wheel.",
-     "drive examples/sps_platform.yaml examples/sps_way.csv"),
-    (report, "Write the report: PDF, HTML, XLSX, CSV or JSON.", "report examples/sps_robot.yaml -o report.pdf"),
-    (predict, "Predict what is measured of a set at the bench, with bands.",
-     "predict 118752 --gearhead 406764 --voltage '24 V' --load '0.5 N*m'"),
-    (export, "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
-     "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
-    (serve, "A page in the browser where the drive follows the figures.", "serve robot.yaml"),
-    (study, "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),
-    (equations, "The paper's equations, as printed and as computed.", "equations 10"),
-    (schema, "JSON Schema of robot.yaml, a catalogue or the JSON report.", "schema > robot.schema.json"),
-    (doctor, "Check this installation.", "doctor"),
-)  # fmt: skip
+# in the order of use: where a command is, short help and an example
+_COMMANDS = {
+    "init": ("commands.setup", "Write a commented robot.yaml to start from.",
+             "init --kind wheeled_vehicle -o robot.yaml"),
+    "size": ("commands.sizing", "Find the drive, the next best, and why the others fail.",
+             "size examples/sps_robot.yaml --top 3 --objective price"),
+    "explain": ("commands.sizing", "Why a combination of motor and gearhead passes or fails.",
+                "explain examples/sps_robot.yaml --motor 118743 --gearhead 406764"),
+    "validate": ("commands.validate", "Simulate a drive over its profile in closed loop.",
+                 "validate examples/sps_robot.yaml --profile trapezoid"),
+    "drive": ("commands.drive", "Drive a platform along a trajectory, wheel by wheel.",
+              "drive examples/sps_platform.yaml examples/sps_way.csv"),
+    "report": ("commands.sizing", "Write the report: PDF, HTML, XLSX, CSV or JSON.",
+               "report examples/sps_robot.yaml -o report.pdf"),
+    "predict": ("commands.predict", "Predict what is measured of a set at the bench, with bands.",
+                "predict 118752 --gearhead 406764 --voltage '24 V' --load '0.5 N*m'"),
+    "export": ("commands.export", "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
+               "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
+    "serve": ("live.command", "A page in the browser where the drive follows the figures.", "serve robot.yaml"),
+    "study": ("commands.study", "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),
+    "equations": ("commands.setup", "The paper's equations, as printed and as computed.", "equations 10"),
+    "schema": ("commands.setup", "JSON Schema of robot.yaml, a catalogue or the JSON report.",
+               "schema > robot.schema.json"),
+    "doctor": ("commands.setup", "Check this installation.", "doctor"),
+}  # fmt: skip
+_GROUPS = {"catalog": ("commands.catalog", "Search, check, import and export catalogues.")}
 
 
 def _version(wanted: bool) -> None:
@@ -75,7 +65,6 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def _root(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
@@ -84,19 +73,42 @@ def _root(
     """Size electric drives from real catalogues: one robot.yaml in, the drive with every check out."""
 
 
-for _command, _short, _example in _COMMANDS:
-    app.command(short_help=_short, epilog=f"Example: drivesizer {_example}")(_command)
-app.add_typer(catalog_commands, name="catalog", short_help="Search, check, import and export catalogues.")
+def _with(names: Collection[str]) -> typer.Typer:
+    """The command line with some of its commands, whose modules are loaded."""
+    made = typer.Typer(
+        name="drivesizer",
+        no_args_is_help=True,
+        rich_markup_mode=None,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    )
+    made.callback()(_root)
+    for name, (module, short, example) in _COMMANDS.items():
+        if name in names:
+            command = getattr(importlib.import_module(f"drivesizer.{module}"), name)
+            made.command(short_help=short, epilog=f"Example: drivesizer {example}")(command)
+    for name, (module, short) in _GROUPS.items():
+        if name in names:
+            made.add_typer(importlib.import_module(f"drivesizer.{module}").app, name=name, short_help=short)
+    return made
+
+
+@cache
+def _whole() -> typer.Typer:
+    return _with(_COMMANDS | _GROUPS)
+
+
+def __getattr__(name: str) -> typer.Typer:
+    """``app``, all of the command line, for who asks for it."""
+    if name == "app":
+        return _whole()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def _of(arguments: list[str]) -> typer.Typer:
-    """The command line with the one command that is run: making the others ready would take as long as to parse."""
-    named = [info for info in app.registered_commands if info.callback and [info.callback.__name__] == arguments[:1]]
-    if not named:
-        return app
-    one = copy(app)
-    one.registered_commands, one.registered_groups = named, []
-    return one
+    """The command line with the one command that is run: loading the others would take as long as to parse."""
+    named = arguments[:1]
+    return _with(named) if {*named} & (_COMMANDS.keys() | _GROUPS.keys()) else _whole()
 
 
 class _SearchOfPackages(ModuleType):
@@ -122,7 +134,6 @@ def main() -> None:
     let_idle_threads_sleep()
     if "importlib.metadata" not in sys.modules:
         importlib.metadata = sys.modules["importlib.metadata"] = _SearchOfPackages("importlib.metadata")
-    gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
     warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown
     status = ended(_run)
@@ -134,4 +145,5 @@ def _run() -> int | None:
     if sys.flags.optimize > 1:
         raise InputError("Python runs without docstrings (-OO, PYTHONOPTIMIZE=2), of which drivesizer reads its "
                          "equations; expected at most -O, PYTHONOPTIMIZE=1")  # fmt: skip
-    return parsed(lambda: _of(sys.argv[1:])(standalone_mode=False), app, sys.argv[1:])
+    words = sys.argv[1:]
+    return parsed(lambda: _of(words)(standalone_mode=False), _whole, words)

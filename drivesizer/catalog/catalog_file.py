@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.columns import Column
+from drivesizer.catalog.columns import DATA, Column
 from drivesizer.catalog.discharge_reading import read_discharges
 from drivesizer.catalog.discharges import DISCHARGES
 from drivesizer.catalog.field_reader import Reader, did_you_mean
@@ -31,10 +31,9 @@ from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.units import label, noun, possible, scale, show, to_si
 from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, outside
 
-__all__ = ["DATA", "SCHEMA", "parse"]
+__all__ = ["SCHEMA", "parse"]
 
 SCHEMA = 1
-DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
 _TOP = {
     "catalog",
     "manufacturer",

@@ -6,7 +6,9 @@ from dataclasses import field, fields
 from math import nan
 from typing import Any, NamedTuple
 
-__all__ = ["Column", "columns", "figure", "text"]
+__all__ = ["DATA", "Column", "columns", "figure", "text"]
+
+DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
 
 
 class Column(NamedTuple):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivesizer.catalog.catalog_file import DATA
-from drivesizer.catalog.columns import Column
+from drivesizer.catalog.columns import DATA, Column
 from drivesizer.catalog.discharges import DISCHARGES, HELD, TABLE
 from drivesizer.catalog.maker_tolerances import TOLERANCES
 from drivesizer.catalog.maker_tolerances_reading import FIGURES

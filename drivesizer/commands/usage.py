@@ -19,7 +19,7 @@ __all__ = ["parsed"]
 _UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
 
 
-def parsed(run: Callable[[], int | None], program: typer.Typer, words: list[str]) -> int | None:
+def parsed(run: Callable[[], int | None], program: Callable[[], typer.Typer], words: list[str]) -> int | None:
     """Run a command line; without any words the help is printed.
 
     Parameters
@@ -27,7 +27,7 @@ def parsed(run: Callable[[], int | None], program: typer.Typer, words: list[str]
     run
         Parses and runs it, with typer's errors.
     program
-        All commands.
+        All commands, loaded where one must be named.
     words
         The command line, without the name of the program.
 
@@ -45,7 +45,7 @@ def parsed(run: Callable[[], int | None], program: typer.Typer, words: list[str]
         return run()
     except _UsageError as error:
         if type(error).__name__ != "NoArgsIsHelpError":
-            raise InputError(_line_of(error, typer.main.get_command(program), words)) from None
+            raise InputError(_line_of(error, typer.main.get_command(program()), words)) from None
         print(error.ctx.get_help())  # type: ignore[attr-defined]
         return 0
 

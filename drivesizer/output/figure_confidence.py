@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of
-from drivesizer.catalog.catalog_file import DATA
+from drivesizer.catalog.columns import DATA
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.results.drive_set import DriveSet, section_of
 

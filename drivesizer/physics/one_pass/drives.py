@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 import drivesizer.physics.one_pass.layout as at
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.elements.quadrature import SIX
 from drivesizer.physics.groups.census import SHORT, columns_of
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.one_pass.kernel import compiled
@@ -22,7 +23,7 @@ __all__ = ["Figures", "Found", "Kept", "figures", "is_long", "piece_by_piece", "
 Array = NDArray[np.float64]
 _PASSED = ("passed", 0.0)  # what was found of drives, by their figures: some are looked at several times
 _KEPT = 5  # columns of pieces
-_LEAST, _ORDER = -np.inf, np.polynomial.legendre.leggauss(at.POINTS)
+_LEAST, _ORDER = -np.inf, SIX  # as many nodes as ``at.POINTS``
 
 
 class Found(NamedTuple):
