@@ -112,7 +112,7 @@ def _once(words: list[str]) -> Ended:
 
 
 def _parsed(words: list[str]) -> int | None:
-    return parsed(lambda: _COMMAND(words, prog_name="drivesizer", standalone_mode=False), cli.app, words)
+    return parsed(lambda: _COMMAND(words, prog_name="drivesizer", standalone_mode=False), lambda: cli.app, words)
 
 
 def _files() -> dict[str, bytes]:
