@@ -1,0 +1,88 @@
+"""The parts out of which a spec's drive is chosen: its catalogues as the search takes them, or two parts by number."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drivesizer.catalog import DIRECT, Catalog, load, one_of
+from drivesizer.catalog.view.stepper_view import STEPPER, view_for
+from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = ["load_parts", "pair_of"]
+
+
+def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
+    """The catalogues that a spec names, or one that was loaded, for the search.
+
+    Parameters
+    ----------
+    spec
+        Paths of catalogues count from its folder; it says whether figures are estimated.
+    catalog
+        In place of those that it names.
+
+    Returns
+    -------
+    Catalog
+        Actuators split, gearheads on every shaft, with estimates.
+    """
+    if catalog is None:
+        try:
+            catalog = load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
+        except UnknownCatalogError as error:
+            raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
+    _offers_motors(spec, catalog)
+    return view_for(catalog, spec.select.motor.kind, estimates=spec.select.estimates == "on")
+
+
+def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:
+    """Refuse catalogues without a motor of the kind that the spec selects: steppers, or anything else."""
+    steppers = spec.select.motor.kind == STEPPER
+    if steppers and not len(catalog.steppers):
+        where = spec.where(("select", "catalogs"))
+        named = ", ".join(spec.select.catalogs)
+        raise InputError(f"{where}: {named} without steppers; expected e.g. stepperonline")
+    if not steppers and len(catalog.steppers) and not len(catalog.motors) and not len(catalog.actuators):
+        where = spec.where(("select", "catalogs"))
+        raise InputError(f"{where}: only steppers are in them; expected select: {{motor: {{kind: {STEPPER}}}}}")
+
+
+def pair_of(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:
+    """Rows of a motor and a gearhead.
+
+    Parameters
+    ----------
+    catalog
+        The parts.
+    motor, gearhead
+        Part numbers; an actuator is named as the motor and brings its own gearhead.
+
+    Returns
+    -------
+    tuple
+        Row of each.
+
+    Raises
+    ------
+    InputError
+        When a part number is in no catalogue, the gearhead is missing or inside something else.
+    """
+    row = _row(catalog, "motors", motor)
+    box = str(catalog.motors["inside"][row])
+    if box and gearhead in ("", box):
+        return row, catalog.gearheads.rows[box]
+    if not gearhead:
+        raise InputError(f"--gearhead: motor {quoted(motor)} needs one; expected a part number, or {DIRECT} for none")
+    other = _row(catalog, "gearheads", gearhead)
+    whole = box or str(catalog.gearheads["inside"][other])
+    if whole:
+        raise InputError(f"--gearhead: {quoted(whole)} is an actuator, which has motor and gearhead inside")
+    return row, other
+
+
+def _row(catalog: Catalog, section: str, part: str) -> int:
+    table = catalog.table(section)
+    if part not in table.rows:
+        raise InputError(f"{one_of(section)} {quoted(part)} is in no catalogue{nearest(part, table.rows)}")
+    return table.rows[part]

@@ -1,0 +1,191 @@
+"""What a reader must know beside the drives of a sizing: assumptions that were made, and warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isnan
+
+from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
+from drivesizer.machine import pulleys
+from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.figures_behind_checks import unknown_figures
+from drivesizer.results.objectives import objective_figure
+from drivesizer.results.problem import Problem
+from drivesizer.results.ratings import unstated_temperature
+from drivesizer.search.machine_filter import shortfall
+from drivesizer.search.shortlist import Shortlist
+from drivesizer.search.stepper_figures import STEPPER_ASSUMPTIONS
+from drivesizer.spec.altitude import altitude_words
+from drivesizer.spec.mounting import mounting_words
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+__all__ = ["assumptions", "not_returning", "warnings"]
+
+_FEW = 4  # missing figures at most that are worth a request to the maker
+
+
+def assumptions(problem: Problem, spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
+    """Assumptions behind the figures of a sizing, as sentences.
+
+    Parameters
+    ----------
+    problem
+        The machine with its load cycles, and the catalogues.
+    spec
+        The machine as it was read.
+    sets
+        The drives that are given.
+
+    Returns
+    -------
+    tuple
+        One sentence each.
+    """
+    return (
+        *_of_method(problem.spec),
+        *_waits(problem.machine),
+        *altitude_words(problem.spec),
+        *mounting_words(problem.spec),
+        *_held(problem),
+        *pulleys.assumptions(problem),
+        *_of_data(spec, sets),
+    )
+
+
+def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
+    """What a sizing leaves out, what limits the best drive, and which better ones are held back.
+
+    Parameters
+    ----------
+    picked
+        The drives by their rows in the result of the search.
+    sets
+        Those that pass, as records.
+
+    Returns
+    -------
+    tuple
+        One sentence each.
+    """
+    found = picked.found
+    weighed = (picked.weigh(found.evaluation, row) for row in picked.short)
+    budgets = shortfall(weighed, found.better, any_passes=bool(found.passing))
+    return (*picked.weighed, *_of_best(picked.problem, sets), *_held_back(picked, sets), *budgets)
+
+
+def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
+    """Motors whose resistance is of a temperature that nobody states; the paper's method does not use it."""
+    if spec.method != "physics":
+        return ()
+    return unstated_temperature(s.motor.part for s in sets if isnan(s.motor.data_temperature))
+
+
+def _waits(spec: RobotSpec) -> tuple[str, ...]:
+    """The rest at the end of the motion of an axis of a machine."""
+    if spec.waits_until is None:
+        return ()
+    cycle = show(spec.waits_until, "s", "time")
+    return (f"it is at rest after its motion until the machine's cycle of {cycle} is over",)
+
+
+def _of_method(spec: RobotSpec) -> tuple[str, ...]:
+    """Assumptions of the method, as sentences."""
+    if spec.steps:
+        return STEPPER_ASSUMPTIONS
+    if spec.method == "physics":
+        sentences = [
+            "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well; "
+            "where a gearhead's no-load torque is printed, that is lost at any torque and the rest in proportion",
+            "brushed motors lose k_t I_0 at any speed; of brushless ones the no-load loss rises with speed",
+            "the winding's peak is that of the cycle in periodic steady state; friction and iron losses warm the "
+            "housing, copper the winding; where time constants are unknown it is the mean",
+            "voltage is with the winding at the ambient and at its mean temperature, the larger counts",
+            "at rest the motor holds the full torque of the load, without help of friction",
+            "an unknown inertia of the gearhead or friction of the motor is left out where it could only raise the "
+            "demand: a check that fails without it fails, one that passes is unknown",
+            "an encoder's unknown inertia is left out",
+            "a gearhead's continuous input speed may be exceeded for 1 s uninterrupted and 10 % of the time, but not "
+            "by the mean while running; Apex Dynamics, Harmonic Drive and Wittenstein limit that mean alone",
+        ]
+        if spec.paper_applies:
+            sentences.append("the paper's factors enter neither requirements nor checks")
+        return tuple(sentences)
+    sentences = [
+        "J_m of (10) is each candidate's own rotor inertia at the motor shaft, without K², as the paper has it",
+        "the motor's speed is its no-load speed at nominal voltage, its maximum torque the stall torque",
+        "a gearhead's efficiency is the catalogue's maximum, at rated torque",
+        "motor current is torque / k_t plus the no-load current",
+    ]
+    factors = spec.paper_factors
+    left = [name for name in type(factors).model_fields if getattr(factors, name) == 1.0]
+    if left:
+        sentences.append(f"paper factors at 1, no allowance: {', '.join(left)}")
+    return tuple(sentences)
+
+
+def _held(problem: Problem) -> tuple[str, ...]:
+    """Assumption of a load case in which nothing moves, as a sentence."""
+    if problem.spec.method != "physics" or all(case.at_belt.acts[SPEED] for case in problem.cases):
+        return ()
+    return (
+        "a load that never moves is held on and on: the motor has its torque through the ideal ratio, though gear loss "
+        "and friction may carry some, and the RMS torque at rest counts as the gearhead's continuous one",
+    )
+
+
+def _of_best(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
+    """Warnings: what the method leaves out, and what limits the best drive."""
+    spec = problem.spec
+    sentences = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
+    if spec.method == "paper":
+        sentences.append(
+            "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"
+        )
+    sentences += not_returning(problem)
+    if not sets:
+        return tuple(sentences)
+    best = sets[0]
+    sentences += [
+        "at rest the hottest phase of the best drive's motor, at the rotor's worst angle, may reach "
+        f"{show(check.demand, 'degC', 'temperature', 4)}: the winding's limit is "
+        f"{show(check.limit, 'degC', 'temperature', 4)}"
+        for check in best.own_checks
+        if check.name == "hottest_phase" and check.status == "fail"
+    ]
+    figures = {figure.name: figure for figure in best.figures}
+    if "current_limit" in figures and figures["current_limit"].value < figures["peak_current"].value:
+        both = figures["current_limit"].text, figures["peak_current"].text
+        sentences.append(
+            f"the current limit that protects the gearhead at a jam is {both[0]}, the cycle takes {both[1]}"
+        )
+    if spec.method == "paper" and best.motor.nominal_voltage > spec.supply.highest:
+        volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
+        sentences.append(f"the best drive's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
+    return tuple(sentences)
+
+
+def _held_back(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[str]:
+    """Drives better than the best one but for a missing figure, and the figure that would decide it."""
+    row = picked.found.held_back
+    if row is None or not sets or not isinstance(picked.objective, str):
+        return []
+    better = picked.record(row)
+    if better.status not in ("open", "unknown"):
+        return []
+    figures = [objective_figure(one, picked.objective) for one in (better, sets[0])]
+    hanging = [f"{check.title} {check.note}" for check in better.deciding if check.status == "open"]
+    lacking = dict.fromkeys(name for _, lacks in unknown_figures(better) for name in lacks.split(", "))
+    if len(lacking) > _FEW:
+        return []
+    needed = [*hanging, *([f"no data sheet gives {', '.join(lacking)}"] if lacking else [])]
+    return [
+        f"{better.label}, {figures[0].text} against {figures[1].text}, would be the first were its figures known: "
+        f"{'; '.join(needed)}"
+    ]
+
+
+def not_returning(problem: Problem) -> list[str]:
+    """Load cases that do not return to where they started."""
+    return [line for case in problem.cases for line in starts_farther_on(case.name, case.spec)]
