@@ -99,7 +99,7 @@ def _whole() -> typer.Typer:
 
 
 def __getattr__(name: str) -> typer.Typer:
-    """``app``, all of the command line, for who asks for it."""
+    """``app``, all of the command line, loaded where a program imports it."""
     if name == "app":
         return _whole()
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -111,7 +111,7 @@ def size(
 
 
 def _drives(picked: Shortlist, top: int, brief: bool) -> dict[str, Any]:
-    """The drives as records: those that pass, surely or not, the closest rejected, the front, other families."""
+    """The drives as records: those that pass, and less probably so, the closest rejected, the front, other families."""
 
     def passing(rows: list[int], before: int = 0) -> tuple[DriveSet, ...]:
         return tuple(
@@ -135,7 +135,7 @@ def _drives(picked: Shortlist, top: int, brief: bool) -> dict[str, Any]:
 
 
 def _other_searches(picked: Shortlist, objective: Ranking, progress: Progress | None, brief: bool) -> dict[str, Any]:
-    """What would let a drive pass where none does, and the best of the whole catalogue where the spec names parts."""
+    """Changes that would let a drive pass where none does; the best of the whole catalogue where the spec names parts."""
     problem, total = picked.problem, picked.found.counts.considered
     in_vain = not (brief or picked.found.passing)
 

@@ -1,4 +1,4 @@
-"""What a reader must know beside the drives of a sizing: assumptions that were made, and warnings."""
+"""Remarks beside the drives of a sizing: assumptions that were made, and warnings."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def assumptions(problem: Problem, spec: RobotSpec, sets: Iterable[DriveSet]) -> 
 
 
 def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
-    """What a sizing leaves out, what limits the best drive, and which better ones are held back.
+    """Warnings: of a part that the method leaves out, of limits of the best drive, of better ones that are held back.
 
     Parameters
     ----------
