@@ -135,7 +135,7 @@ def _drives(picked: Shortlist, top: int, brief: bool) -> dict[str, Any]:
 
 
 def _other_searches(picked: Shortlist, objective: Ranking, progress: Progress | None, brief: bool) -> dict[str, Any]:
-    """Changes that would let a drive pass where none does; the best of the whole catalogue where the spec names parts."""
+    """Changes that would let a drive pass where none does; where the spec names parts, the best of all catalogues."""
     problem, total = picked.problem, picked.found.counts.considered
     in_vain = not (brief or picked.found.passing)
 
