@@ -189,7 +189,7 @@ def _counted(columns: Sequence[Column], store: Store, outcome: Outcome) -> Itera
 
 
 def _over(plan: Plan, names: Sequence[str]) -> Chosen | None:
-    """What maps are over; drawing is loaded where there are any."""
+    """The fields that maps are over; drawing is loaded where there are any."""
     from drivesizer.study.maps import chosen
 
     return chosen(plan, names)
