@@ -34,7 +34,7 @@ from drivesizer.results.sizing import SizingResult
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.estimated import estimated
-from drivesizer.search.sifting import sifted
+from drivesizer.search.order.sifting import sifted
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 

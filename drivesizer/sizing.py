@@ -19,17 +19,17 @@ from drivesizer.results.sizing import Check, Explanation, SizingResult, verdict
 from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
-from drivesizer.search.found import Found
 from drivesizer.search.machine_filter import best_in_machine, weighing
+from drivesizer.search.order.found import Found
+from drivesizer.search.order.ranking import Ranking, title_of
+from drivesizer.search.order.sifting import Progress
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.paper.derivation import vehicle
 from drivesizer.search.parts_offered import load_parts, pair_of
-from drivesizer.search.ranking import Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations, tried
 from drivesizer.search.remarks import assumptions, not_returning, warnings
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.shortlist import Shortlist, shortlist
-from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice, MotorChoice

@@ -239,7 +239,7 @@ def sized_machine(machine: Any, top: int, objective: str | None, sampling: tuple
         With the best drives of every axis.
     """
     from drivesizer.multi_axis.sizing import size_machine
-    from drivesizer.search.ranking import objective_of
+    from drivesizer.search.order.ranking import objective_of
     from drivesizer.search.uncertainty.options import sampling_of
 
     rank = None if objective is None else objective_of(objective)

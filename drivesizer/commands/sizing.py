@@ -119,7 +119,7 @@ def _sized(
     robot: Any, top: int, objective: str | None, pareto: str | None, sampling: tuple[Any, ...], choices: int = 0
 ) -> Any:
     """The sizing by the options of ``size`` and ``report``; ``sampling`` are those of the samples."""
-    from drivesizer.search.ranking import objective_of
+    from drivesizer.search.order.ranking import objective_of
     from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import size as sized
 

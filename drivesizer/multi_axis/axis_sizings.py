@@ -18,8 +18,8 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, of_all_drives
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import SizingResult
-from drivesizer.search.ranking import Ranking
-from drivesizer.search.sifting import Progress
+from drivesizer.search.order.ranking import Ranking
+from drivesizer.search.order.sifting import Progress
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec

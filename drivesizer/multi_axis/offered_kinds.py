@@ -18,11 +18,11 @@ from drivesizer.results.check import Status
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.search.both_methods import other_checks
+from drivesizer.search.order.ranking import BRAKE, values
+from drivesizer.search.order.sifting import sifted
 from drivesizer.search.own_mass import problem_with_drive_mass
-from drivesizer.search.ranking import BRAKE, values
 from drivesizer.search.set_record import drive_parts
 from drivesizer.search.shortlist import Shortlist, shortlist
-from drivesizer.search.sifting import sifted
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES

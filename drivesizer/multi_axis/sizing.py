@@ -25,8 +25,8 @@ from drivesizer.multi_axis.machine_power import machine_power, over_tolerances, 
 from drivesizer.multi_axis.offered_kinds import ORDER, OfferedKinds, kind_of
 from drivesizer.multi_axis.within_limits import within_limits
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
-from drivesizer.search.ranking import Ranking, title_of
-from drivesizer.search.sifting import Progress
+from drivesizer.search.order.ranking import Ranking, title_of
+from drivesizer.search.order.sifting import Progress
 from drivesizer.search.uncertainty.options import sampling_of
 from drivesizer.sizing import load_parts
 from drivesizer.spec.robot import RobotSpec

@@ -6,15 +6,15 @@ import numpy as np
 
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
-from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, candidates, pairs
 from drivesizer.search.columns.evaluation import evaluate, smallest_margin
-from drivesizer.search.families import best_of_others
-from drivesizer.search.found import Found, Judge, Passing
-from drivesizer.search.in_order import but_for, failing_before, in_order, without_rejected
+from drivesizer.search.order import ranking
+from drivesizer.search.order.families import best_of_others
+from drivesizer.search.order.found import Found, Judge, Passing
+from drivesizer.search.order.in_order import but_for, failing_before, in_order, without_rejected
+from drivesizer.search.order.ranking import Ranking
+from drivesizer.search.order.sifting import UNKNOWN
 from drivesizer.search.paper.rule import FEW
-from drivesizer.search.ranking import Ranking
-from drivesizer.search.sifting import UNKNOWN
 
 __all__ = ["by_the_paper"]
 

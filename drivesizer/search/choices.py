@@ -25,13 +25,13 @@ from drivesizer.physics.extremes import undominated
 from drivesizer.results.check import Status, verdict
 from drivesizer.results.problem import Problem
 from drivesizer.results.weights import CRITERIA, Choice, Choices, by_weights, used_share
-from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
-from drivesizer.search.found import Judge, Passing
 from drivesizer.search.least_drawn import least_power
 from drivesizer.search.machine_filter import Weigh
-from drivesizer.search.ranking import Ranking
+from drivesizer.search.order import ranking
+from drivesizer.search.order.found import Judge, Passing
+from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.select import OBJECTIVES
 

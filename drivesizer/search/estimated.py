@@ -15,7 +15,7 @@ from drivesizer.results.check import Check
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.results.losses import voltage_assumption
 from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.open_checks import Turn, passing, turns
+from drivesizer.search.order.open_checks import Turn, passing, turns
 from drivesizer.units import show
 
 __all__ = ["decided", "estimated"]

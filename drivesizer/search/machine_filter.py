@@ -18,9 +18,9 @@ from drivesizer.results.sizing import Check, verdict
 from drivesizer.search.budget_columns import certain_failures
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.found import Evaluated, Found, Judge, Kept
 from drivesizer.search.least_drawn import battery_failures
-from drivesizer.search.ranking import Ranking
+from drivesizer.search.order.found import Evaluated, Found, Judge, Kept
+from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.search import any_found, search
 from drivesizer.search.set_record import drive_parts, drive_set
 

@@ -10,7 +10,7 @@ from drivesizer.machine.problem import problem
 from drivesizer.results.problem import Problem
 from drivesizer.results.screws import wants_screw
 from drivesizer.search.machine_filter import best_in_machine
-from drivesizer.search.ranking import Ranking
+from drivesizer.search.order.ranking import Ranking
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["problem_with_drive_mass"]

@@ -18,7 +18,7 @@ from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import any_in_machine, best_in_machine, passes_budgets
 from drivesizer.search.movable_figures import HOLDING, movable
-from drivesizer.search.ranking import Ranking
+from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, MotorChoice

@@ -37,7 +37,7 @@ from drivesizer.results.screws import ChosenScrew, chosen_of, leaves_open, screw
 from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.columns.limits import own_limit
 from drivesizer.search.machine_filter import best_in_machine
-from drivesizer.search.ranking import Ranking, names_of, title_of
+from drivesizer.search.order.ranking import Ranking, names_of, title_of
 from drivesizer.search.search import search
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES

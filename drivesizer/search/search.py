@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
-from drivesizer.search import ranking
 from drivesizer.search.by_the_paper import by_the_paper
 from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.families import alike_of_others, best_of_others
-from drivesizer.search.found import Found, Judge, Kept, Passing
-from drivesizer.search.in_order import but_for, failing_before, in_order, without_rejected
-from drivesizer.search.looked_at import LookedAt, by_margin
-from drivesizer.search.rank import Rank, equals_of_the_last, held_back, ranked, waveforms
-from drivesizer.search.ranking import Ranking
-from drivesizer.search.sifting import Progress, Sifted, any_passes, sifted
+from drivesizer.search.order import ranking
+from drivesizer.search.order.families import alike_of_others, best_of_others
+from drivesizer.search.order.found import Found, Judge, Kept, Passing
+from drivesizer.search.order.in_order import but_for, failing_before, in_order, without_rejected
+from drivesizer.search.order.looked_at import LookedAt, by_margin
+from drivesizer.search.order.rank import Rank, equals_of_the_last, held_back, ranked, waveforms
+from drivesizer.search.order.ranking import Ranking
+from drivesizer.search.order.sifting import Progress, Sifted, any_passes, sifted
 
 __all__ = ["any_found", "search"]
 

@@ -25,14 +25,14 @@ from drivesizer.results.check import Check, Figure, Status, gravest, verdict
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
 from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.reliability import Reliability
-from drivesizer.search import ranking
 from drivesizer.search.both_methods import compared
 from drivesizer.search.columns.brakes import stops
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
 from drivesizer.search.columns.shaft_limits import life_of_gearheads
 from drivesizer.search.columns.shaft_loads import shaft_loads
 from drivesizer.search.estimated import decided, estimated
-from drivesizer.search.ranking import Ranking
+from drivesizer.search.order import ranking
+from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.stepper_figures import stepper_figures
 from drivesizer.spec.select import OBJECTIVES
 

@@ -20,14 +20,14 @@ from drivesizer.results.reliability import Reliability, Uncertainty
 from drivesizer.results.weights import Choices
 from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.controllers import matching, offered_buses, offers
-from drivesizer.search.families import family_of, first_of_each
-from drivesizer.search.found import Found, Judge
 from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
+from drivesizer.search.order.families import family_of, first_of_each
+from drivesizer.search.order.found import Found, Judge
+from drivesizer.search.order.ranking import COUNTED, Ranking, names_of
+from drivesizer.search.order.sifting import Progress
 from drivesizer.search.own_mass import problem_with_drive_mass
-from drivesizer.search.ranking import COUNTED, Ranking, names_of
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set
-from drivesizer.search.sifting import Progress
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
 from drivesizer.spec.robot import RobotSpec
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from drivesizer.catalog import Catalog
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Counts
-from drivesizer.search.ranking import Ranking, title_of
+from drivesizer.search.order.ranking import Ranking, title_of
 from drivesizer.search.shortlist import shortlist
 from drivesizer.spec.robot import RobotSpec
 

@@ -13,7 +13,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import AxisSizing
-from drivesizer.search.ranking import Ranking
+from drivesizer.search.order.ranking import Ranking
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import RobotSection
 from drivesizer.spec.several_axes.machine_file import read_machine

@@ -21,7 +21,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.frozen import dataclass
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
-from drivesizer.search.ranking import objective_of, title_of
+from drivesizer.search.order.ranking import objective_of, title_of
 from drivesizer.spec.several_axes.any_spec import is_machine
 from drivesizer.spec.several_axes.machine_file import read_machine
 from drivesizer.study.axes import Axis, Place, axes_of, once

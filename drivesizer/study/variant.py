@@ -12,7 +12,7 @@ from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.view.stepper_view import STEPPER, view_for
 from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.search.ranking import objective_of, title_of
+from drivesizer.search.order.ranking import objective_of, title_of
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.several_axes.any_spec import is_machine
 from drivesizer.spec.several_axes.machine_file import read_machine

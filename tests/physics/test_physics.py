@@ -25,8 +25,8 @@ from drivesizer.physics.motor_demand import demands, gear_loss
 from drivesizer.search.columns.candidates import Rows, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.limits import motor_limits
+from drivesizer.search.order.ranking import objective_of
 from drivesizer.search.paper.derivation import vehicle
-from drivesizer.search.ranking import objective_of
 from drivesizer.search.search import search
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec

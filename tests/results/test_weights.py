@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivesizer.results.weights import by_weights, multiples, used_share
-from drivesizer.search.ranking import objective_of, values
+from drivesizer.search.order.ranking import objective_of, values
 
 DRAW = random.Random(20260)
 

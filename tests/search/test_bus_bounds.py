@@ -10,7 +10,7 @@ from starters import STARTERS
 from drivesizer.machine.problem import problem
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING
 from drivesizer.search.columns import decided
-from drivesizer.search.sifting import sifted
+from drivesizer.search.order.sifting import sifted
 from drivesizer.spec.robot import load_spec
 
 

@@ -12,10 +12,10 @@ from starters import starter
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.weights import by_weights, used_share
-from drivesizer.search import ranking
 from drivesizer.search.choices import choices, picked
 from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.least_drawn import least_power
+from drivesizer.search.order import ranking
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.search import search
 from drivesizer.sizing import load_parts, size

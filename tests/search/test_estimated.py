@@ -25,8 +25,8 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.open_checks import passing
-from drivesizer.search.sifting import OPEN, sifted
+from drivesizer.search.order.open_checks import passing
+from drivesizer.search.order.sifting import OPEN, sifted
 from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import explain, explained, size

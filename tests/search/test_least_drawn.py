@@ -11,10 +11,11 @@ from forty_motors import MOTORS, catalogue
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.budgets import machine_budget
 from drivesizer.machine.problem import problem
-from drivesizer.search import machine_filter, search
+from drivesizer.search import machine_filter
 from drivesizer.search.columns.candidates import pairs
 from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.search.least_drawn import least_power
+from drivesizer.search.order import in_order
 from drivesizer.search.set_record import drive_parts
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
@@ -62,7 +63,7 @@ def every_record(spec):
 @pytest.mark.parametrize(("hours", "peak"), [(10, 50), (14, 50), (12, 9.5), (30, 50)])
 def test_sets_and_counts_are_those_of_every_set_judged_by_itself(machine, monkeypatch, hours, peak):
     """Pieces of 4, 8, 16, ... sets in blocks of 8, 128, ...: as by one set at a time until three stand."""
-    for module, name, value in ((search, "_FIRST", 8), (machine_filter, "_FEWEST", 1), (machine_filter, "_FIRST", 1)):
+    for module, name, value in ((in_order, "_FIRST", 8), (machine_filter, "_FEWEST", 1), (machine_filter, "_FIRST", 1)):
         monkeypatch.setattr(module, name, value)
     monkeypatch.setattr(machine_filter, "_MORE", 2)
     spec = machine(hours, peak)

@@ -7,10 +7,10 @@ import pytest
 from starters import STARTERS
 
 from drivesizer.machine.problem import problem
-from drivesizer.search import looked_at, sifting
 from drivesizer.search.columns.candidates import joined, pairs
 from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.rank import equals_of_the_last, ranked
+from drivesizer.search.order import looked_at, sifting
+from drivesizer.search.order.rank import equals_of_the_last, ranked
 from drivesizer.search.search import search
 from drivesizer.spec.robot import load_spec
 

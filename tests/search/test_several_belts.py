@@ -10,10 +10,10 @@ from drivesizer.machine.problem import problem
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.motor_demand import gear_loss, nominal_friction
 from drivesizer.physics.thermal import rated_ambient, resistance_25
-from drivesizer.search import sifting
 from drivesizer.search.columns import parts_alone
 from drivesizer.search.columns.candidates import Crossed, Rows, joined, pairs
 from drivesizer.search.columns.stages import examine
+from drivesizer.search.order import sifting
 
 BELTS = [1.0, 1.37, 2.2]
 COLUMNS = ("unknown", "encoder", "controller", "brake")

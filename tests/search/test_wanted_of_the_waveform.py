@@ -6,9 +6,9 @@ import pytest
 
 import drivesizer
 from drivesizer.machine.problem import problem
-from drivesizer.search import sifting
 from drivesizer.search.columns import limits_over_time
 from drivesizer.search.columns.evaluation import figures_by_physics
+from drivesizer.search.order import sifting
 from drivesizer.sizing import load_parts
 from drivesizer.spec.robot import load_spec
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drivesizer.search import families
+from drivesizer.search.order import families
 
 
 def evaluation(margins, rows, computed):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.candidates import Candidates
-from drivesizer.search.found import Evaluated, Judge, Kept
+from drivesizer.search.order.found import Evaluated, Judge, Kept
 
 __all__ = ["but_for", "failing_before", "in_order", "without_rejected"]
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.results.problem import Problem
-from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, joined
 from drivesizer.search.columns.evaluation import Evaluation, by_physics, smallest_margin
-from drivesizer.search.rank import Rank, waveforms
-from drivesizer.search.sifting import Sifted
+from drivesizer.search.order import ranking
+from drivesizer.search.order.rank import Rank, waveforms
+from drivesizer.search.order.sifting import Sifted
 
 __all__ = ["LookedAt", "by_margin"]
 

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.columns.limits_over_time import WAVEFORM_LIMITS
-from drivesizer.search.found import Evaluated, Judge
-from drivesizer.search.in_order import in_order
+from drivesizer.search.order import ranking
+from drivesizer.search.order.found import Evaluated, Judge
+from drivesizer.search.order.in_order import in_order
 
 __all__ = ["alike_of_others", "best_of_others", "family_of", "first_of_each"]
 

@@ -22,7 +22,7 @@ from drivesizer.search.columns.evaluation import figures_by_physics
 from drivesizer.search.columns.limits_over_time import Wanted
 from drivesizer.search.columns.parts_alone import belts_together
 from drivesizer.search.columns.stages import Examined, examine
-from drivesizer.search.ranking import BRAKE, COUNTED, order, rounded
+from drivesizer.search.order.ranking import BRAKE, COUNTED, order, rounded
 from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["OPEN", "PASSES", "UNKNOWN", "Progress", "Sifted", "any_passes", "sifted"]

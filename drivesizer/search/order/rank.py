@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.results.problem import Problem
-from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.open_checks import passing
-from drivesizer.search.ranking import Ranking
-from drivesizer.search.sifting import OPEN, PASSES, Sifted
+from drivesizer.search.order import ranking
+from drivesizer.search.order.open_checks import passing
+from drivesizer.search.order.ranking import Ranking
+from drivesizer.search.order.sifting import OPEN, PASSES, Sifted
 
 __all__ = ["Rank", "equals_of_the_last", "held_back", "ranked", "waveforms"]
 
