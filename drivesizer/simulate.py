@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.control.cascade import Cascade, ControllerGain, controller_gains
 from drivesizer.control.closed_loop.checks import checks
@@ -353,11 +354,15 @@ def _resolution(case: ClosedLoop) -> list[str]:
 
 def _kept_at_rest(case: ClosedLoop) -> list[str]:
     """Warning of a current that the loop's integral holds at rest, against friction."""
-    rows, machine = series(case), case.train
+    rows = series(case)
     still = (rows["speed_reference"] == 0.0) & (rows["motor_speed"] == 0.0)
-    kept = float(np.abs(rows["current"][still]).max(initial=0.0))
-    needed = abs(machine.rest_torque) / machine.ratio / machine.torque_constant
-    if not case.profile.top_speed or not kept > needed + _KEPT * case.figure("rms_current"):
+    still[:-1] &= still[1:]  # what begins with the next motion, as another payload, is no rest
+    if not case.profile.top_speed or not still.any():
+        return []
+    current, holding = np.abs(rows["current"][still]), _holding(case, rows["time"][still])
+    worst = int(np.argmax(current - holding))
+    kept, needed = float(current[worst]), float(holding[worst])
+    if not kept > needed + _KEPT * case.figure("rms_current"):
         return []
     cure = "switch the power stage off at rest to save that heat"
     if needed:  # the weight would move the load
@@ -366,6 +371,16 @@ def _kept_at_rest(case: ClosedLoop) -> list[str]:
         f"at rest the integral of the loop holds up to {show(kept, 'A', 'current', 3)} against friction, where holding "
         f"the load needs {show(needed, 'A', 'current', 3)}: {cure}"
     ]
+
+
+def _holding(case: ClosedLoop, moments: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Current that holds the load at rest at some moments [s], with its payload then and without friction [A]."""
+    machine, task = case.train, case.task
+    more = np.zeros(len(moments))
+    if len(task.load_time):
+        more = np.interp(moments % case.profile.duration, task.load_time, task.load_torque)
+    held: NDArray[np.float64] = np.abs(machine.rest_torque + more) / machine.ratio / machine.torque_constant
+    return held
 
 
 def _does_not_follow(case: ClosedLoop) -> str:

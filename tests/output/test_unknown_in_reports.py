@@ -146,11 +146,24 @@ def test_a_resistor_of_unknown_pulse_energy_lacks_that_alone(lift):
     assert lacks["Brake resistor pulse energy"] == "brake resistor pulse energy"
 
 
-def test_a_load_that_its_weight_would_move_is_not_advised_to_be_without_power(lift, catalog):
-    """The gearhead's friction lets the integral stay at the current of lifting; only a brake may relieve the motor."""
-    spec = read_spec(YamlSource(LIFT, "lift.yaml"))
-    (warning,) = (w for w in validate(spec, lift).warnings if w.startswith("at rest the integral"))
+def test_a_load_that_its_weight_would_move_is_not_advised_to_be_without_power(lift):
+    """Friction keeps the integral where lifting left it; only a brake may relieve the motor of a load that hangs."""
+    friction = LIFT.replace("friction_force: 25 N", "friction_force: 90 N").replace(
+        ", payload: 7 kg, payload_back: 0 kg", ""
+    )
+    (warning,) = (w for w in warned(friction, lift) if w.startswith("at rest the integral"))
+    held = 18.0 * 9.80665 * 0.05093 / 2 / lift.gearhead.ratio / lift.motor.torque_constant
+    assert f"where holding the load needs {held:.3g} A: a brake" in warning
     assert warning.endswith("a brake that holds at rest saves that heat; with the power stage off alone the load moves")
+
+
+def test_what_a_payload_needs_at_rest_is_not_kept_by_the_integral(lift):
+    """With 7 kg more above, 7.8 A hold the load there, not the 5.6 A of the empty one."""
+    assert not [w for w in warned(LIFT, lift) if w.startswith("at rest the integral")]
+
+
+def warned(text, drive):
+    return validate(read_spec(YamlSource(text, "lift.yaml")), drive).warnings
 
 
 def test_a_part_number_that_is_family_and_reduction_is_printed_once(lift):
