@@ -163,7 +163,7 @@ def option(section: str, name: str, text: str) -> list[Condition] | None:
 def _condition(section: str, name: str, sign: str, text: str, said: str) -> Condition:
     columns = columns_of(section)
     if name not in columns:
-        raise InputError(f"{said}: {section} have no column {quoted(name)}{nearest(name, columns)}")
+        raise InputError(f"{said}: {section} have no column {quoted(name)}; expected e.g. mass{nearest(name, columns)}")
     column = columns[name]
     if column.kind == "text":
         if sign not in ("=", "==", "!=") or not text:

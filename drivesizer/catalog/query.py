@@ -172,7 +172,8 @@ def _sorted(hits: list[Hit], section: str, name: str) -> list[Hit]:
         return hits
     column = columns_of(section).get(column_name(name.removeprefix("-")))
     if column is None:
-        raise InputError(f"--sort: {section} have no column {quoted(name)}{nearest(name, columns_of(section))}")
+        hint = nearest(name, columns_of(section))
+        raise InputError(f"--sort: {section} have no column {quoted(name)}; expected e.g. mass{hint}")
     known = [hit for hit in hits if not _missing(hit[column.name])]
     unknown = [hit for hit in hits if _missing(hit[column.name])]
     return sorted(known, key=lambda hit: hit[column.name], reverse=name.startswith("-")) + unknown

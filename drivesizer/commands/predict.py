@@ -126,7 +126,7 @@ def _not_below_zero(option: str, text: str | None, kind: str) -> float:
 
 def _above_zero(option: str, text: str | None, kind: str) -> float:
     if (value := _read(option, text, kind)) <= 0.0:
-        raise InputError(f"--{option}: {quoted(text or '')} is not above 0")
+        raise InputError(f"--{option}: {quoted(text or '')} is not above 0; expected e.g. 24 V")
     return value
 
 

@@ -136,7 +136,10 @@ def _chosen(robot: Robot, name: str | None) -> Joint:
     """The joint of the arm."""
     if name is not None:
         if name not in robot.joints:
-            raise InputError(f"--joint: {quoted(name)} is not in {robot.file}{nearest(name, robot.joints)}")
+            raise InputError(
+                f"--joint: {quoted(name)} is not in {robot.file}; "
+                f"expected {', '.join(robot.joints) or 'none'}{nearest(name, robot.joints)}"
+            )
         joint = robot.joints[name]
         if joint.kind not in ("revolute", "continuous"):
             raise InputError(f"--joint: {quoted(name)} is {quoted(joint.kind)}; expected revolute or continuous")

@@ -191,7 +191,7 @@ def test_nothing_found_is_status_1(run, small):
         (["list", "motors", "--where", "max_sped>=1 rpm"], "max_speed"),
         (["list", "motors", "--where", "max_speed"], "max_speed>=8000 rpm"),
         (["list", "motors", "--where", "kind>=brushed"], "kind is text"),
-        (["list", "motors", "--sort", "weight"], "--sort"),
+        (["list", "motors", "--sort", "weight"], '--sort: motors have no column "weight"; expected e.g. mass'),
         (["list", "encoders", "--power", ">1 W"], "--power: encoders has no such figure"),
         (["list", "motors", "--limit", "0"], "--limit"),
         (["list", "--catalog", "qqqqq"], 'no catalogue is called "qqqqq"; expected'),

@@ -79,7 +79,7 @@ def test_a_reader_who_has_enough_has_the_figure(form, tmp_path):
     [
         (("--voltage", "12"), "--voltage: "),
         (("--voltage", "12 A"), "--voltage: "),
-        (("--voltage", "-12 V"), "is not above 0"),
+        (("--voltage", "-12 V"), "is not above 0; expected e.g. 24 V"),
         (("--load", "3 J"), "--load: "),
         (("--load", "-1 N*m"), "is below 0"),
         (("--ambient", "25 K/W"), "--ambient: "),
