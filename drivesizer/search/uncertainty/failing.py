@@ -22,7 +22,7 @@ from drivesizer.search.columns.limits_over_time import waveform_limits
 from drivesizer.search.uncertainty.prepare import Prepared
 from drivesizer.search.uncertainty.probabilities import Subject, blocks_of, by_processes
 from drivesizer.search.uncertainty.sampled_battery import battery_limits
-from drivesizer.search.uncertainty.sampled_checks import Moving, checks_of, moving_checks
+from drivesizer.search.uncertainty.sampled_checks import Moving, checks_of, moving_checks, over_time_checks
 from drivesizer.search.uncertainty.sampled_parts import Block
 from drivesizer.search.uncertainty.waveform_bounds import Side, sampled_bounds
 
@@ -67,7 +67,7 @@ def passing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], proc
 
 
 def counted(given: Prepared, catalog: Catalog, one: Subject, known: Passing) -> int:
-    """In how many samples a drive passes: those that bounds leave open are looked at in full.
+    """In how many samples a drive passes: of those that bounds leave open what needs the waveform is computed.
 
     Parameters
     ----------
@@ -81,8 +81,17 @@ def counted(given: Prepared, catalog: Catalog, one: Subject, known: Passing) -> 
     int
         Number of samples.
     """
-    some = given.on(known.opened)
-    return known.least + (int(np.count_nonzero(~failing(some, catalog, [one])[0])) if len(known.opened) else 0)
+    if not len(known.opened):
+        return known.least
+    wanted = {*_deciding(one), *BATTERY_SAMPLED}
+    count = 0
+    for block in blocks_of(given.on(known.opened), catalog, [one]):
+        failed = np.zeros(block.size, bool)
+        for check in over_time_checks(catalog, one.rows, block):
+            if check.name in wanted:
+                failed |= check.failed
+        count += int(np.count_nonzero(~failed))
+    return known.least + count
 
 
 def failing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Failed]:

@@ -6,7 +6,7 @@ their factors (``sampled_parts``), the spec's figures as columns, the load cycle
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -46,6 +46,7 @@ __all__ = [
     "checks_of",
     "loaded",
     "moving_checks",
+    "over_time_checks",
     "stepper_of",
 ]
 
@@ -85,12 +86,40 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         draws.append(draw)
         for check in checks:
             by_name.setdefault(check.name, []).append((number, check))
+    for number, check in _of_batteries(block, one, draws):
+        by_name.setdefault(check.name, []).append((number, check))
+    return {name: worst_case(same) for name, same in by_name.items()}
+
+
+def _of_batteries(block: Block, one: SetRows, draws: Sequence[Draw]) -> Iterator[tuple[int, CheckColumn]]:
+    """Limits of the batteries, each with the number of the first load case that draws from it."""
     for feeds, numbers in block.feeds:
         first = numbers[0]
         together = [draws[number] for number in numbers]
         for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together):
-            by_name.setdefault(check.name, []).append((first, check))
-    return {name: worst_case(same) for name, same in by_name.items()}
+            yield first, check
+
+
+def over_time_checks(catalog: Catalog, one: SetRows, block: Block) -> Iterator[CheckColumn]:
+    """Those of the checks that need the current over time, of each load case, of a drive without least demands.
+
+    Parameters
+    ----------
+    catalog, one, block
+        As for ``checks_of``.
+
+    Returns
+    -------
+    iterator of CheckColumn
+        Columns over the samples.
+    """
+    parts, factors = parts_of(catalog, one, block)
+    draws = list[Draw]()
+    for spec, ats in zip(block.specs, block.ats, strict=True):
+        case = loaded(spec, ats[one.belt], parts, factors, energies=bool(block.feeds))
+        yield from waveform_limits(spec, *case.over_time, parts)
+        draws.append(_drawn(spec, case))
+    yield from (check for _, check in _of_batteries(block, one, draws))
 
 
 def _of_parts(block: Block, number: int, one: SetRows, parts: Parts) -> list[CheckColumn]:
@@ -182,16 +211,21 @@ def _of_a_case(
     energies: bool,
 ) -> tuple[list[CheckColumn], Draw]:
     """The checks of one load case, and the energy that its drives draw."""
-    required, warmth, peaks, found = loaded(spec, at, parts, factors, energies=energies)
-    moving = _before_waveform(spec, at, parts, listed, required, warmth, peaks)
-    electrical = [*moving, *waveform_limits(spec, *found, parts)]
-    sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies
-    drawn = found[0].agreed(found[1])
+    case = loaded(spec, at, parts, factors, energies=energies)
+    moving = _before_waveform(spec, at, parts, listed, case.required, case.warmth, case.peaks)
+    electrical = [*moving, *waveform_limits(spec, *case.over_time, parts)]
     return [
         *motor_limits(spec, parts.motor),
-        *unknown_where_doubtful(electrical, required.complete),
+        *unknown_where_doubtful(electrical, case.required.complete),
         _controller_fits(spec, parts.controller, one),
-    ], Draw(drawn.drawn * sets, drawn.returned * sets, drawn.power * sets)
+    ], _drawn(spec, case)
+
+
+def _drawn(spec: Any, case: Loaded) -> Draw:
+    """Energy and peak power of all drives of a load case together."""
+    sets = spec.load.alike if case.required.complete.all() else np.nan  # lower bounds are not energies
+    found = case.over_time[0].agreed(case.over_time[1])
+    return Draw(found.drawn * sets, found.returned * sets, found.power * sets)
 
 
 def _before_waveform(
