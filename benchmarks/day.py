@@ -65,7 +65,7 @@ def carried_on(few: float, many: float, samples: int) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--samples", type=int, default=200_000, help="that are sized, at most 3 million; a day has 10")
+    parser.add_argument("--samples", type=int, default=200_000, help="that are sized, at most a day's 10 million")
     samples = parser.parse_args().samples
     with second_start() as folder:
         taken(folder, _LONG)  # compiles the catalogue and the modules, and makes the machine code of long cycles

@@ -131,9 +131,9 @@ def refuse_impossible(
         File, line, column, what was found and what is expected.
     """
     most = [RANGES[form[name]][1] for name in header]
-    wrong = [np.abs(column) > limit if _beyond(column, limit) else None for column, limit in zip(values, most, strict=True)]
-    if any(mask is not None for mask in wrong):
-        row, column = min((int(mask.argmax()), k) for k, mask in enumerate(wrong) if mask is not None)
+    beyond = [k for k, (column, limit) in enumerate(zip(values, most, strict=True)) if _beyond(column, limit)]
+    if beyond:
+        row, column = min((int((np.abs(values[k]) > most[k]).argmax()), k) for k in beyond)
         kind, found = form[header[column]], values[column][row] / factors[column]
         reason = f'"{found:g}" is no {noun(kind)} of a machine; {possible(kind)}'
         raise InputError(f"{path}:{row + _ABOVE}: {header[column]}: {reason}")

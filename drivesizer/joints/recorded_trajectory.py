@@ -72,7 +72,7 @@ def motion_in(path: Path, robot: Robot, smoothing: float = 0.0) -> JointMotion:
     factors = factors_of(path, header, form, next(rows, None))
     convert = float if text.isascii() and "_" not in text else plain_number
     values = values_of(path, rows, header, factors, convert)
-    refuse_impossible(path, values.T, header, form, factors)
+    refuse_impossible(path, [*values.T], header, form, factors)
     if len(values) < _FEWEST:
         raise InputError(f"{path}: rows: {len(values)} found; expected at least {_FEWEST} below the units")
     time = values[:, header.index(_TIME)]

@@ -33,6 +33,7 @@ from pydantic import Field
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import columns
 from drivesizer.files.fields import Axis, Pause, default
+from drivesizer.files.freed import give_back
 from drivesizer.files.inertia import Inertia
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
@@ -46,7 +47,7 @@ _FORMS = tuple(
     {"time": "time", name: kind, "torque": "torque"}
     for name, kind in (("speed", "rotary_speed"), ("position", "angle"), ("angle", "angle"))
 )
-_MOST_ROWS = 3_000_000  # 8 h at 100 Hz: 73 s and 1.1 GB; of a whole day it is not measured to be bearable
+_MOST_ROWS = 10_000_000  # a day at 100 Hz has 8.64 million
 _MOST_CUT = 3  # segments that become of one where speed and torque change their sign
 _PART = 1 << 15  # segments of a long recording at a time
 _ROUNDING = 1e-9  # of the largest speed: less is what sums over windows leave where the load stands
@@ -92,9 +93,13 @@ def recorded(load: Recorded, path: Path) -> LoadCycle:
     found = columns(path, *_FORMS, most=_MOST_ROWS)
     with np.errstate(all="ignore"):  # the load cycle refuses what is not finite
         speed, time, torque = _speed(path, found, load.smoothing), found["time"], found["torque"]
+        found.clear()
         some = (slice(k, k + _PART + 1) for k in range(0, len(time) - 1, _PART))
         parts = (_segments(load, time[k], speed[k], torque[k]) for k in some)
-        return next(parts) if len(time) <= _PART + 1 else _joined(parts, len(time) - 1, jumps=load.inertia != 0.0)
+        if len(time) <= _PART + 1:
+            return next(parts)
+        give_back()  # of the text, and of what the speed was made of
+        return _joined(parts, len(time) - 1, jumps=load.inertia != 0.0)
 
 
 def _segments(load: Recorded, time: Column, speed: Column, torque: Column) -> LoadCycle:

@@ -28,8 +28,8 @@ from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "SetCycle", "Warming", "heated", "lost_in_winding", "set_cycle", "supplied", "supplied_in_parts", "turned", "warming",
-    "waveform",
+    "SetCycle", "Warming", "heated", "lost_in_winding", "set_cycle", "supplied", "supplied_in_parts", "turned",
+    "warming", "waveform",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]

@@ -121,7 +121,9 @@ def blocks(duration: Array, functions: Any, count: int) -> Blocks:
     starts = np.arange(len(duration)) if len(duration) <= count else _starts(duration, functions, count)
     pieces, total = np.diff(np.append(starts, len(duration))), np.add.reduceat(duration, starts)
     if (looked := looked_at(functions, starts, at.DEVIATIONS)) is not None:
-        return Blocks(total, *_symmetric(looked), *(looked[:, row, :6] for row in (at.HIGHEST, at.LOWEST)), starts)
+        highest_in, lowest_in = (looked[:, row, : at.FUNCTIONS] for row in (at.HIGHEST, at.LOWEST))
+        mean, above, below = _symmetric(looked)
+        return Blocks(total, mean, above, below, highest_in, lowest_in, starts)
     mean, above, below = np.empty((3, len(starts), 6, 6))
     found = Blocks(total, mean, above, below, *highest_and_lowest(len(duration), functions, starts), starts)
     for some, segments in together(starts, len(duration)):
@@ -192,7 +194,7 @@ def _starts(duration: Array, functions: Any, count: int) -> NDArray[np.intp]:
 
 
 def _signals(duration: Array, functions: Any, starts: NDArray[np.intp]) -> Array:
-    """Integrals over steps: squares and product of torque and acceleration, square of speed, as shares of their means."""
+    """Integrals over steps of squares and product of torque and acceleration, and of speed squared, by their means."""
     if (looked := looked_at(functions, starts, at.SIGNALS)) is not None:
         found, mean = looked[:, 0, : at.SQUARES].T.copy(), looked[:, 1, : at.SQUARES].sum(axis=0) / len(duration)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,10 +49,21 @@ def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, 
         fit[some], slope[some] = (x[some.start - near.start :][: len(time[some])] for x in fitted)
         first, end = _windows(time, time[some], half)
         many[some], widest = end - first >= 4, max(widest, int((end - first).max()))
-    step, rows = max(_PART, 4 * widest), np.flatnonzero(many)  # so that few samples are looked at twice
-    for at in (rows[k : k + step] for k in range(0, len(rows), step)):
+    for at in _numbers(many, max(_PART, 4 * widest)):  # so that few samples are looked at twice
         fit[at], slope[at] = _near_least_squares(time, value, half, at, *_windows(time, time[at], half))
     return fit, slope
+
+
+def _numbers(chosen: NDArray[np.bool_], count: int) -> Iterator[NDArray[np.int64]]:
+    """Numbers of those that are chosen, so many at a time: all of a long recording's take room."""
+    left = np.zeros(0, np.int64)
+    for k in range(0, len(chosen), count):
+        left = np.concatenate([left, k + np.flatnonzero(chosen[k : k + count])])
+        if len(left) >= count:
+            yield left[:count]
+            left = left[count:]
+    if len(left):
+        yield left
 
 
 def _windows(time: Column, middle: Column, half: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

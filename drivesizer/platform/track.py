@@ -100,7 +100,7 @@ def read_track(
         return _planned(file, _waypoints(file, rows, header, factors), limits)
     convert = float if text.isascii() and "_" not in text else plain_number
     found = values_of(file, rows, header, factors, convert)
-    refuse_impossible(file, found.T, header, _KINDS, factors)
+    refuse_impossible(file, [*found.T], header, _KINDS, factors)
     time, *posture = (found[:, header.index(name)] for name in _KINDS if name in _TIMED)
     if len(time) < _FEWEST:
         raise InputError(f"{file}: rows: {len(time)} found; expected at least {_FEWEST} below the units")

@@ -276,7 +276,7 @@ def test_a_long_recording_is_read_part_by_part(shaft, monkeypatch, head):
 
 
 def test_a_recording_may_have_more_rows_than_other_files(shaft, monkeypatch):
-    """Three million of them; a row beyond is refused with its line, whether or not the text is read in one go."""
+    """Ten million of them; a row beyond is refused with its line, whether or not the text is read in one go."""
     monkeypatch.setattr(csv_columns, "_MOST_ROWS", 3)
     monkeypatch.setattr(recorded, "_MOST_ROWS", 4)
     four = CORNERS, CORNERS, CORNERS

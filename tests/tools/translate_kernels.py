@@ -11,7 +11,7 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-# before numba is there: as many figures at once as most processors take; older ones take them in halves, to the same bits
+# before numba is there: as many figures at once as most processors take; others take them in halves, to the same bits
 os.environ |= {"NUMBA_CPU_NAME": "haswell", "NUMBA_CPU_FEATURES": ""}
 
 import llvmlite.binding as llvm

@@ -19,7 +19,7 @@ MEAN, ABOVE, BELOW = 0, 1, 2  # of products of the functions two by two, row by 
 HIGHEST, LOWEST = 3, 4  # of the functions
 ROWS = 5
 FUNCTIONS, ENTRIES = 6, 21
-SQUARES = 4  # integrals of the squares by which blocks are chosen, in the first row; their sums over segments in the next
+SQUARES = 4  # integrals of the squares by which blocks are chosen, in row 0; in row 1 their sums over segments
 
 # --- a segment, and the block so far, in one array
 LEFT, RIGHT, MOST, LEAST = 0, 8, 16, 24  # the six functions at its ends, and what they reach

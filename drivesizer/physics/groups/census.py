@@ -232,7 +232,7 @@ def in_blocks(cycle: Any, efficiency: float, starts: NDArray[np.int64], wanted: 
 
 
 def times_above(duration: Array, line: Array) -> Callable[[float], tuple[float, float]]:
-    """How long the amount of a quantity of a long cycle is above a level: a function of the level.
+    """Times for which the amount of a quantity of a long cycle is above a level, as a function of the level.
 
     Parameters
     ----------

@@ -18,9 +18,7 @@ __all__: list[str] = []  # compiled into ``kernel``
 Whole = NDArray[np.int64]
 
 
-def put_functions(
-    s: Array, e: float, k: int, speed: Array, acceleration: Array, torque: Array, strides: Whole
-) -> int:
+def put_functions(s: Array, e: float, k: int, speed: Array, acceleration: Array, torque: Array, strides: Whole) -> int:
     """The six functions at both ends of a segment, behind a belt of an efficiency; which of the torques acts."""
     m, n = k * strides[at.OF_SPEED], strides[at.OF_SPEED + 1]
     w_0, w_1 = speed[m], speed[m + n]
@@ -125,7 +123,7 @@ def deviate(
     s: Array, e: float, first: int, last: int, duration: Array, speed: Array, acceleration: Array, torque: Array,
     strides: Whole,
 ) -> None:  # fmt: skip
-    """How far the integrals of products less their means go above zero in a block, and below."""
+    """Find by how much the integrals of products less their means go above zero in a block, and below."""
     for k in range(first, last):
         kind = put_functions(s, e, k, speed, acceleration, torque, strides)
         keep_walk(s, kind, duration[k])
@@ -144,7 +142,7 @@ def clear(s: Array) -> None:
 
 
 def put_found(s: Array, found: Array) -> None:
-    """What is known of a block."""
+    """Put what is known of a block among what is found."""
     for n in range(at.ENTRIES):
         found[at.MEAN, n], found[at.ABOVE, n], found[at.BELOW, n] = s[at.MEANS + n], s[at.HIGH + n], -s[at.LOW + n]
     for k in range(at.FUNCTIONS):

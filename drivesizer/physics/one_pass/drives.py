@@ -195,7 +195,7 @@ def _nothing_found() -> Array:
 
 
 def piece_by_piece(cycle: AtGearhead, drive: Figures, *, each: bool) -> Kept | None:
-    """What one drive draws and returns, in the pieces of which its winding feels the mean.
+    """Energy that one drive draws and returns, in the pieces of which its winding feels the mean.
 
     Parameters
     ----------
@@ -220,8 +220,9 @@ def piece_by_piece(cycle: AtGearhead, drive: Figures, *, each: bool) -> Kept | N
     d[at.WANTED] = 4.0 if each else 3.0
     if pass_over(d, g, np.zeros(at.CELLS), kept, *columns, strides):
         return None
-    found = kept[:, : int(g[at.KEPT_PIECES])]
-    return Kept(*found, resisted=float(g[at.DRAWN] - found[1].sum()) if d[at.RESISTANCE] > 0.0 else 0.0)
+    duration, drawn, returned, back, out = kept[:, : int(g[at.KEPT_PIECES])]
+    resisted = float(g[at.DRAWN] - drawn.sum()) if d[at.RESISTANCE] > 0.0 else 0.0
+    return Kept(duration, drawn, returned, back, out, resisted)
 
 
 def _peak(g: Array, place: int) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Some pieces of a cycle at a time: the drive's current over each, and how warm its winding is; arrays as in ``layout``.
+"""Some pieces of a cycle at a time: the drive's current over each, and how warm its winding is; see ``layout``.
 
 Loop after loop over these few pieces, which stay in the processor's cache: in each the pieces do not wait for one
 another, but for the rises, which go from piece to piece.
@@ -121,7 +121,7 @@ def put_losses(d: Array, s: Array, n: int) -> None:
 
 
 def put_transitions(d: Array, s: Array, n: int) -> bool:
-    """What pieces add to the rises of winding and housing; whether any is too long for it."""
+    """Put what pieces add to the rises of winding and housing; give whether any is too long for that."""
     c = (
         d[at.FACTORS + 2], d[at.FACTORS + 3], d[at.FACTORS + 4], d[at.FACTORS + 5], d[at.FACTORS + 6],
         d[at.FACTORS + 7], d[at.FACTORS + 8], d[at.FACTORS + 9],
@@ -207,12 +207,11 @@ def keep_tops(d: Array, g: Array, s: Array, n: int) -> None:
     """Keep the winding's highest rise at the ends of short pieces and within them."""
     time = g[at.TIME]
     for k in range(n):
-        t, first = s[at.T + k], s[at.SLOPE_0 + k]
-        if first > 0.0 and s[at.SLOPE_1 + k] < 0.0:
-            if s[at.STEADY + k] > 0.0 or s[at.W + k] + t * first > g[at.WINDING]:
-                g[at.NOW_W], g[at.NOW_H] = s[at.W + k], s[at.H + k]
-                top = keep_top(d, g, s[at.SQUARE + k], s[at.HOUSING + k], t, first, s[at.SLOPE_1 + k], time)
-                put_rises(s, k, s[at.W + k], s[at.W + k + 1], s[at.MEAN + k], top)
+        t, first, last = s[at.T + k], s[at.SLOPE_0 + k], s[at.SLOPE_1 + k]
+        if first > 0.0 and last < 0.0 and (s[at.STEADY + k] > 0.0 or s[at.W + k] + t * first > g[at.WINDING]):
+            g[at.NOW_W], g[at.NOW_H] = s[at.W + k], s[at.H + k]
+            top = keep_top(d, g, s[at.SQUARE + k], s[at.HOUSING + k], t, first, last, time)
+            put_rises(s, k, s[at.W + k], s[at.W + k + 1], s[at.MEAN + k], top)
         keep_largest(g, at.WINDING, s[at.W + k + 1], time + t)
         time += t
     g[at.NOW_W], g[at.NOW_H] = s[at.W + n], s[at.H + n]
