@@ -107,7 +107,7 @@ def test_an_axis_that_turns():
 @pytest.mark.parametrize(
     ("motion", "line"),
     [
-        ({"law": "poly6"}, r"motion.law: \"poly6\" is not known; expected 'trapezoid'"),
+        ({"law": "poly6"}, r"motion.law: \"poly6\" is not known; the nearest is poly5; expected 'trapezoid'"),
         ({"law": "poly5", "acceleration_time": "0.1 s"}, "motion: .*with law: trapezoid only"),
         ({"acceleration_time": "0.3 s"}, "motion: .*of no more than time together"),
         ({"distance": "0 mm"}, "motion.distance: .*must be above 0"),

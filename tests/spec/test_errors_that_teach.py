@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 
 from drivesizer.cli import app
 from drivesizer.commands.ends import ended
+from drivesizer.commands.usage import parsed
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import load_parts, size
@@ -114,7 +115,7 @@ def test_each_fault_is_a_line_of_stderr(tmp_path, capsys):
 
 @pytest.mark.parametrize("command", [[], ["catalog"]])
 def test_a_bare_command_shows_its_commands(command, capsys):
-    assert ended(lambda: app(command, standalone_mode=False)) == 0
+    assert ended(lambda: parsed(lambda: app(command, standalone_mode=False), lambda: app, command)) == 0
     out, err = capsys.readouterr()
     assert err == "" and len(out.splitlines()) > 10 and re.search(r"^  \w+ +[A-Z].*\.$", out, re.MULTILINE)
 
