@@ -116,7 +116,9 @@ class MachineSizing:
         """
         found = next((axis for axis in self.axes if axis.name == name), None)
         if found is None:
-            raise InputError(f"--axis: there is no axis {quoted(name)}{nearest(name, [one.name for one in self.axes])}")
+            names = [axis.name for axis in self.axes]
+            listed = f"{', '.join(names)}{nearest(name, names)}"
+            raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
         return found
 
     @property

@@ -100,7 +100,7 @@ def test_no_drive_is_said_with_the_axis(leg: Path, capsys: pytest.CaptureFixture
     [
         (("explain", "LEG", "--motor", "1"), 'hip: motor "1" is in no catalogue'),
         (("export", "LEG", "--format", "fmu", "-o", "x.fmu"), "fmu is of a single axis"),
-        (("size", "LEG", "--axis", "ankle"), 'there is no axis "ankle"'),
+        (("size", "LEG", "--axis", "ankle"), 'there is no axis "ankle"; expected hip'),
         (("size", "LEG", "--pareto", "mass,price"), "--pareto: it is of a single axis"),
         (("validate", "LEG", "--all"), "--all: it is of a single axis"),
         (("size", "examples/sps_robot.yaml", "--axis", "x"), "has no axes"),

@@ -15,6 +15,7 @@ from drivesizer.catalog.tolerances.distributions import CUT, Distribution
 from drivesizer.catalog.tolerances.factors import share
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import read_spec
 from drivesizer.spec.tolerance_text import has_tolerance, tolerance
 
@@ -151,6 +152,7 @@ def test_a_tolerance_that_leads_astray_is_refused(example_text: str, old: str, n
     (["--confidence", "1.5"], "--confidence: 1.5 is not a probability"),
     (["--samples", "3"], "--samples: 3 is out of range"),
     (["--seed", "-1"], "--seed: -1 is out of range"),
+    (["--loop-samples", "-1"], "--loop-samples: -1 is out of range"),
 ])  # fmt: skip
 def test_options_out_of_range_end_with_status_2(example: Path, options: list[str], said: str) -> None:
     run = subprocess.run(
@@ -161,3 +163,10 @@ def test_options_out_of_range_end_with_status_2(example: Path, options: list[str
     )
     assert (run.returncode, run.stdout) == (2, "")
     assert said in run.stderr and len(run.stderr.strip().splitlines()) == 1
+
+
+def test_samples_in_closed_loop_that_are_asked_for_are_made(example_text: str) -> None:
+    """Alone the option had no effect and no word about it; none at all is no wish."""
+    spec = read_spec(YamlSource(example_text, "robot.yaml"))
+    assert sampling_of(spec, loop=4) == Sampling(spec.tolerances.samples, spec.tolerances.seed, None, loop=4)
+    assert sampling_of(spec, loop=0) is None is sampling_of(spec)

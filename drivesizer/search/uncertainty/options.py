@@ -54,18 +54,11 @@ def sampling_of(
     InputError
         When an option is out of its range.
     """
+    _refuse(confidence, samples, seed, loop)
     given = spec.tolerances
-    wanted = any(option is not None for option in (confidence, samples, seed, given.confidence))
+    wanted = loop or any(option is not None for option in (confidence, samples, seed, given.confidence))
     if not (wanted or spec.toleranced or "tolerances" in spec.model_fields_set):
         return None
-    if confidence is not None and not 0.0 < confidence <= 1.0:
-        raise InputError(f"--confidence: {confidence:g} is not a probability; expected above 0, at most 1, e.g. 0.95")
-    if samples is not None and not FEWEST <= samples <= MOST:
-        raise InputError(f"--samples: {samples} is out of range; expected {FEWEST} to {MOST}, e.g. 2000")
-    if loop is not None and not 0 <= loop <= 10_000:
-        raise InputError(f"--loop-samples: {loop} is out of range; expected 0 to 10000, e.g. 64")
-    if seed is not None and not 0 <= seed < 2**32:
-        raise InputError(f"--seed: {seed} is out of range; expected 0 to {2**32 - 1}, e.g. 1")
     required = given.confidence if confidence is None else confidence
     return Sampling(
         given.samples if samples is None else samples,
@@ -74,3 +67,15 @@ def sampling_of(
         processes,
         loop if loop is not None else 0 if required is None else given.loop_samples,
     )
+
+
+def _refuse(confidence: float | None, samples: int | None, seed: int | None, loop: int | None) -> None:
+    """Refuse an option that is out of its range."""
+    if confidence is not None and not 0.0 < confidence <= 1.0:
+        raise InputError(f"--confidence: {confidence:g} is not a probability; expected above 0, at most 1, e.g. 0.95")
+    if samples is not None and not FEWEST <= samples <= MOST:
+        raise InputError(f"--samples: {samples} is out of range; expected {FEWEST} to {MOST}, e.g. 2000")
+    if loop is not None and not 0 <= loop <= 10_000:
+        raise InputError(f"--loop-samples: {loop} is out of range; expected 0 to 10000, e.g. 64")
+    if seed is not None and not 0 <= seed < 2**32:
+        raise InputError(f"--seed: {seed} is out of range; expected 0 to {2**32 - 1}, e.g. 1")

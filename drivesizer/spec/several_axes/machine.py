@@ -84,7 +84,8 @@ class MachineSpec:
         found = next((axis for axis in self.axes if axis.name == name), None)
         if found is None:
             names = [axis.name for axis in self.axes]
-            raise InputError(f"--axis: there is no axis {quoted(name)}{nearest(name, names)}")
+            listed = f"{', '.join(names)}{nearest(name, names)}"
+            raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
         return found
 
     def carried(self, name: str) -> dict[str, float | None]:
