@@ -1,0 +1,300 @@
+"""robot.yaml to typed data: the only place where a user's file becomes numbers.
+
+Every quantity is read by the strict reader of ``units`` and is an SI float from here on. Models are the file's schema;
+their descriptions are the documentation that ``drivesizer schema`` prints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from math import nan
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PrivateAttr, field_validator, model_validator
+
+from drivesizer.catalog import Brake, Controller
+from drivesizer.files.fields import at_defaults, default, no_entries
+from drivesizer.loads.kinds import Load
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.physics.power_stage import Feed, power_stage
+from drivesizer.physics.products import once_per_part
+from drivesizer.spec.control import Control, Plant
+from drivesizer.spec.motions import Motion, Trapezoid
+from drivesizer.spec.robot.contradictions import refuse_contradictions
+from drivesizer.spec.robot.later_sections import (
+    Battery,
+    BrakeResistor,
+    Budget,
+    Consumer,
+    Mounting,
+    OwnBrake,
+    Platform,
+    Shaft,
+    or_any,
+)
+from drivesizer.spec.robot.of_file import OfFile
+from drivesizer.spec.robot.stages import fed, figures_of, stage_of
+from drivesizer.spec.sections import (
+    Case,
+    Environment,
+    Margins,
+    Mission,
+    Needs,
+    PaperFactors,
+    PowerStage,
+    Supply,
+    TitleBlock,
+)
+from drivesizer.spec.select import Select
+from drivesizer.spec.tolerance_text import Toleranced
+from drivesizer.spec.tolerances import Tolerances
+from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, GearStage, Stage
+
+__all__ = ["AS_SPECIFIED", "RobotSpec"]
+
+AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
+
+
+class RobotSpec(OfFile):
+    """A robot.yaml: the load, its motion, and what the drive may be made of."""
+
+    name: str = Field(min_length=1, max_length=200)
+    method: Literal["paper", "physics"] = Field(
+        default="physics", description="what ranks: the whole load cycle, or the paper's equations and rule"
+    )
+    load: Load
+    motion: Motion | None = Field(default=None, description="one cycle, repeated; a recorded load brings its own")
+    transmission: Annotated[list[Stage], Field(min_length=1, max_length=3)] = default(
+        [{"kind": "gearhead"}], description="from the motor to the load"
+    )
+    paper_factors: PaperFactors = at_defaults()
+    margins: Margins = at_defaults()
+    supply: Supply
+    brake_resistor: BrakeResistor | None = Field(
+        default=None,
+        description="that burns what is regenerated; none where not given",
+        json_schema_extra=or_any,
+    )
+    power_stage: PowerStage = at_defaults()
+    shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
+    environment: Environment = at_defaults()
+    mounting: Mounting | None = Field(default=None, description="of the motor; as printed where not given")
+    needs: Needs = at_defaults()
+    brake: OwnBrake | None = Field(default=None, description="out of the catalogues where not given")
+    mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
+    battery: Battery | None = Field(default=None, description="that feeds the machine; only the supply where not given")
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = no_entries(
+        description="further consumers on the battery"
+    )
+    platform: Platform | None = Field(default=None, description="of a wheeled vehicle: wheels, mass, room, limits")
+    budget: Budget | None = Field(default=None, description="of the machine's mass")
+    control: Control = at_defaults()
+    plant: Plant = at_defaults()
+    select: Select = at_defaults()
+    tolerances: Tolerances = at_defaults()
+    report: TitleBlock = at_defaults(description="for the head of reports")
+    cases: Annotated[list[Case], Field(max_length=100)] = no_entries(
+        description="further load cases; a drive must pass all"
+    )
+
+    _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
+    _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
+    _on_common_bus: bool = PrivateAttr(default=False)
+    _waits_until: float | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _agreeing(self) -> RobotSpec:
+        refuse_contradictions(self)
+        return self
+
+    @field_validator("cases")
+    @classmethod
+    def _named_apart(cls, cases: list[Case]) -> list[Case]:
+        names = [case.name for case in cases]
+        if len(set(names)) != len(names):
+            raise ValueError("expected cases with names of their own")
+        return cases
+
+    @property
+    def wants_brake(self) -> bool:
+        """Whether the drive has a holding brake, unless it holds by itself."""
+        return self.names_brake or self.needs.hold_unpowered
+
+    @property
+    def names_brake(self) -> bool:
+        """Whether there is a brake whatever the load: by its figures, family or part, or to stop the machine with."""
+        return bool(self.brake or self.select.brake.named or self.needs.emergency_stops)
+
+    @property
+    def paper_applies(self) -> bool:
+        """Whether the paper's equations (1)-(20) treat this load and motion."""
+        load, motion = self.load, self.motion
+        return (
+            isinstance(load, WheeledVehicle)
+            and isinstance(motion, Trapezoid)
+            and motion.deceleration_time in (None, motion.acceleration_time)
+            and not motion.there_and_back
+            and load.drag_area == 0.0
+            and not self.cases
+            and self.gear is None
+            and not self.carries
+            and not self.steps
+        )
+
+    @property
+    def steps(self) -> bool:
+        """Whether the motor is to be a stepper."""
+        return self.select.motor.kind == "stepper"
+
+    @property
+    def wants_encoder(self) -> bool:
+        """Whether counts, resolution, family or part of an encoder are required; else the encoder is a proposal."""
+        needs, choice = self.needs, self.select.encoder
+        return bool(needs.encoder_counts or needs.resolution_at_load is not None or choice.min_counts or choice.named)
+
+    @property
+    def accepts_all(self) -> bool:
+        """Whether all regenerated energy leaves the bus: stored, or lost in a battery or a brake resistor.
+
+        One out of the catalogues, whose voltage is not known yet, is chosen so that it keeps the bus below the limits.
+        """
+        if self.brake_resistor is not None:
+            return self.brake_resistor.chopper_voltage is None
+        on_battery = self.battery is not None or self.supply.kind == "battery"
+        return (self.supply.accepts or ("all" if on_battery else "share")) == "all"
+
+    @property
+    def on_common_bus(self) -> bool:
+        """Whether it is an axis on the supply of its machine, where what all axes regenerate is judged together."""
+        return self._on_common_bus
+
+    @property
+    def chopper_voltage(self) -> float | None:
+        """Voltage above which a chopper does not let the bus rise [V]; None where there is none, or it is not known."""
+        return self.brake_resistor.chopper_voltage if self.brake_resistor else None
+
+    @property
+    def limits_the_bus(self) -> bool:
+        """Whether a brake resistor, or a power supply's peak or trip, is to be checked in the machine."""
+        supply = self.supply
+        peaks = supply.peak_current is not None or supply.overvoltage_trip is not None
+        return self.brake_resistor is not None or peaks or supply.part is not None
+
+    def feed(self, controller: Any, brake: Any = None) -> Feed:
+        """The power stages of controllers, columns by field name, and what feeds as many as there are drives.
+
+        A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
+        """
+        volts, given, assume = self.supply.nominal, self.power_stage, self.select.estimates == "on"
+        stage = once_per_part(lambda part: power_stage(part, volts, given, assume=assume))(controller)
+        return fed(stage, self.supply, self.load.motors, brake)
+
+    def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
+        """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""
+        stage = stage_of(controller, self.supply.nominal, self.power_stage, self.select.estimates == "on")
+        return fed(stage, self.supply, self.load.motors, None if brake is None else figures_of(brake))
+
+    @property
+    def resists(self) -> bool:
+        """Whether a resistance of the supply or of power stages lowers the motors' voltage."""
+        return self.supply.resistance is not None or self.power_stage.resistance is not None
+
+    @property
+    def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
+        """The spec itself and its further cases, by name."""
+        further = self._cases
+        return ((AS_SPECIFIED if further else "", self), *further)
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether the transmission is without a gearhead."""
+        return self.transmission[0].kind == DIRECT
+
+    def behind(self, gearhead: str) -> RobotSpec:
+        """The spec with the first stage that a gearhead of that part number is, or the lack of one."""
+        first = DirectStage(kind="direct") if gearhead == DIRECT else GearheadStage(kind="gearhead")
+        return self.model_copy(update={"transmission": [first, *self.transmission[1:]]})
+
+    @property
+    def belt(self) -> BeltStage | None:
+        """The belt stage, where there is one."""
+        return next((stage for stage in self.transmission if isinstance(stage, BeltStage)), None)
+
+    @property
+    def carries(self) -> bool:
+        """Whether the motion adds a payload to the load's mass."""
+        return bool(getattr(self.motion, "carries", False))
+
+    @property
+    def gear(self) -> GearStage | None:
+        """The further stage of fixed ratio, where there is one."""
+        return next((stage for stage in self.transmission if isinstance(stage, GearStage)), None)
+
+    @property
+    def gear_before_belt(self) -> bool:
+        """Whether the gear drives the belt, and not the load."""
+        return isinstance(self.transmission[1], GearStage) if len(self.transmission) == 3 else False
+
+    @property
+    def belt_stiffness(self) -> float:
+        """Stiffness of the belt at the driven shaft [N*m/rad]; NaN where it is unknown."""
+        stiffness = self.belt.stiffness if self.belt else None
+        if stiffness is None:
+            return nan
+        return stiffness / self.gear.ratio**2 if self.gear and self.gear_before_belt else stiffness
+
+    @property
+    def belt_ratios(self) -> list[float]:
+        """The belt ratios to search; 1 without a belt. Those of pulleys are out of the catalogues: see ``Problem``."""
+        return self.belt.to_search if self.belt else [1.0]
+
+    @property
+    def belt_efficiency(self) -> float:
+        """Efficiency of the belt; 1 without one."""
+        return self.belt.efficiency if self.belt else 1.0
+
+    def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> RobotSpec:
+        """The spec and its further load cases with the same change."""
+        made = change(self)
+        made._cases = tuple((name, change(case)) for name, case in self._cases)
+        return made
+
+    def alone(self, **sections: Any) -> RobotSpec:
+        """The spec without further load cases, some of its sections changed."""
+        made = self.model_copy(update={"cases": [], **sections})
+        made._cases = ()
+        return made
+
+    def on_supply_of_machine(self) -> RobotSpec:
+        """The spec as an axis of several: what it regenerates is judged with the others', in the machine."""
+        shared = {"accepts": "all", "overvoltage_trip": None, "part": None}
+
+        def marked(one: RobotSpec) -> RobotSpec:
+            made = one.model_copy(update={"supply": one.supply.model_copy(update=shared)})
+            made._on_common_bus = True
+            return made
+
+        return self.changed(marked)
+
+    @property
+    def waits_until(self) -> float | None:
+        """End of the machine's cycle, for which an axis of several waits at rest [s]; None: it does not."""
+        return self._waits_until
+
+    def waiting(self, until: Mapping[str, float | None]) -> RobotSpec:
+        """The spec as an axis that waits at rest for the end of the machine's cycle [s], by load case."""
+        made = self.model_copy()
+        made._waits_until = until.get(self.load_cases[0][0])
+        made._cases = tuple((name, case.waiting({"": until.get(name)})) for name, case in self._cases)
+        return made
+
+    def with_cases(self, further: Iterable[tuple[str, RobotSpec]]) -> RobotSpec:
+        """The spec with more load cases behind its own, by name."""
+        made = self.model_copy()
+        made._cases = (*self._cases, *further)
+        return made
+
+    @property
+    def toleranced(self) -> tuple[Toleranced, ...]:
+        """The figures that carry a tolerance, in the order of the file; those of load cases among them."""
+        return self._toleranced

@@ -1,0 +1,65 @@
+"""Power stages between the supply and the motors: of one controller, and with what keeps a brake released."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import lru_cache
+from typing import Any
+
+from drivesizer.catalog import Brake, Controller
+from drivesizer.physics.elements.braking import released_power
+from drivesizer.physics.power_stage import Feed, power_stage
+from drivesizer.physics.power_stage import PowerStage as StageFigures
+from drivesizer.spec.sections import PowerStage, Supply
+
+__all__ = ["fed", "figures_of", "stage_of"]
+
+
+@lru_cache(maxsize=64)
+def stage_of(controller: Controller | None, volts: float, given: PowerStage, assume: bool) -> StageFigures:
+    """The power stage of one controller: of those of late as before.
+
+    Parameters
+    ----------
+    controller
+        None: one whose figures are unknown.
+    volts
+        Nominal voltage of the supply [V].
+    given
+        Losses that the spec gives.
+    assume
+        Whether losses that no data sheet gives are assumed.
+
+    Returns
+    -------
+    PowerStage
+        Its losses.
+    """
+    return power_stage(figures_of(controller or Controller()), volts, given, assume=assume)
+
+
+def figures_of(part: Controller | Brake) -> dict[str, Any]:
+    """Figures of a part by name."""
+    return {one.name: getattr(part, one.name) for one in fields(part)}
+
+
+def fed(stage: StageFigures, supply: Supply, motors: int, brake: Any) -> Feed:
+    """Power stages and what feeds as many as there are motors.
+
+    Parameters
+    ----------
+    stage
+        Of one controller or of many.
+    supply, motors
+        What feeds them, and how many.
+    brake
+        Figures of the brake of each by name; None without one.
+
+    Returns
+    -------
+    Feed
+        With the power that keeps a brake released as the stage's standby power.
+    """
+    if brake is not None:
+        stage = stage._replace(standby=stage.standby + released_power(brake))
+    return Feed(stage, supply.lowest, 0.0 if supply.resistance is None else supply.resistance, motors)
