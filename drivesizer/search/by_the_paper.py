@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
@@ -75,7 +76,7 @@ def by_the_paper(
         found.on(few), len(best), without_rejected(counts, kept), front, below, failing_before(kept, passing),
         others=beside,
         every=Passing(sets.on(passing), unknown[passing] * UNKNOWN, {"margin": margin[passing]},
-                      np.flatnonzero(np.isin(passing, best)), lambda rows: found.on(passing[rows])),
+                      _places(passing, best, len(sets.motor)), lambda rows: found.on(passing[rows])),
     )  # fmt: skip
 
 
@@ -87,3 +88,10 @@ def _all_candidates(problem: Problem) -> Candidates:
     key, of = ("candidates", problem.spec.is_direct, belts), (problem.spec.select,)
     found: Candidates = problem.catalog.once(key, lambda: candidates(problem), of)
     return found
+
+
+def _places(rows: NDArray[np.int64], some: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Places of some of the rows among them all, in the order of all."""
+    wanted = np.zeros(count, bool)
+    wanted[some] = True
+    return np.flatnonzero(wanted[rows])

@@ -30,6 +30,7 @@ SHAPES = "normal(24 V, 0.5 V), uniform(23 V, 25 V) or triangular(23 V, 24 V, 26 
 _WIDTH = re.compile(r"(?P<nominal>.*?)\s*(?:\+\s?/?\s?[-−]|±)\s*(?P<width>.*)")
 _ENDS = re.compile(r"(?P<nominal>.+)\s+in\s+(?P<low>.+?)\s*\.\.\s*(?P<high>.+)")
 _SHAPE = re.compile(r"(?P<shape>[A-Za-z_]\w*)\s*\(\s*(?P<arguments>[-+.]?[0-9].*?)\s*\)")
+_MARKS = ("+", "±", "..", "(")  # of which each of these forms has one
 _NAMES = {
     "name",
     "file",
@@ -75,6 +76,8 @@ class _Figure(NamedTuple):
 def has_tolerance(text: str) -> bool:
     """Whether a text has the form of a figure with a tolerance."""
     bare = text.strip()
+    if not any(mark in bare for mark in _MARKS):  # most texts
+        return False
     return any(pattern.fullmatch(bare) for pattern in (_ENDS, _SHAPE)) or (
         bare[:1] in "+-.0123456789" and _WIDTH.fullmatch(bare) is not None
     )

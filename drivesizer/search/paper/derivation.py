@@ -29,9 +29,9 @@ class Derivation:
 
     def step(self, declared: Equation, *, name: str = "", symbol: str = "", title: str = "", **inputs: Any) -> Any:
         """Compute a declared equation, keep the step, and give its value."""
-        value = declared(**inputs)
-        self.steps[name or declared.name] = Requirement(
-            name=name or declared.name,
+        value, called = declared(**inputs), name or declared.name
+        self.steps[called] = Requirement(
+            name=called,
             title=title or declared.title,
             symbol=symbol or declared.symbol,
             value=value,
