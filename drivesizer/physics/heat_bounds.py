@@ -62,7 +62,7 @@ from drivesizer.physics.heat_cycle_columns import each_figure, some_of
 from drivesizer.physics.heat_step import Array
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, Value, steady_winding_temperature
 
-__all__ = ["Blocks", "Bracket", "blocks", "bracket"]
+__all__ = ["Blocks", "Bracket", "blocks", "bracket", "merged"]
 
 _CELLS = 1 << 16  # motors times blocks at a time
 _MULTIPLIED = 1 << 18  # figures at a time in a product of matrices: above, its threads wait on a busy machine
@@ -142,6 +142,35 @@ def _symmetric(looked: Array) -> Array:
     for values, row in zip(found, (at.MEAN, at.ABOVE, at.BELOW), strict=True):
         values[:, _ROW, _COLUMN] = values[:, _COLUMN, _ROW] = looked[:, row]
     return found
+
+
+def merged(fine: Blocks, count: int) -> Blocks:
+    """Consecutive blocks put together: their bounds are a little wider than those of such blocks of the cycle itself.
+
+    Parameters
+    ----------
+    fine
+        The cycle in blocks.
+    count
+        Into how many they are put, no more than there are.
+
+    Returns
+    -------
+    Blocks
+        The cycle in so many blocks, of alike many of those.
+    """
+    starts = np.arange(count) * len(fine.duration) // count
+    pieces, t = np.diff(np.append(starts, len(fine.duration))), fine.duration[:, None, None]
+    total, sums = np.add.reduceat(fine.duration, starts), t * fine.mean
+    mean = np.add.reduceat(sums, starts) / total[:, None, None]
+    steps = sums - t * np.repeat(mean, pieces, axis=0)  # of the integral of a product less its mean
+    after = np.cumsum(steps, axis=0)
+    after -= np.repeat((after - steps)[starts], pieces, axis=0)
+    before = after - steps
+    above = np.maximum.reduceat(np.maximum(before, after) + fine.above, starts)
+    below = np.maximum.reduceat(fine.below - np.minimum(before, after), starts)
+    reached = np.maximum.reduceat(fine.most, starts), np.minimum.reduceat(fine.least, starts)
+    return Blocks(total, mean, above, below, *reached, fine.first[starts])
 
 
 def _lines(functions: Array) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ import pytest
 
 from drivesizer.physics import extremes, heat_bounds
 from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
-from drivesizer.physics.heat_bounds import Blocks, blocks, bracket
+from drivesizer.physics.heat_bounds import Blocks, blocks, bracket, merged
 from drivesizer.physics.thermal import COPPER, TwoBodies, steady_winding_temperature
 from drivesizer.physics.winding_course import winding_course
 
@@ -216,9 +216,24 @@ def test_a_housing_is_no_warmer_than_where_it_turns_round(R_th1, seconds, most):
 
 @pytest.mark.parametrize("count", [1, 7, 60, 400])
 def test_blocks_keep_means_and_no_integral_strays_further(count):
-    random = np.random.default_rng(count)
-    dt, functions = random_functions(random, 130, "noisy")
-    found = blocks(dt, functions, count)
+    dt, functions = random_functions(np.random.default_rng(count), 130, "noisy")
+    assert_blocks(blocks(dt, functions, count), dt, functions, count)
+
+
+@pytest.mark.parametrize("count", [1, 7, 60])
+def test_so_do_blocks_that_are_put_together(count):
+    dt, functions = random_functions(np.random.default_rng(count), 130, "noisy")
+    fine = blocks(dt, functions, 60)
+    found = merged(fine, count)
+    assert len(found.duration) == count
+    assert_blocks(found, dt, functions, count)
+    motors, _, _, *columns = random_case(np.random.default_rng(count), 9, 130, "noisy", 0.2)
+    wide, close = bracket(motors, AMBIENT, found, *columns), bracket(motors, AMBIENT, fine, *columns)
+    assert (wide.upper >= close.upper * (1.0 - 1e-9)).all()
+
+
+def assert_blocks(found, dt, functions, count):
+    """Means and how far integrals go, of blocks of a cycle, held against the same of its finer segments."""
     assert len(found.duration) <= count
     assert found.duration.sum() == pytest.approx(dt.sum())
     fine_dt, fine = dt, functions
@@ -234,6 +249,8 @@ def test_blocks_keep_means_and_no_integral_strays_further(count):
         assert (np.abs(walk[-1]) <= scale).all()
         assert (walk.max(axis=0) <= found.above[k] + scale).all()
         assert (-walk.min(axis=0) <= found.below[k] + scale).all()
+        assert (fine[mine].max(axis=(0, 1)) <= found.most[k]).all()
+        assert (fine[mine].min(axis=(0, 1)) >= found.least[k]).all()
 
 
 def test_a_belt_scales_coefficients_as_it_scales_functions():

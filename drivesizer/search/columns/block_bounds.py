@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
 from drivesizer.physics.extremes import Envelope, distinct, highest_and_lowest
-from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket
+from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket, merged
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, at_input, of_the_source
@@ -24,14 +24,15 @@ from drivesizer.physics.stress import Heat, Parts, Stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import Wave, balanced, highest_powers
 from drivesizer.search.columns.limits_over_time import Moments, Pair
-from drivesizer.search.columns.waveform_bounds import at_source, resisted
+from drivesizer.search.columns.waveform_bounds import Candidates, at_most, at_source, resisted
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["by_segments", "closer", "closer_power"]
+__all__ = ["by_few_blocks", "by_segments", "closer", "closer_power"]
 
 Array = NDArray[np.float64]
 _ROUNDING = 1e-12  # share of a power that rounding may take
 _ALIKE = 1e-9  # and more than that
+_FEW = 8  # blocks that pass most of what passes
 _PIECES = 1024  # of a cycle, by which it is found where a drive's power may be largest
 _KEPT = 1 << 18  # drives times blocks of which temperatures are kept
 _AT_ONCE = 1 << 15  # drives times segments of which the power is computed
@@ -107,6 +108,45 @@ def closer(
         low = low._replace(**{name: np.fmax(getattr(low, name), one)})
         high = high._replace(**{name: np.fmin(getattr(high, name), np.where(np.isnan(other), np.inf, other))})
     return low, high
+
+
+def by_few_blocks(
+    spec: RobotSpec,
+    cycle: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
+    parts: Parts,
+    low: Moments,
+    high: Moments,
+    *,
+    count: int,
+) -> Pair:
+    """Upper bounds of winding, voltage and power from few blocks, made of so many: they cost much less.
+
+    Parameters
+    ----------
+    spec, cycle, demand, heating, stresses, parts
+        As in ``bounds``.
+    low, high
+        Its result.
+    count
+        Of blocks at most that are put together.
+
+    Returns
+    -------
+    Pair
+        The lower bounds as they were, and the upper ones.
+    """
+    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
+    fine, store, name = _blocks(cycle, count), cycle.base.coarse, ("few blocks", count)
+    if name not in store:
+        store[name] = merged(fine, min(_FEW, len(fine.duration)))
+    current = demand.coefficients / parts.motor["torque_constant"][:, None]
+    bodies, losses = two_bodies(parts.motor), (heating.friction, heating.iron)
+    T = bracket(bodies, spec.environment.ambient, store[name], current, *losses)
+    at = Candidates(spec, cycle, demand, heating, stresses, parts)
+    return low, at_most(at, high._replace(winding=T.upper))
 
 
 def by_segments(

@@ -20,7 +20,7 @@ from drivesizer.physics.several_belts import at_a_time, behind_each, behind_one,
 from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.search.columns import waveform_bounds
-from drivesizer.search.columns.block_bounds import by_segments, closer_power
+from drivesizer.search.columns.block_bounds import by_few_blocks, by_segments, closer_power
 from drivesizer.search.columns.block_bounds import closer as closer_in_blocks
 from drivesizer.search.columns.bus_bounds import closer_stored, stored_by_segments
 from drivesizer.search.columns.candidates import Rows
@@ -239,20 +239,26 @@ def _passing_by_segments(
     if not len(rows):
         return found, left
     few = by_segments(*case.bounded(rows), on(found[0], rows), on(found[1], rows))
-    return _where_it_passes(case, rows, found, few, left)
+    return _where_it_passes(case, rows, found, few, left, range(len(left)))
 
 
 def _where_it_passes(
-    case: _Case, rows: NDArray[np.int64], found: Pair, few: Pair, left: list[NDArray[np.bool_]]
+    case: _Case,
+    rows: NDArray[np.int64],
+    found: Pair,
+    few: Pair,
+    left: list[NDArray[np.bool_]],
+    concerned: Collection[int],
 ) -> tuple[Pair, list[NDArray[np.bool_]]]:
-    """Closer bounds of some candidates taken where all that is open of one passes by them."""
+    """Closer bounds of some candidates taken where all that is open of one among some limits passes by them."""
     limits = waveform_limits(case.spec, few[1], few[1], case.bounding.on(rows))
     holds = [check.passed | ~mask[rows] for check, mask in zip(limits, left, strict=True)]
-    good = np.flatnonzero(np.logical_and.reduce([*holds, limits[_VOLTAGE].passed]))
+    holds[_VOLTAGE] = limits[_VOLTAGE].passed  # a controller that is too weak is found by closer bounds
+    good = np.flatnonzero(np.logical_and.reduce([holds[k] for k in concerned]))
     found = _replaced(found, rows[good], [on(side, good) for side in few])
     settled = np.zeros(len(case.told), bool)
     settled[rows[good]] = True
-    return found, [mask & ~settled for mask in left]
+    return found, [mask & ~settled if k in concerned else mask for k, mask in enumerate(left)]
 
 
 def _closer(
@@ -265,7 +271,9 @@ def _closer(
             continue
         few = _of_some(case, mask, found, step)
         if step.only_passing:
-            found, left = _where_it_passes(case, _numbers(mask), found, few, left)
+            by_heat = [k for k in range(len(left)) if k not in _NOT_BY_HEAT]
+            concerned = [_WINDING] if step.opened is _by_time else by_heat
+            found, left = _where_it_passes(case, _numbers(mask), found, few, left, concerned)
         else:
             found = _replaced(found, mask, few)
             left = case.open_again(found, alive, left, mask)
@@ -292,8 +300,10 @@ def _steps(case: _Case, nearness: bool) -> list[_Step]:
     What fails is rejected by bounds that are as close as can be, for of the rejected the closest are shown.
     """
     coarse, fine = _BLOCKS
-    steps = [_Step(closer_in_blocks, coarse, _by_heat)]
-    steps.append(_Step(closer_in_blocks, fine, _by_heat))
+    steps = []
+    if not nearness:
+        steps.append(_Step(by_few_blocks, coarse, _by_heat, only_passing=True))
+    steps += [_Step(closer_in_blocks, count, _by_heat) for count in (coarse, fine)]
     if case.staged:
         steps.append(_Step(closer_power, fine, _by_power))
     steps += [_Step(closer_stored, count, _by_bus) for count in (_FEW_PIECES, _PIECES)]

@@ -28,7 +28,7 @@ from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_pa
 from drivesizer.search.columns.overload_bounds import above_bounds
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["at_source", "bounds", "most_cold_power", "resisted"]
+__all__ = ["Candidates", "at_most", "at_source", "bounds", "most_cold_power", "resisted"]
 
 Array = NDArray[np.float64]
 _CELLS = 1 << 16  # candidates times points at a time: what stays in the processor's cache
@@ -83,14 +83,14 @@ def bounds(
         return resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
     low, high = _by_the_largest_current(spec, cycle, demand, heating, stresses, parts, (low, high))
     rows = np.flatnonzero(~np.logical_and.reduce([c.passed for c in waveform_limits(spec, high, high, parts)]))
-    at = _Candidates(spec, cycle, on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
+    at = Candidates(spec, cycle, on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
     least = _at_least(at, on(low, rows), coolest[rows])
     short = next(c.failed for c in waveform_limits(spec, least, least, at.parts) if c.name == "supply_voltage")
     few = np.flatnonzero(~short)
-    return replaced(low, rows, least), replaced(high, rows[few], _at_most(at.on(few), on(high, rows[few])))
+    return replaced(low, rows, least), replaced(high, rows[few], at_most(at.on(few), on(high, rows[few])))
 
 
-class _Candidates(NamedTuple):
+class Candidates(NamedTuple):
     """A load case behind one belt and its candidates."""
 
     spec: RobotSpec
@@ -100,10 +100,10 @@ class _Candidates(NamedTuple):
     stresses: Stress
     parts: Parts
 
-    def on(self, rows: NDArray[np.int64]) -> _Candidates:
+    def on(self, rows: NDArray[np.int64]) -> Candidates:
         """Some of the candidates."""
         columns = on(self.demand, rows), on(self.heating, rows), on(self.stresses, rows), self.parts.on(rows)
-        return _Candidates(self.spec, self.cycle, *columns)
+        return Candidates(self.spec, self.cycle, *columns)
 
 
 def _by_the_largest_current(
@@ -151,11 +151,11 @@ def resisted(
     Pair
         Lower and upper bounds.
     """
-    at, (low, high) = _Candidates(spec, cycle, demand, heating, stresses, parts), found
-    return _at_least(at, low, coolest), _at_most(at, high)
+    at, (low, high) = Candidates(spec, cycle, demand, heating, stresses, parts), found
+    return _at_least(at, low, coolest), at_most(at, high)
 
 
-def _at_least(at: _Candidates, low: Moments, coolest: Array) -> Moments:
+def _at_least(at: Candidates, low: Moments, coolest: Array) -> Moments:
     """Lower bounds of the winding with those of voltage and power put to them, by a winding nowhere cooler."""
     motor, feed = at.parts.motor, at.spec.feed(at.parts.controller, at.parts.brake)
     cool, k_t = np.asarray(resistance_at(resistance_25(motor), coolest)), motor["torque_constant"]
@@ -167,8 +167,21 @@ def _at_least(at: _Candidates, low: Moments, coolest: Array) -> Moments:
     return low._replace(power=of_the_source(power + feed.stage.standby, feed))
 
 
-def _at_most(at: _Candidates, high: Moments) -> Moments:
-    """Upper bounds of the winding with those of voltage and power put to them."""
+def at_most(at: Candidates, high: Moments) -> Moments:
+    """Upper bounds of the winding with those of voltage and power put to them.
+
+    Parameters
+    ----------
+    at
+        The load case and its candidates.
+    high
+        Upper bounds of the winding, and all else that does not hang on its resistance.
+
+    Returns
+    -------
+    Moments
+        Upper bounds.
+    """
     spec, cycle, demand, heating, stresses, parts = at
     motor, feed, cold = parts.motor, spec.feed(parts.controller, parts.brake), stresses.cold_voltage.value
     warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
