@@ -13,12 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import EDGES, Catalog, Encoder, Table, lines
-from drivesizer.results.check_columns import CheckColumn, at_least
+from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.stress import Parts
+from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
 from drivesizer.search.columns.controllers import in_order, selected
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import EncoderChoice
 
-__all__ = ["Offered", "angle_per_edge", "counts_check", "encoders_for", "offered_encoders"]
+__all__ = [
+    "Offered", "angle_per_edge", "counting_limits", "counts_check", "encoders_for", "line_frequency",
+    "offered_encoders",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 
@@ -165,3 +170,63 @@ def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> l
         return []
     counts = np.where(row >= 0, np.append(lines(catalog.encoders), np.nan)[row], 0.0)
     return [at_least("encoder_counts", float(least or 1), counts, by_choice=True)]
+
+
+def line_frequency(demand: Demands, encoder: Any) -> Array:
+    """Lines of the encoder per second at the highest speed.
+
+    Parameters
+    ----------
+    demand
+        Columns over candidates, of ``demands``.
+    encoder
+        Columns over candidates by field name.
+
+    Returns
+    -------
+    Array
+        [Hz], shape (rows,).
+    """
+    return np.where(demand.peak_speed == 0.0, 0.0, lines(encoder) * demand.peak_speed / (2 * np.pi))
+
+
+def counting_limits(spec: RobotSpec, belt: Any, demand: Demands, parts: Parts) -> list[CheckColumn]:
+    """Limits of encoders: speed, frequency, their own and the controller's, and resolution.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    belt
+        Ratio of the belt of each candidate.
+    demand
+        Columns over candidates, of ``demands``.
+    parts
+        The parts of each candidate.
+
+    Returns
+    -------
+    list[CheckColumn]
+        Columns over candidates; advice where the encoder is a proposal.
+    """
+    encoder = parts.encoder
+    speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else PROPOSAL)
+    counted = line_frequency(demand, encoder)
+    rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
+    rate = _lower(*rates, counted * (1.0 + spec.margins.speed))
+    found = [
+        at_most("encoder_speed", demand.peak_speed, encoder["max_speed"], **speed),
+        at_most("encoder_frequency", counted, rate, **speed),
+    ]
+    need = spec.needs.resolution_at_load
+    if need is not None:
+        geared = belt if spec.gear is None else belt * spec.gear.ratio
+        edge = angle_per_edge(lines(encoder), demand.total_ratio * geared)
+        found.append(at_most("encoder_resolution", edge, need))
+    return found
+
+
+def _lower(one: Array, other: Array, needed: Array) -> Array:
+    """The lower of two limits; where one is unknown, the other for what needs more than that: a certain failure."""
+    both, known = np.minimum(one, other), np.fmin(one, other)
+    return np.where(np.isnan(both) & (needed > known), known, both)

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import lines
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
 from drivesizer.physics.elements.belt import LEAST_IN_MESH, resonance
@@ -22,7 +21,7 @@ from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
-from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
+from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.ratings import (
     continuous_speed_limit,
     controller_current,
@@ -30,7 +29,7 @@ from drivesizer.results.ratings import (
     nominal_torque_limit,
 )
 from drivesizer.search.columns.brakes import at_motor, own_figure
-from drivesizer.search.columns.encoders import angle_per_edge
+from drivesizer.search.columns.encoders import counting_limits
 from drivesizer.search.columns.shaft_limits import life_of_gearheads, shock_limits
 from drivesizer.search.columns.shaft_loads import THRUST
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
@@ -42,7 +41,6 @@ __all__ = [
     "electrical_limits",
     "electrical_speed",
     "gearhead_limits",
-    "line_frequency",
     "load_limits",
     "motor_limits",
     "moving_limits",
@@ -366,7 +364,7 @@ def electrical_limits(
                 controller_current(controller, spec.environment.ambient), needed=controller_needed(spec)),
         at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
                 needed=torque, time=stresses.current.time),
-        *_counting(spec, cycle.belt, demand, parts),
+        *counting_limits(spec, cycle.belt, demand, parts),
         *_commutation(spec, demand, parts),
     ]  # fmt: skip
 
@@ -388,49 +386,6 @@ def electrical_speed(demand: Demands, motor: Any) -> Array:
     """
     turns = (motor["kind"] != "brushed") & (demand.peak_speed != 0.0)
     return np.where(turns, demand.peak_speed * motor["pole_pairs"], 0.0)
-
-
-def line_frequency(demand: Demands, encoder: Any) -> Array:
-    """Lines of the encoder per second at the highest speed.
-
-    Parameters
-    ----------
-    demand
-        Columns over candidates, of ``demands``.
-    encoder
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    Array
-        [Hz], shape (rows,).
-    """
-    return np.where(demand.peak_speed == 0.0, 0.0, lines(encoder) * demand.peak_speed / (2 * np.pi))
-
-
-def _counting(spec: RobotSpec, belt: float, demand: Demands, parts: Parts) -> list[CheckColumn]:
-    """Encoder by speed and frequency, its own and the controller's, and by resolution."""
-    encoder = parts.encoder
-    speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else PROPOSAL)
-    counted = line_frequency(demand, encoder)
-    rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
-    rate = _lower(*rates, counted * (1.0 + spec.margins.speed))
-    found = [
-        at_most("encoder_speed", demand.peak_speed, encoder["max_speed"], **speed),
-        at_most("encoder_frequency", counted, rate, **speed),
-    ]
-    need = spec.needs.resolution_at_load
-    if need is not None:
-        geared = belt if spec.gear is None else belt * spec.gear.ratio
-        edge = angle_per_edge(lines(encoder), demand.total_ratio * geared)
-        found.append(at_most("encoder_resolution", edge, need))
-    return found
-
-
-def _lower(one: Array, other: Array, needed: Array) -> Array:
-    """The lower of two limits; where one is unknown, the other for what needs more than that: a certain failure."""
-    both, known = np.minimum(one, other), np.fmin(one, other)
-    return np.where(np.isnan(both) & (needed > known), known, both)
 
 
 def _commutation(spec: RobotSpec, demand: Demands, parts: Parts) -> list[CheckColumn]:

@@ -20,8 +20,9 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
 from drivesizer.search.columns.decided import decided
+from drivesizer.search.columns.encoders import line_frequency
 from drivesizer.search.columns.exactly import exact
-from drivesizer.search.columns.limits import electrical_limits, electrical_speed, line_frequency
+from drivesizer.search.columns.limits import electrical_limits, electrical_speed
 from drivesizer.search.columns.limits_over_time import Exactly, Moments, Pair, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.altitude import controller_needed
