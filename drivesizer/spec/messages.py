@@ -158,7 +158,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
 
 
 def _of_values(text: str, found: Any, path: Path_) -> str:
-    """What a validator says: of a field with what was found there, of several fields, whose names it has, as it is."""
+    """Words of a validator: of a field with what was found there, of several fields, whose names it has, as it is."""
     own = text.removeprefix(f"{'.'.join(map(str, path))}: ")
     if own != text:
         return own

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,12 @@ def test_size_prints_every_axis_and_one_parts_list_within_80_columns(leg: Path) 
     assert all(word in text for word in ("hip", "knee", "total:", "2 ×", "hip, knee", f"validate {leg}"))
     table = text.split("next:")[0]
     assert max(map(len, table.splitlines())) <= 80
+
+
+def test_gearheads_of_the_parts_list_have_their_reduction(leg: Path) -> None:
+    lines = [line.rstrip() for line in called("size", leg)[1].splitlines()]
+    gearheads = [line for line in lines if re.match(r"[0-9]+ ×   gearhead", line)]
+    assert gearheads and all(re.search(r" [0-9.]+:1 ", line) for line in gearheads)
 
 
 def test_json_has_the_document_of_every_axis(leg: Path) -> None:

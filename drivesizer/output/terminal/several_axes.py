@@ -77,8 +77,8 @@ def _drives(console: Console, result: MachineSizing) -> None:
 
 
 def _riding(axis: AxisSizing) -> str:
-    """The drives on an axis, and their mass."""
-    return f"on it {', '.join(one.of for one in axis.carried)}: {show(axis.carried_mass, 'g', 'mass', 3)}"
+    """The drives on an axis: their mass first, so that no line ends between a figure and its unit, then names."""
+    return f"on it {show(axis.carried_mass, 'g', 'mass', 3)}: {', '.join(one.of for one in axis.carried)}"
 
 
 def _parts(console: Console, result: MachineSizing) -> None:
@@ -110,7 +110,9 @@ def _part_row(one: SharedLine) -> tuple[str | Text, ...]:
         said = line.said or "none is listed"
         return f"{line.quantity} ×", line.role, Text(said, style="yellow"), axes, "", mass_text(line)
     maker = "" if line.maker in line.family else line.maker
-    name = Text(" ".join(filter(None, (maker, line.family))), style="bold")
+    said = line.said.partition(",")[0] if line.role == "gearhead" else ""
+    reduction = said if ":" in said else ""
+    name = Text(" ".join(filter(None, (maker, line.family, reduction))), style="bold")
     number = Text(f"\n{line.part}", style="" if line.order_number else "dim") if line.part != line.family else ""
     price = Text(money_text(line.price, line.currency), style="yellow" if isnan(line.price) else "")
     return f"{line.quantity} ×", line.role, Text.assemble(name, number), axes, price, mass_text(line)
