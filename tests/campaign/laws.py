@@ -11,7 +11,6 @@ question, no verdict: a heavier load on a slope, say, helps a brake.
 from __future__ import annotations
 
 import argparse
-import copy
 import sys
 import tempfile
 import warnings
@@ -86,15 +85,13 @@ def given_twice(case: Case) -> Iterator[str]:
 def worst_case(case: Case) -> Iterator[str]:
     """Of two cases every check has the worse margin, for the same encoder, controller and brake."""
     (_, second) = _two(case)
+    plain = {key: value for key, value in case.data.items() if key != "cases"}  # they take their figures of the rest
+    merged = plain | {name: plain.get(name, {}) | second.get(name, {}) for name in ("load", "environment")}
     for drive in case.drives:
-        both = case.again(several_cases(case.data, [second]), drive)
-        merged = copy.deepcopy(case.data)
-        for section in ("load", "environment"):
-            merged[section] = merged.get(section, {}) | second.get(section, {})
-        alone = case.again(merged, drive)
-        if len({parts_of(one) for one in (both, drive, alone)}) > 1:
+        three = [case.again(data, drive) for data in (several_cases(plain, [second]), plain, merged)]
+        if len({parts_of(one) for one in three}) > 1:
             continue
-        tables = [{c.name: c for c in one.own_checks} for one in (both, drive, alone)]
+        tables = [{c.name: c for c in one.own_checks} for one in three]
         for name in tables[0].keys() & tables[1].keys() & tables[2].keys():
             of_both, *each = (table[name] for table in tables)
             margins = [c.margin for c in each]

@@ -110,7 +110,7 @@ def scaled_by(data: Plain, section: str, keys: set[str], factor: float) -> Plain
 
 def several_cases(data: Plain, cases: list[Plain]) -> Plain:
     """A copy with further load cases."""
-    return copy.deepcopy(data) | {"cases": copy.deepcopy(cases)}
+    return copy.deepcopy(data) | {"cases": copy.deepcopy([*data.get("cases", ()), *cases])}
 
 
 def in_other_units(value: Any) -> Any:
