@@ -89,6 +89,20 @@ def test_one_pass_finds_what_the_whole_waveform_says(supply, seed, torque, catal
                 np.testing.assert_allclose(its, mine, rtol=close, atol=1e-9, err_msg=f"{one.name} {field}")
 
 
+def test_threads_change_nothing(catalog, tmp_path, monkeypatch):
+    """One drive after the other, or several at once: to the last bit."""
+    for module in (census, drives):
+        monkeypatch.setattr(module, "SHORT", 10)
+    found = []
+    for threads in ("1", "3", ""):
+        monkeypatch.setenv("OMP_NUM_THREADS", threads)
+        given = problem_of(tmp_path, catalog, "nothing is accepted", 2, 4.0)
+        found.append(evaluate(given, some(given, 40, 2)).figures)
+    for other in found[1:]:
+        for name, column in found[0].items():
+            np.testing.assert_array_equal(other[name], column, err_msg=name)
+
+
 def test_the_cases_meet_what_is_rare(catalog, tmp_path):
     """Thermal runaway, unknown heat and time above the continuous current are among them."""
     given = problem_of(tmp_path, catalog, "nothing is accepted", 2, 4.0)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -162,16 +164,28 @@ def through(cycle: AtGearhead, drives: Figures) -> Found:
     assert pass_over is not None  # ``is_long`` said so
     columns, strides = columns_of(load)
     known: dict[bytes, tuple[float, ...]] = cycle.base.coarse.setdefault(_PASSED, {})
-    for row in drives.table:
-        if row.tobytes() not in known:
-            known[row.tobytes()] = _one(pass_over, row.copy(), columns, strides, load.total)
+    new = {row.tobytes(): row.copy() for row in drives.table if row.tobytes() not in known}
+    one, threads = partial(_one, pass_over, columns, strides, load.total), min(_threads(), len(new))
+    if threads > 1:
+        from concurrent.futures import ThreadPoolExecutor  # only a long recording needs it
+
+        with ThreadPoolExecutor(threads) as pool:  # none waits for another: machine code runs without the lock
+            known.update(zip(new, pool.map(one, new.values()), strict=True))
+    else:
+        known.update(zip(new, map(one, new.values()), strict=True))
     rows = [known[row.tobytes()] for row in drives.table]
     found = Found(*np.array(rows).reshape(-1, len(Found._fields)).T)
     return found._replace(winding=found.winding + drives.ambient)
 
 
+def _threads() -> int:
+    """Threads that may compute at once: as many as there are cores, or as the environment has for linear algebra."""
+    given = os.environ.get("OMP_NUM_THREADS", "")
+    return int(given) if given.isdecimal() else os.cpu_count() or 1
+
+
 def _one(
-    pass_over: Callable[..., int], d: Array, columns: list[Array], strides: NDArray[np.int64], total: float
+    pass_over: Callable[..., int], columns: list[Array], strides: NDArray[np.int64], total: float, d: Array
 ) -> tuple[float, ...]:
     """One drive."""
     g = _nothing_found()
