@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.candidates import Candidates, candidates, pairs
-from drivesizer.search.columns.evaluation import evaluate, smallest_margin
+from drivesizer.search.columns.evaluation import Evaluation, evaluate, smallest_margin
 from drivesizer.search.order import ranking
 from drivesizer.search.order.families import best_of_others
 from drivesizer.search.order.found import Found, Judge, Passing
 from drivesizer.search.order.in_order import but_for, failing_before, in_order, without_rejected
+from drivesizer.search.order.rank import Rank
 from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.order.sifting import UNKNOWN
 from drivesizer.search.paper.rule import FEW
 
 __all__ = ["by_the_paper"]
+
+Rows = NDArray[np.int64]
 
 
 def by_the_paper(
@@ -41,43 +46,75 @@ def by_the_paper(
     Found
         The best, the closest rejected, the front, those of other families, and the counts.
     """
-    every, catalog = _all_candidates(problem), problem.catalog
-    found = evaluate(problem, every, rejected=misses is not None)
-    sets, margin, failed, unknown = found.candidates, smallest_margin(found.checks), found.failed, found.unknown
+    every = _judged(problem, objective, rejected=misses is not None)
+    found, sets, margin = every.evaluation, every.evaluation.candidates, every.margin
+    of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
+    kept = in_order(judge, sets, of_parts.on, every.passing, len(sets.motor) if pareto else top)
+    best, short = kept.best[:top], kept.rejected[:top]
+    near = every.rejected[: _closest(misses, top, len(best), every.counts.feasible)]
+    on_front = best[:0]
+    if pareto:
+        of_all = ranking.front(problem.catalog, sets.on(kept.best), {"margin": margin[kept.best]}, pareto)
+        on_front = kept.best[of_all]
+    unlike = best[:0]
+    if others:
+        unlike = best_of_others(
+            judge, problem.catalog, sets, found.on, every.passing, best[:1], others, every.rank.columns
+        )
+    few = np.concatenate([best, near, but_for(on_front, best), short, but_for(unlike, best)])
+    places = {int(row): n for n, row in enumerate(few)}
+    front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
+    return Found(
+        found.on(few), len(best), without_rejected(every.counts, kept), front, below,
+        failing_before(kept, every.passing), others=beside, every=every.all_passing(best),
+    )  # fmt: skip
+
+
+class _Judged(NamedTuple):
+    """All candidates by the rule, in order."""
+
+    evaluation: Evaluation
+    margin: NDArray[np.float64]  # the smallest of each
+    rank: Rank
+    passing: Rows  # those that pass, the best first
+    rejected: Rows  # the others, the nearest first
+    counts: Counts
+
+    def all_passing(self, best: Rows) -> Passing:
+        """All that pass, and which of them are given."""
+        some, found = self.passing, self.evaluation
+        return Passing(
+            found.candidates.on(some), self.rank.precedence[some] * UNKNOWN, {"margin": self.margin[some]},
+            _places(some, best, len(self.margin)), lambda rows: found.on(some[rows]),
+        )  # fmt: skip
+
+
+def _judged(problem: Problem, objective: Ranking, rejected: bool) -> _Judged:
+    """Evaluate all candidates; of the rejected perhaps not all."""
+    every = _all_candidates(problem)
+    found = evaluate(problem, every, rejected=rejected)
+    margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
     each = np.array([check.failed for check in found.checks])
-    value = ranking.values(catalog, sets, {"margin": margin}, objective)
+    value, missing = ranking.values(problem.catalog, found.candidates, {"margin": margin}, objective)
     before = [
         np.where(failed, 2, unknown.astype(int)),
         np.where(failed, -margin, 0.0),  # of those that fail first the nearest
         np.where(failed, each.sum(axis=0), 0),
     ]
-    order = ranking.order(catalog, sets, *value, margin=margin, before=before)
+    order = ranking.order(problem.catalog, found.candidates, value, missing, margin=margin, before=before)
     passes = ~failed if problem.spec.select.unknown == "allow" else ~failed & ~unknown
     tally = {check.name: count for check, count in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if count}
     left_out = int(np.count_nonzero(~failed & ~passes))
     counts = Counts(considered=len(every.motor), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
-    passing, rejected = order[passes[order]], order[~passes[order]]
-    of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
-    kept = in_order(judge, sets, of_parts.on, passing, len(order) if pareto else top)
-    best, short = kept.best[:top], kept.rejected[:top]
-    near = rejected[: 0 if misses is None else min(misses, max(top - len(best), 0)) if counts.feasible else top]
-    on_front = best[:0]
-    if pareto:
-        of_all = ranking.front(catalog, sets.on(kept.best), {"margin": margin[kept.best]}, pareto)
-        on_front = kept.best[of_all]
-    unlike = best[:0]
-    if others:
-        rank = np.stack([unknown, value[1], ranking.rounded(value[0])])
-        unlike = best_of_others(judge, catalog, sets, found.on, passing, best[:1], others, rank)
-    few = np.concatenate([best, near, but_for(on_front, best), short, but_for(unlike, best)])
-    places = {int(row): n for n, row in enumerate(few)}
-    front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
-    return Found(
-        found.on(few), len(best), without_rejected(counts, kept), front, below, failing_before(kept, passing),
-        others=beside,
-        every=Passing(sets.on(passing), unknown[passing] * UNKNOWN, {"margin": margin[passing]},
-                      _places(passing, best, len(sets.motor)), lambda rows: found.on(passing[rows])),
-    )  # fmt: skip
+    rank = Rank(unknown.astype(np.int64), missing, value)
+    return _Judged(found, margin, rank, order[passes[order]], order[~passes[order]], counts)
+
+
+def _closest(misses: int | None, top: int, given: int, feasible: int) -> int:
+    """Number of the closest rejected that are given."""
+    if misses is None:
+        return 0
+    return min(misses, max(top - given, 0)) if feasible else top
 
 
 def _all_candidates(problem: Problem) -> Candidates:
