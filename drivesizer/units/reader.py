@@ -14,6 +14,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.units.hints import as_quotient, with_points
 from drivesizer.units.kinds import KINDS
 from drivesizer.units.ranges import RANGES, outside
 
@@ -97,24 +98,11 @@ def number(text: str) -> tuple[float, str]:
         raise InputError(f"{quoted(text)} does not start with a number")
     digits, rest = match.groups()
     if re.match(r",[0-9]", rest):
-        raise InputError(f"{quoted(text)} has a comma in its number; write a decimal point: {_with_points(text)}")
+        raise InputError(f"{quoted(text)} has a comma in its number; write a decimal point: {with_points(text)}")
     value = float(digits)
     if not math.isfinite(value) or (value == 0.0 and re.search(r"[1-9]", re.split("[eE]", digits)[0])):
         raise InputError(f"{quoted(text)} is outside the range of numbers that can be computed with")
     return value, rest
-
-
-def _with_points(text: str) -> str:
-    """A number with commas as it is to be written; where they may part thousands, both ways.
-
-    >>> _with_points("45,5 kg"), _with_points("1.234,5 kg"), _with_points("1,234 kg"), _with_points("1,234,567 g")
-    ('45.5 kg', '1234.5 kg', '1.234 kg, or 1234 kg', '1234567 g')
-    """
-    whole, _, last = text.rpartition(",")
-    if "," in whole or "." in last:
-        return text.replace(",", "")
-    written = f"{whole.replace('.', '')}.{last}"
-    return f"{written}, or {whole}{last}" if "." not in whole and re.match(r"[0-9]{3}(?![0-9])", last) else written
 
 
 def to_si(text: object, kind: str) -> float:
@@ -158,7 +146,7 @@ def _in_si(text: object, kind: str) -> float:
         raise InputError(f"{quoted(text)} has no unit; {hint}")
     name = _spellings(kind).get(_key(unit)) if unit else "1"
     if name is None:
-        raise InputError(f"{quoted(text)}: {_as_quotient(value, unit, kind) or _misfit(unit, kind)}; {hint}")
+        raise InputError(f"{quoted(text)}: {_unfit(value, unit, kind)}; {hint}")
     factor, offset = _table()[kind][name]
     result = value * factor + offset
     if not math.isfinite(result):
@@ -170,15 +158,9 @@ def _in_si(text: object, kind: str) -> float:
     return result
 
 
-def _as_quotient(value: float, rest: str, kind: str) -> str:
-    """A ratio such as 3:1 as the one number that is meant; empty for anything else.
-
-    >>> _as_quotient(1.0, ":3", "dimensionless"), _as_quotient(1.0, ":3", "mass")
-    ('write the quotient, 0.333333', '')
-    """
-    below = re.fullmatch(r"\s*[:/]\s*([0-9.]+)", rest)
-    divisor = float(below.group(1)) if below and below.group(1).count(".") < 2 and below.group(1) != "." else 0.0
-    return f"write the quotient, {value / divisor:g}" if divisor and KINDS[kind].si == "1" else ""
+def _unfit(value: float, unit: str, kind: str) -> str:
+    """What is wrong with a unit; of a plain number that is written as a ratio, the number that is meant."""
+    return (as_quotient(value, unit) if KINDS[kind].si == "1" else "") or _misfit(unit, kind)
 
 
 _remembered = lru_cache(maxsize=4096, typed=True)(_in_si)  # variants of a spec have most of their figures in common
