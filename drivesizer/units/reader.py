@@ -159,7 +159,7 @@ def _in_si(text: object, kind: str) -> float:
 
 
 def _unfit(value: float, unit: str, kind: str) -> str:
-    """What is wrong with a unit; of a plain number that is written as a ratio, the number that is meant."""
+    """The fault of a unit; of a plain number that is written as a ratio, the number that is meant."""
     return (as_quotient(value, unit) if KINDS[kind].si == "1" else "") or _misfit(unit, kind)
 
 
