@@ -24,7 +24,7 @@ from drivesizer.physics.stress import Heat, Parts, Stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
 from drivesizer.physics.waveform import Wave, balanced, highest_powers
 from drivesizer.search.columns.limits_over_time import Moments, Pair
-from drivesizer.search.columns.waveform_bounds import Candidates, at_most, at_source, resisted
+from drivesizer.search.columns.waveform_bounds import BehindOne, at_most, at_source, resisted
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["by_few_blocks", "by_segments", "closer", "closer_power"]
@@ -145,7 +145,7 @@ def by_few_blocks(
     current = demand.coefficients / parts.motor["torque_constant"][:, None]
     bodies, losses = two_bodies(parts.motor), (heating.friction, heating.iron)
     T = bracket(bodies, spec.environment.ambient, store[name], current, *losses)
-    at = Candidates(spec, cycle, demand, heating, stresses, parts)
+    at = BehindOne(spec, cycle, demand, heating, stresses, parts)
     return low, at_most(at, high._replace(winding=T.upper))
 
 

@@ -28,7 +28,7 @@ from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_pa
 from drivesizer.search.columns.overload_bounds import above_bounds
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Candidates", "at_most", "at_source", "bounds", "most_cold_power", "resisted"]
+__all__ = ["BehindOne", "at_most", "at_source", "bounds", "most_cold_power", "resisted"]
 
 Array = NDArray[np.float64]
 _CELLS = 1 << 16  # candidates times points at a time: what stays in the processor's cache
@@ -83,14 +83,14 @@ def bounds(
         return resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
     low, high = _by_the_largest_current(spec, cycle, demand, heating, stresses, parts, (low, high))
     rows = np.flatnonzero(~np.logical_and.reduce([c.passed for c in waveform_limits(spec, high, high, parts)]))
-    at = Candidates(spec, cycle, on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
+    at = BehindOne(spec, cycle, on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
     least = _at_least(at, on(low, rows), coolest[rows])
     short = next(c.failed for c in waveform_limits(spec, least, least, at.parts) if c.name == "supply_voltage")
     few = np.flatnonzero(~short)
     return replaced(low, rows, least), replaced(high, rows[few], at_most(at.on(few), on(high, rows[few])))
 
 
-class Candidates(NamedTuple):
+class BehindOne(NamedTuple):
     """A load case behind one belt and its candidates."""
 
     spec: RobotSpec
@@ -100,10 +100,10 @@ class Candidates(NamedTuple):
     stresses: Stress
     parts: Parts
 
-    def on(self, rows: NDArray[np.int64]) -> Candidates:
+    def on(self, rows: NDArray[np.int64]) -> BehindOne:
         """Some of the candidates."""
         columns = on(self.demand, rows), on(self.heating, rows), on(self.stresses, rows), self.parts.on(rows)
-        return Candidates(self.spec, self.cycle, *columns)
+        return BehindOne(self.spec, self.cycle, *columns)
 
 
 def _by_the_largest_current(
@@ -151,11 +151,11 @@ def resisted(
     Pair
         Lower and upper bounds.
     """
-    at, (low, high) = Candidates(spec, cycle, demand, heating, stresses, parts), found
+    at, (low, high) = BehindOne(spec, cycle, demand, heating, stresses, parts), found
     return _at_least(at, low, coolest), at_most(at, high)
 
 
-def _at_least(at: Candidates, low: Moments, coolest: Array) -> Moments:
+def _at_least(at: BehindOne, low: Moments, coolest: Array) -> Moments:
     """Lower bounds of the winding with those of voltage and power put to them, by a winding nowhere cooler."""
     motor, feed = at.parts.motor, at.spec.feed(at.parts.controller, at.parts.brake)
     cool, k_t = np.asarray(resistance_at(resistance_25(motor), coolest)), motor["torque_constant"]
@@ -167,7 +167,7 @@ def _at_least(at: Candidates, low: Moments, coolest: Array) -> Moments:
     return low._replace(power=of_the_source(power + feed.stage.standby, feed))
 
 
-def at_most(at: Candidates, high: Moments) -> Moments:
+def at_most(at: BehindOne, high: Moments) -> Moments:
     """Upper bounds of the winding with those of voltage and power put to them.
 
     Parameters
