@@ -16,8 +16,8 @@ from drivesizer.machine.set_columns import one_row
 from drivesizer.machine.set_cycle import heated
 from drivesizer.machine.supply_power import DrivePower, drive_power, drive_power_in_parts, together
 from drivesizer.physics.elements.brake_resistor import burnt_energy, largest_mean, largest_pulse
-from drivesizer.physics.one_pass.drives import figures, is_long, piece_by_piece
-from drivesizer.physics.power_stage import bus_voltage, of_the_source
+from drivesizer.physics.one_pass.drives import Kept, figures, is_long, piece_by_piece
+from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
 from drivesizer.physics.waveform import most_stored
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
@@ -201,17 +201,19 @@ def _in_one_pass(case: str, spec: RobotSpec, one: DriveParts, base: Any) -> Rege
     """Of one drive over a long cycle, where that is at hand as machine code; None elsewhere, and of unknown heat."""
     if one.steps or not is_long(base.behind(one.belt_ratio)):
         return None
-    cycle, demand, heating = heated(spec, one, base)
-    feed, supply = spec.feed_of(one.controller, one.brake), spec.supply
-    none = {"leads": 0.0, "kept": 0.0, "limit": nan, "wanted": 3}
-    drive = figures(spec.environment.ambient, cycle, demand, heating, one_row(one.motor), feed, **none)
-    timed = supply.peak_current is not None and supply.current is not None  # of what is drawn each moment counts
+    feed, (cycle, demand, heating) = spec.feed_of(one.controller, one.brake), heated(spec, one, base)
+    beside = {"leads": 0.0, "kept": 0.0, "limit": nan, "wanted": 3}
+    drive = figures(spec.environment.ambient, cycle, demand, heating, one_row(one.motor), feed, **beside)
+    timed = spec.supply.peak_current is not None and spec.supply.current is not None  # what is drawn each moment counts
     found = piece_by_piece(cycle, drive, each=timed)
-    if found is None:
-        return None
     sets = spec.load.alike if demand.complete.all() else nan
-    standby = float(np.asarray(feed.stage.standby).item())
-    drawn, share = found.drawn + standby * found.duration, 1.0 - supply.regeneration
+    return None if found is None else _of_kept(case, spec, found, feed, sets)
+
+
+def _of_kept(case: str, spec: RobotSpec, found: Kept, feed: Feed, sets: float) -> Regenerated:
+    """Of the pieces that one pass kept of a drive, and so many drives alike."""
+    standby, share = float(np.asarray(feed.stage.standby).item()), 1.0 - spec.supply.regeneration
+    drawn = found.drawn + standby * found.duration
     return Regenerated(
         case=case,
         spec=spec,
@@ -220,7 +222,7 @@ def _in_one_pass(case: str, spec: RobotSpec, one: DriveParts, base: Any) -> Rege
         returned=share * sets * found.returned,
         returned_peak=share * sets * found.back,
         drawn_peak=sets * of_the_source(found.out + standby, feed),
-        mean_drawn=sets * float(drawn.sum() + found.resisted) / cycle.load_cycle.total,
+        mean_drawn=sets * float(drawn.sum() + found.resisted) / float(found.duration.sum()),
     )
 
 
