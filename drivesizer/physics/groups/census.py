@@ -220,13 +220,16 @@ def in_blocks(cycle: Any, efficiency: float, starts: NDArray[np.int64], wanted: 
     Returns
     -------
     array or None
-        Shape (blocks, ``block_layout.ROWS``, ``block_layout.ENTRIES``); None without machine code.
+        Shape (blocks, ``block_layout.ROWS``, ``block_layout.ENTRIES``), of squares (blocks, 2, ``SQUARES``); None
+        without machine code.
     """
     look = compiled_blocks()
     if look is None:
         return None
     columns, strides = columns_of(cycle)
-    found = np.zeros((len(starts), of_blocks.ROWS, of_blocks.ENTRIES))
+    signals = wanted == of_blocks.SIGNALS  # of many more blocks, of which less is known
+    rows, entries = (2, of_blocks.SQUARES) if signals else (of_blocks.ROWS, of_blocks.ENTRIES)
+    found = np.zeros((len(starts), rows, entries))
     look(wanted, efficiency, starts.astype(np.int64), *columns, strides, np.zeros(of_blocks.CELLS), found)
     return found
 
