@@ -22,7 +22,7 @@ _STRANGE = re.compile(  # words of Python and of libraries that say nothing to a
 )
 _OTHERS = ("drivesizer: a request of the page",)  # of no user
 _PLACED = re.compile(
-    r'[\w./-]+\.(yaml|csv|urdf|xml|json)|--?[a-z]|: (?:[a-z]+ )?"|(parts of one|objective) |/dev/|'
+    r'\.(yaml|csv|urdf|xml|json)|--?[a-z]|: (?:[a-z]+ )?"|(parts of one|objective) |/dev/|'
     r"a request of the page|memory"
 )
 
