@@ -277,4 +277,5 @@ def test_the_parts_list_multiplies_and_sums_what_is_known(result):
     assert total[1] == "total" and total[6] == "at least 510.92 EUR" and total[4].startswith("at least ")
     nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None)
     *lines, total = [row.cells for row in parts_table(parts_list(nothing, result.catalog, 1), 1, "").rows]
-    assert total[6] == "unknown" and {role: family for _, role, family, *_ in lines}["encoder"] == "none is listed for this motor"
+    assert total[6] == "unknown"
+    assert {role: family for _, role, family, *_ in lines}["encoder"] == "none is listed for this motor"
