@@ -77,15 +77,15 @@ def rates(specs: Sequence[RobotSpec], runs: int, estimates: bool = True) -> list
 
 def reading(folder: Path, spec: RobotSpec, runs: int) -> tuple[float, float]:
     """Processor time to read a recording of a million samples, in one go and row by row [s]."""
-    path, plain = folder / "million.csv", csv_columns._plain_values
+    path, plain = folder / "million.csv", csv_columns.plain_columns
     recording(spec, path, 1_000_000)
     best = [np.inf, np.inf]
     for _ in range(runs):
         for place, read in enumerate((plain, lambda *_: None)):
-            csv_columns._plain_values, start = read, time.process_time()
+            csv_columns.plain_columns, start = read, time.process_time()
             csv_columns.columns(path, {"time": "time", "speed": "rotary_speed", "torque": "torque"})
             best[place] = min(best[place], time.process_time() - start)
-    csv_columns._plain_values = plain
+    csv_columns.plain_columns = plain
     return best[0], best[1]
 
 
