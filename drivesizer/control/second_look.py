@@ -18,7 +18,6 @@ from drivesizer.control.sampled import System
 __all__ = ["AGREED", "Compared", "compared"]
 
 AGREED = 1e-4  # relative: python-control interpolates between the points of a response
-_SAMPLES = 2000  # of a step response
 
 
 class Compared(NamedTuple):

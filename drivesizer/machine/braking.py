@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["braking_budget", "bus_budget"]
 
-ByCase = list[tuple[str, tuple[Check, ...]]]
 Worst = Callable[[Sequence[tuple[str, Sequence[Check]]]], tuple[Check, ...]]
 _WINDOW = 60.0  # s
 _STAYS = "unknown: how far regenerated energy raises the voltage: give brake_resistor or supply.capacitance"

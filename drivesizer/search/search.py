@@ -120,8 +120,8 @@ def _beside(problem: Problem, kept: Sifted, rank: Rank, order: Rows, first: int,
     found = held_back(problem, kept, rank, order[:1])
     if others:
         alike = alike_of_others(problem.catalog, kept.sets, order, first, others, rank.columns)
-        found = np.concatenate([found[~np.isin(found, alike)], alike])
-    found = found[~np.isin(found, order[:first])]
+        found = np.concatenate([but_for(found, alike), alike])
+    found = but_for(found, order[:first])
     return found if first + len(found) <= waveforms(problem) else order[:0]
 
 
