@@ -55,6 +55,7 @@ _NOT_A_COLUMN = {
     "manufacturer": "manufacturer stands at the head of its file",
     "inside": "inside is not given: it is of the parts of an actuator",
 }
+RATIO = re.compile(r"([0-9]{1,15}/[1-9][0-9]{0,14}|[0-9]{1,9}(?:\.[0-9]{1,9})?(?=:1$))(?::1)?")  # 3249/121, 27:1
 _HEADER = re.compile(r"(\w+)(?:\s*\((.+)\))?")
 
 
@@ -278,8 +279,8 @@ def _cell(reader: Reader, column: Column, cell: Any, path: Path_) -> float:
         return np.nan
     if isinstance(cell, int | float) and not isinstance(cell, bool):
         return float(cell)
-    if column.kind == "ratio" and isinstance(cell, str) and re.fullmatch(r"[0-9]{1,15}/[1-9][0-9]{0,14}", cell):
-        return float(Fraction(cell))
+    if column.kind == "ratio" and isinstance(cell, str) and (printed := RATIO.fullmatch(cell)):
+        return float(Fraction(printed[1]))
     raise reader.fail(path, f"{column.name}: {quoted(cell)} is not a number; unknown is written ~")
 
 

@@ -74,6 +74,10 @@ def moves_of(section: RobotSection, robot: Robot) -> JointMotion:
     """
     assert section.waypoints is not None
     joints, stops = _stops(section, robot)
+    if not joints:
+        raise FieldError(
+            ("robot", "waypoints"), "no joint moves; expected its positions, e.g. {positions: {elbow: 90 deg}}"
+        )
     limits = _limits(section, robot, joints)
     made: list[JointMotion] = []
     names = tuple(joint.name for joint in joints)

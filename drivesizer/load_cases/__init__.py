@@ -7,17 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from math import nan
 from typing import Any
 
 import numpy as np
 
-from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import beside
 from drivesizer.load_cases.held import held_positions
-from drivesizer.load_cases.profile import profile_of
+from drivesizer.load_cases.profile import located, profile_of
 from drivesizer.load_cases.waiting import held_torque, with_rest
 from drivesizer.loads.course import Course, Profile, course
 from drivesizer.loads.fixed_gear import through_gear
@@ -156,12 +154,3 @@ def of_course(spec: RobotSpec, course: Course) -> LoadCycle:
     with located(spec):
         cycle = LAWS[spec.load.kind](spec.load, spec.environment.gravity, course)
     return replace(cycle, own=()) if spec.platform else cycle  # a platform's own checks know more
-
-
-@contextmanager
-def located(spec: RobotSpec) -> Iterator[None]:
-    """Errors of a field with its file and line, raised within."""
-    try:
-        yield
-    except FieldError as error:
-        raise InputError(f"{spec.where(error.field)}: {error}") from None

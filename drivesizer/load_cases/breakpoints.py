@@ -6,12 +6,13 @@ import itertools
 import math
 from collections.abc import Sequence
 
-from drivesizer.errors import InputError
+from drivesizer.errors import FieldError
 from drivesizer.loads.course import Profile
 
 __all__ = ["Leg", "checked", "straight"]
 
-Leg = tuple[str, float, float]  # field that gives its time; time [s]; speed at its end
+_Field = str | tuple[str | int, ...]  # of the motion
+Leg = tuple[_Field, float, float]  # field that gives its time; time [s]; speed at its end
 
 
 def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Profile:
@@ -33,7 +34,7 @@ def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Pr
 
     Raises
     ------
-    InputError
+    FieldError
         When a leg's figures cannot be computed with.
     """
     back = [(field, duration, -to) for field, duration, to in legs if there_and_back]
@@ -42,15 +43,19 @@ def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Pr
         end, change = time[-1] + duration, to - speed[-1]
         slope = change / duration if duration else 0.0
         if not all(map(math.isfinite, (end, slope, (speed[-1] + to) * duration))):
-            raise InputError(f"motion.{field}: {duration:g} s leads beyond the range of numbers to compute with")
+            raise FieldError(_of_motion(field), f"{duration:g} s leads beyond the range of numbers to compute with")
         if end > time[-1]:
             time.append(end)
             speed.append(to)
         elif change:
-            raise InputError(f"motion.{field}: {duration:g} s is too short beside the {end:g} s before it")
+            raise FieldError(_of_motion(field), f"{duration:g} s is too short beside the {end:g} s before it")
     if not any(speed) and any(to for _, _, to in legs):
-        raise InputError(f"motion.{legs[0][0]}: the speed is too small a number to compute with")
+        raise FieldError(_of_motion(legs[0][0]), "the speed is too small a number to compute with")
     return Profile(name, tuple(time), tuple(speed))
+
+
+def _of_motion(field: _Field) -> tuple[str | int, ...]:
+    return ("motion", field) if isinstance(field, str) else ("motion", *field)
 
 
 def checked(profile: Profile, field: str) -> Profile:
@@ -70,13 +75,13 @@ def checked(profile: Profile, field: str) -> Profile:
 
     Raises
     ------
-    InputError
+    FieldError
         When they leave the range of numbers, or a part has no length beside the whole.
     """
     sloped = (*(profile.acceleration or ()), *itertools.chain.from_iterable(profile.ends or ()))
     figures = (*profile.time, *profile.speed, *sloped)
     if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:
-        raise InputError(f"motion.{field}: leads beyond the range of numbers to compute with")
+        raise FieldError(("motion", field), "leads beyond the range of numbers to compute with")
     if any(t1 <= t0 for t0, t1, _, _ in profile.pieces()):
-        raise InputError(f"motion.{field}: a part of the motion is too short beside its {profile.duration:g} s")
+        raise FieldError(("motion", field), f"a part of the motion is too short beside its {profile.duration:g} s")
     return profile

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivesizer.errors import InputError
+from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import columns
 from drivesizer.load_cases.breakpoints import checked, straight
 from drivesizer.load_cases.motion_laws import LAWS
@@ -88,7 +88,10 @@ def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
     if len(time) < 4:
         raise InputError(f"{path}: rows: {len(time)} found; expected at least 4, to take a slope of")
     if motion.smoothing > time[-1]:
-        raise InputError(f"motion.smoothing: {motion.smoothing:g} s is longer than the table, {time[-1]:g} s")
+        raise FieldError(
+            ("motion", "smoothing"),
+            f"{motion.smoothing:g} s is longer than the table of {time[-1]:g} s; expected at most that, e.g. 2 ms",
+        )
     around = [np.append(c[:-1] - c[-1] + c[0], np.append(c, c[1:] + c[-1] - c[0])) for c in (time, position)]
     slope = local_parabola(around[0], around[1], motion.smoothing)[1][len(time) - 1 : 2 * len(time) - 1]
     speed = np.where(np.abs(slope) <= _STILL * np.abs(slope).max(), 0.0, slope)

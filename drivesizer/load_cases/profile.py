@@ -15,12 +15,13 @@ the straight lines add where the curve is hollow, they take away where it bulges
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from drivesizer.errors import InputError, quoted
+from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.csv_columns import beside, columns
 from drivesizer.load_cases.breakpoints import Leg, checked, straight
 from drivesizer.load_cases.moves import cam, move
@@ -31,7 +32,8 @@ from drivesizer.spec.motions import Cam, Csv, Harmonic, Hold, SCurve, Segments, 
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "SPEED", "from_csv", "harmonic", "hold", "profile", "profile_of", "s_curve", "segments", "trapezoid", "triangle",
+    "SPEED", "from_csv", "harmonic", "hold", "located", "profile", "profile_of",
+    "s_curve", "segments", "trapezoid", "triangle",
 ]  # fmt: skip
 
 SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
@@ -70,9 +72,9 @@ def triangle(motion: Triangle) -> Profile:
 def segments(motion: Segments) -> Profile:
     """Straight pieces as they are listed."""
     legs: list[Leg] = []
-    for number, segment in enumerate(motion.segments, 1):
+    for number, segment in enumerate(motion.segments):
         speed = segment.to if segment.to is not None else legs[-1][2] if legs else 0.0
-        legs.append((f"segments[{number}].time", segment.time, speed))
+        legs.append((("segments", number, "time"), segment.time, speed))
     return straight("segments", legs)
 
 
@@ -184,6 +186,20 @@ def _own_motion(spec: RobotSpec) -> Profile:
     motion = spec.motion
     if motion is None:
         raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
+    with located(spec):
+        return _of_motion(spec, motion)
+
+
+@contextmanager
+def located(spec: RobotSpec) -> Iterator[None]:
+    """Errors of a field with its file and line, raised within."""
+    try:
+        yield
+    except FieldError as error:
+        raise InputError(f"{spec.where(error.field)}: {error}") from None
+
+
+def _of_motion(spec: RobotSpec, motion: Any) -> Profile:
     if isinstance(motion, Csv):
         path = beside(spec.file, motion.file, spec.where(("motion", "file")))
         return replace(from_csv(path, _kind(spec)), name=motion.file)
@@ -239,7 +255,8 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     if name_or_file == own:
         return profile_of(spec)
     if name_or_file == "s-curve" and isinstance(spec.motion, Trapezoid):
-        return resting(_carrying(_rounded(spec.motion), spec.motion), spec.waits_until)
+        with located(spec):
+            return resting(_carrying(_rounded(spec.motion), spec.motion), spec.waits_until)
     raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
 
 

@@ -237,8 +237,10 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
     Returns
     -------
     list of DrivePower
-        In their order.
+        In their order; one alone is as it was.
     """
+    if len(powers) == 1:
+        return list(powers)
     ends = [np.concatenate([[0.0], np.cumsum(p.duration)]) for p in powers]
     edges = np.unique(np.concatenate(ends))
     edges = edges[np.concatenate([[True], np.diff(edges) > _NO_TIME * edges[-1]])]

@@ -21,8 +21,7 @@ from drivesizer.catalog import Catalog, Table
 from drivesizer.catalog.more_parts import Screw as Part
 from drivesizer.errors import InputError
 from drivesizer.files.frozen import dataclass
-from drivesizer.load_cases import located
-from drivesizer.load_cases.profile import profile_of
+from drivesizer.load_cases.profile import located, profile_of
 from drivesizer.loads.course import Course, course
 from drivesizer.loads.screw import Screw, ScrewChoice
 from drivesizer.loads.screw_limits import own_limits

@@ -50,7 +50,7 @@ def _client(address: str) -> Any:
     if find_spec("distributed") is None:
         raise InputError("--scheduler needs Dask; install drivesizer[cluster]")
     dask = import_module("distributed")  # first, for it sets log levels
-    for name in ("distributed", "distributed.client", "tornado"):  # replaced by a one-line error
+    for name in ("distributed", "distributed.client", "tornado", "tornado.application"):  # replaced by a one-line error
         logging.getLogger(name).setLevel(logging.CRITICAL)
     expected = "expected a Dask scheduler's address, e.g. tcp://10.0.0.5:8786"
     try:
@@ -126,6 +126,8 @@ def _next(done: Any, address: str) -> tuple[Any, Part]:
     lost: Any = CancelledError, OSError, import_module("distributed").KilledWorker  # a closed connection is an OSError
     try:
         future, part = next(done)
+        if isinstance(part, BaseException):  # of a cancelled task Dask hands the error over as its result
+            raise part
     except (ImportError, AttributeError, TypeError) as error:
         raise InputError(
             f"{address}: its workers cannot compute this ({_brief(error)}); install the same drivesizer there"

@@ -61,7 +61,7 @@ density              | 7850 kg/m^3 | kg/m^3; g/cm^3 g/cc; lb/in^3; lb/ft^3
 stiffness            | 20 N/mm     | N/m; N/mm; kN/m; N/um; lbf/in lb/in
 torsional_stiffness  | 1.2 N*m/arcmin | N*m/rad; N*m/deg; N*m/arcmin; mN*m/rad
 damping              | 1e-6 N*m*s  | N*m*s/rad N*m*s; mN*m/rpm mNm*min
-dimensionless        | 0.02 or 2 % | 1; %
+dimensionless        | 0.02 or 2 % | 1 :1; %
 ratio                | 27          | 1
 price                | 46.55 EUR   | EUR €
 price_chf            | 51.20 CHF   | CHF

@@ -166,5 +166,5 @@ def test_tables_that_are_none(rows, line, tmp_path):
 
 def test_a_smoothing_longer_than_the_table_is_refused(tmp_path):
     motion = table(tmp_path / "cam.csv", [0.0, 90.0, 180.0, 270.0, 360.0], [0.0, 1.0, 2.0, 1.0, 0.0])
-    with pytest.raises(InputError, match=r"motion\.smoothing: 2 s is longer than the table, 0.5 s"):
+    with pytest.raises(InputError, match=r"motion\.smoothing: 2 s is longer than the table of 0.5 s"):
         profile_of(spec_of(motion | {"smoothing": "2 s"}))

@@ -231,6 +231,29 @@ def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
     assert results(tmp_path / "study") == without_maps(whole)
 
 
+@pytest.mark.slow
+def test_a_lost_scheduler_is_one_line_and_results_are_kept(tmp_path):
+    pytest.importorskip("distributed")
+    laid(tmp_path, MANY)
+    (tmp_path / "cluster.py").write_text(CLUSTER)
+    with subprocess.Popen(
+        [sys.executable, "cluster.py"], cwd=tmp_path, env=surroundings(), stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8",
+    ) as running:  # fmt: skip
+        address = running.stdout.readline().split()[0]
+        with subprocess.Popen(
+            halted(20, "--scheduler", address, "--no-maps"), cwd=tmp_path, env=surroundings(), stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE, encoding="utf-8",
+        ) as study:  # fmt: skip
+            until(lambda: len(chunks(tmp_path)) >= 20)
+            running.kill()  # the scheduler lives in this process
+            (tmp_path / "go").touch()
+            _, err = study.communicate(timeout=WAIT)
+    assert (study.returncode, err.count("\n")) == (2, 1), err
+    assert "were lost" in err and "the same command resumes" in err
+    assert len(chunks(tmp_path)) >= 20
+
+
 def without_maps(files):
     return {name: content for name, content in files.items() if not name.startswith("maps/")}
 

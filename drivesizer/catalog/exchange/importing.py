@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drivesizer.catalog.catalog_file import SCHEMA, parse
+from drivesizer.catalog.catalog_file import RATIO, SCHEMA, parse
 from drivesizer.catalog.columns import Column
 from drivesizer.catalog.exchange.currencies import in_their_currency
 from drivesizer.catalog.exchange.exporting import plain
@@ -25,7 +25,6 @@ from drivesizer.units import number, scale
 
 __all__ = ["Imported", "heads_of", "import_table"]
 
-_FRACTION = re.compile(r"[0-9]{1,15}/[1-9][0-9]{0,14}")
 _BARE = re.compile(r"[A-Za-z][A-Za-z0-9_ ()*/^.%+-]*[A-Za-z0-9_)%]|[A-Za-z]")
 _WORDS = {"null", "true", "false"}
 
@@ -136,6 +135,9 @@ def _rows(
 
 
 def _sheet(text: str, path: Path) -> _Sheet:
+    head = text.partition("\n")[0]
+    if ";" in head and "," not in head:
+        raise InputError(f"{path}:1: header: separated by semicolons; expected commas, and points in numbers")
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
@@ -144,8 +146,6 @@ def _sheet(text: str, path: Path) -> _Sheet:
     if len(rows) < 2:
         raise InputError(f"{path}: expected a header, a row of units such as ,V,rpm and then a part in each row")
     (_, header), (_, units), *rest = rows
-    if len(header) == 1 and ";" in header[0]:
-        raise InputError(f"{path}:1: header: separated by semicolons; expected commas, and points in numbers")
     for line, cells in [(2, units), *rest]:
         if len(cells) != len(header) and any(cells):
             what = "units" if line == 2 else "row"
@@ -211,8 +211,8 @@ def _row(sheet: _Sheet, line: int, cells: list[str], taken: Mapping[str, int], p
 
 def _number(cell: str, unit: str, column: Column, where: str) -> str:
     """A number as printed, checked."""
-    if column.kind == "ratio" and _FRACTION.fullmatch(cell):
-        return cell
+    if column.kind == "ratio" and RATIO.fullmatch(cell):
+        return cell.removesuffix(":1")
     try:
         value, rest = number(cell)
     except InputError as error:
