@@ -76,6 +76,8 @@ def agrees_with_pint(kind, unit):
         ("3 arcmin", "angle", math.pi / 3600),
         ("2 %", "dimensionless", 0.02),
         (0.02, "dimensionless", 0.02),
+        ("5:1", "dimensionless", 5.0),
+        ("3.7:1", "dimensionless", 3.7),
         ("1 g_0", "acceleration", 9.80665),
     ],
 )

@@ -6,6 +6,7 @@ The resistor is the machine's: it is chosen when the drive is, the smallest that
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from math import inf, isnan, nan
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,7 @@ __all__ = ["braking_budget", "bus_budget"]
 
 Worst = Callable[[Sequence[tuple[str, Sequence[Check]]]], tuple[Check, ...]]
 _WINDOW = 60.0  # s
+_NONE_LISTED = "unknown: these catalogues list none above the supply's voltage: name one that does in select.catalogs"
 _STAYS = "unknown: how far regenerated energy raises the voltage: give brake_resistor or supply.capacitance"
 
 
@@ -131,7 +133,7 @@ def _chosen(
     assert section is not None
     every = [suited(one, cases) for one in offered(spec, catalog)]
     if not every:
-        return None, _records([fits("resistor_available", False, True)])
+        return None, _records([replace(fits("resistor_available", False, False), note=_NONE_LISTED)])
 
     def judged(one: BrakeResistor) -> tuple[Check, ...]:
         found = [(case.case, _records(resistor_columns(section, one, case, withstood))) for case in cases]

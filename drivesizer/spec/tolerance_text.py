@@ -14,6 +14,7 @@ is in per cent, so is its width: ``90 % +- 2 %`` is 88 to 92 %.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from copy import deepcopy
@@ -65,7 +66,15 @@ class Toleranced(NamedTuple):
 
     def as_text(self, value: float) -> str:
         """A value as a spec has it."""
+        if self.unit == "%":  # so that a slope reads it as a grade
+            return f"{100.0 * value:.15g} %"
         return f"{value!r} {KINDS[self.kind].si}".removesuffix(" 1")
+
+    def as_angle(self) -> Toleranced:
+        """A slope that is written as a grade, by its angle."""
+        low, high, peak = map(math.atan, self.distribution[1:])
+        angle = self.distribution._replace(low=low, high=high, peak=peak)
+        return self._replace(value=math.atan(self.value), distribution=angle, kind="angle", unit="deg")
 
 
 class _Figure(NamedTuple):

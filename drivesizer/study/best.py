@@ -26,6 +26,7 @@ class Best(NamedTuple):
     nearest: DriveSet | None  # closest rejected, where none passes
     counts: Counts
     objective: str
+    drives: int  # of this kind that the machine has
 
 
 def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None, top: int = 1) -> Best:
@@ -57,4 +58,6 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None,
     first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]
     shown = tuple(found.record(row, rank, reliability=found.reliability.get(row)) for rank, row in enumerate(first, 1))
     sets = shown if found.best else ()
-    return Best(sets, None if sets else next(iter(shown), None), found.found.counts, title_of(objective))
+    return Best(
+        sets, None if sets else next(iter(shown), None), found.found.counts, title_of(objective), spec.load.motors
+    )

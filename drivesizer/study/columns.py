@@ -80,6 +80,11 @@ _DRIVE: tuple[_Of, ...] = (
         "probability_error", lambda one: one.reliability.error if one.reliability else nan, "1"
     ),  # of sampling, 95 %
 )
+_TOTALS = (
+    Column("drives", "whole"),
+    Column("machine_mass_kg", "number", "kg"),
+    Column("machine_price_EUR", "number", "EUR"),
+)
 HEAD = Column("objective", "text"), Column("rank", "whole"), Column("status", "text")
 _MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
 _COUNTS = Column("sets_examined", "whole"), Column("sets_that_stand", "whole")
@@ -99,7 +104,7 @@ def _result(job: Job) -> tuple[Column, ...]:
     if job.machine and job.axis is None:
         own: tuple[Column, ...] = machine_columns(job.members)
     else:
-        own = (*(one.column for one in _DRIVE), *_MARGIN)
+        own = (*(one.column for one in _DRIVE), *_TOTALS, *_MARGIN)
     return (*HEAD, *own, *_COUNTS, *_LAST)
 
 
@@ -128,11 +133,11 @@ def found(head: Row, best: Best) -> list[Row]:
     if best.sets:
         return [
             [*head, best.objective, one.rank, one.status, *(cell(c, of(one)) for c, of in _DRIVE),
-             *_smallest_margin(one), *counts, "", ""]
+             *_of_all(one, best.drives), *_smallest_margin(one), *counts, "", ""]
             for one in best.sets
         ]  # fmt: skip
     near = best.nearest
-    none = [cell(column, nan if column.form == "number" else "") for column, _ in _DRIVE]
+    none = [None if column.form != "text" else "" for column in (*(one.column for one in _DRIVE), *_TOTALS)]
     margin = _smallest_margin(near) if near else [None, ""]
     return [[*head, best.objective, None, "fail", *none, *margin, *counts, near.label if near else "", ""]]
 
@@ -158,6 +163,11 @@ def failed(job: Job, head: Row, objective: str, message: str) -> list[Row]:
     """
     none = ["" if column.form == "text" else None for column in _result(job)[len(HEAD) : -1]]
     return [[*head, objective, None, "error", *none, message]]
+
+
+def _of_all(one: DriveSet, drives: int) -> Row:
+    """Number of drives of the machine, and mass and price of all of them."""
+    return [drives, *(cell(c, drives * value) for c, value in zip(_TOTALS[1:], (one.mass, one.price), strict=True))]
 
 
 def _smallest_margin(one: DriveSet) -> Row:

@@ -165,6 +165,8 @@ def kind_of(spec: YamlSource, path: Path_, value: Any) -> str:
     first = found[0]
     if isinstance(first, Either):
         return _of_either(value, first.rotary, first.linear)
+    if first.grade and str(value).rstrip().endswith("%"):
+        return "dimensionless"
     if not first.rotary:
         return first.kind
     load = data.get("load") if isinstance(data, dict) else None

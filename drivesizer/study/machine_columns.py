@@ -75,9 +75,9 @@ def _kinds(sizing: MachineSizing) -> int:
 _MACHINE: tuple[_Of, ...] = (
     _Of(Column("drives", "whole"), lambda sizing: sum(one.drives for one in sizing.axes if one.best)),
     _Of(Column("kinds", "whole"), _kinds),  # of motor and gearhead
-    _Of(Column("mass_kg", "number", "kg"), _sum(lambda one: one.mass)),  # of motors and gearheads
+    _Of(Column("machine_mass_kg", "number", "kg"), _sum(lambda one: one.mass)),  # of motors and gearheads
     _Of(Column("mass_lacks", "text"), _lacking(_unweighed)),
-    _Of(Column("price_EUR", "number", "EUR"), _price),  # of all parts whose price is known
+    _Of(Column("machine_price_EUR", "number", "EUR"), _price),  # of all parts whose price is known
     _Of(Column("price_lacks", "text"), _lacking(lambda one: unknown_of(one, one.price_of))),
     _Of(Column("objective_si", "number"), lambda sizing: sizing.total),
     _Of(Column("energy_J", "number", "J"), _energy),

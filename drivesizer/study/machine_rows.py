@@ -71,7 +71,7 @@ def _best(axis: AxisSizing, top: int) -> Best:
     result = axis.result
     sets = result.sets[:top]
     near = next(iter((*result.unsure, *result.misses)), None)
-    return Best(sets, None if sets else near, result.counts, result.objective)
+    return Best(sets, None if sets else near, result.counts, result.objective, axis.drives)
 
 
 @dataclass(frozen=True, slots=True)

@@ -106,6 +106,7 @@ def test_joints_arrive_together_and_one_limit_is_met(law: str, jerk: float | Non
         (between({"spin": "0 deg"}, {"spin": "1 deg"}), 'joint "spin" has no limit of speed; expected speed here'),
         (between({"turn": "0 deg"}, {"turn": "1 deg"}), 'joint "turn" has no limit of acceleration'),
         (between({"turn": "9 deg"}, {"turn": "9 deg"}, limits=ALL), "nothing moves"),
+        (between({}, {}, limits=ALL), "no joint moves; expected its positions"),
         (
             between({"turn": "0 deg"}, {"turn": "3 rad"}, limits=ALL),
             'joint "turn" is at 3 rad after 3.5 s; expected -2 to 2',

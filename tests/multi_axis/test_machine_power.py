@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
+from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.shared_sections import shared_sections
 from drivesizer.multi_axis.sizing import laden, size_machine
@@ -49,6 +50,15 @@ MACHINE: dict[str, Any] = {
 @pytest.fixture(scope="module")
 def sizing() -> MachineSizing:
     return size_machine(load_machine(MACHINE), top=1)
+
+
+def test_one_axis_alone_keeps_the_pieces_of_its_course():
+    """A piece shorter than 1e-12 of the cycle is nothing beside another axis; alone it stays in both."""
+    duration = np.array([1.0, 1e-12, 1.0])
+    columns = {name: np.arange(3.0) for name in DrivePower._fields if name not in ("duration", "distance")}
+    alone = DrivePower(duration=duration, distance=1.0, **columns)
+    assert [len(one.duration) for one in side_by_side([alone])] == [3]
+    assert [len(one.duration) for one in side_by_side([alone, alone])] == [2, 2]
 
 
 def test_a_machine_is_judged_on_its_supply(sizing):

@@ -45,6 +45,20 @@ def test_a_tolerance_is_read_as_it_is_written(text: str) -> None:
     assert (found.distribution.low, found.distribution.high) == pytest.approx((low, high), rel=1e-12)
 
 
+def test_a_slope_takes_the_tolerance_of_a_grade(example_text: str) -> None:
+    """By hand: atan(0.04) is 0.0399787 rad, atan(0.03) 0.0299910, atan(0.05) 0.0499584; in a load case too."""
+    case = "cases: [{name: ramp, load: {slope: 8 % +- 1 %}}]\n"
+    text = example_text.replace("slope: 0 deg", "slope: 4 % +- 1 %").replace("method: paper", case + "method: physics")
+    spec = read_spec(YamlSource(text, "robot.yaml"))
+    assert spec.load.slope == pytest.approx(0.0399787, abs=5e-8)
+    case_, one = sorted(spec.toleranced, key=lambda found: found.path[0])
+    assert (one.value, one.distribution.low, one.distribution.high) == pytest.approx(
+        (0.0399787, 0.0299910, 0.0499584), abs=5e-8
+    )
+    assert case_.value == pytest.approx(0.0798300, abs=5e-8)
+    assert {one.kind, case_.kind} == {"angle"}
+
+
 @pytest.mark.parametrize(
     "text", ["118 mm", "-5 deg", "27:1", "robot +- x", "RE 25", "1e-5", "EC 45 flat (70 W)", "a..b"]
 )

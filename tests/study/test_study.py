@@ -325,6 +325,36 @@ def test_a_row_is_what_size_finds(tmp_path):
             assert row["sets_examined"] == found.counts.considered
 
 
+def test_four_wheels_and_two_are_compared_by_the_machine(tmp_path):
+    """Mass and price of one drive say that four wheels are lighter; those of all drives are carried and paid for."""
+    cart = """\
+name: cart
+load: {kind: wheeled_vehicle, mass: 60 kg, driven_wheels: 2, wheel_diameter: 150 mm, rolling_resistance: 2 %,
+       inertia: 25 kg*cm^2}
+motion: {speed: 1.2 m/s, acceleration_time: 1.5 s, cruise_time: 60 s, rest_time: 10 s}
+transmission: [{kind: gearhead}]
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [maxon], objective: mass}
+"""
+    rows = table(planned(tmp_path, "spec: robot.yaml\nvary: {load.driven_wheels: [2, 4]}\n", cart))
+    assert [row["drives"] for row in rows] == [2, 4]
+    for row in rows:
+        assert row["machine_mass_kg"] == pytest.approx(row["drives"] * row["mass_kg"], rel=1e-12)
+        assert row["machine_price_EUR"] == pytest.approx(row["drives"] * row["price_EUR"], rel=1e-12)
+    assert rows[1]["mass_kg"] <= rows[0]["mass_kg"] and rows[1]["machine_mass_kg"] > rows[0]["machine_mass_kg"]
+
+
+def test_a_slope_is_varied_as_a_grade(tmp_path):
+    """Rise over run, as the field itself takes it: by hand atan(0.04) is 0.0399787 rad."""
+    plan = planned(tmp_path, "spec: robot.yaml\nvary: {load.slope: [0 %, 4 %, 8 %]}\n")
+    assert [spec_of(plan.job, plan.variant(n)).load.slope for n in (1, 2, 3)] == pytest.approx(
+        [0.0, 0.0399787, 0.0798300], abs=5e-8
+    )
+    assert [row["load.slope (%)"] for row in table(plan)] == [0.0, 4.0, 8.0]
+    plan = planned(tmp_path, "spec: robot.yaml\nvary: {load.slope: {from: 0 %, to: 8 %, steps: 3}}\n")
+    assert spec_of(plan.job, plan.variant(2)).load.slope == pytest.approx(0.0399787, abs=5e-8)
+
+
 def test_what_is_not_known_is_empty_and_named(tmp_path):
     """The catalogue prints no price of RE 25 118752, its encoder and its controller."""
     (row,) = table(planned(tmp_path, "spec: robot.yaml\n"))

@@ -86,7 +86,7 @@ def test_each_variant_is_what_size_says_of_the_machine_with_these_figures(folder
         axes = {name: axis["sizing"] for name, axis in found["axes"].items()}
         assert whole["status"] == found["status"] and single["rank"] == (1 if axes["left elbow"]["sets"] else None)
         if not axes["left elbow"]["sets"]:
-            assert (single["status"], whole["mass_kg"], whole["left elbow.set"], whole["peak_W"]) == (
+            assert (single["status"], whole["machine_mass_kg"], whole["left elbow.set"], whole["peak_W"]) == (
                 "fail",
                 None,
                 "",
@@ -99,8 +99,10 @@ def test_each_variant_is_what_size_says_of_the_machine_with_these_figures(folder
         assert (single["set"], single["status"]) == (whole["left elbow.set"], elbow["status"])
         assert single["motor_part"] == elbow["motor"]["part"] and whole["drives"] == 2
         for row, some in ((whole, [*sets.values()]), (single, [elbow])):
-            assert row["mass_kg"] == close(sum(one["mass_kg"] for one in some))
-            assert row["price_EUR"] == close(sum(one[part]["price"] for one in some for part in ("motor", "gearhead")))
+            assert row["machine_mass_kg"] == close(sum(one["mass_kg"] for one in some))
+            assert row["machine_price_EUR"] == close(
+                sum(one[part]["price"] for one in some for part in ("motor", "gearhead"))
+            )
         power = found["power"]
         assert whole["objective_si"] == close(found["total"]) and whole["peak_W"] == close(power["peak_W"])
         assert whole["energy_J"] == close(power["mean_W"] * power["figures"]["machine_cycle"]["value"])

@@ -57,7 +57,7 @@ def many(sets):
     across, up = (Dimension(name, f"{name} (kg)", tuple(float(n) for n in range(10)), True) for name in "ab")
     rows = [
         {"a (kg)": float(n // 10), "b (kg)": float(n % 10), "status": "pass", "set": f"set {n % sets}",
-         "price_EUR": 123.4, "price_lacks": ""}
+         "machine_price_EUR": 123.4, "price_lacks": ""}
         for n in range(100)
     ]  # fmt: skip
     return across, up, rows
@@ -103,7 +103,7 @@ def test_one_value_has_no_scale_of_colours():
     seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True, "typeset"))
     assert "123.4 wherever it is known: one value, so no colour scale" in seen
     assert not {"100", "120", "140"} & set(seen)  # marks of a scale
-    rows[7]["price_EUR"] = 150.0
+    rows[7]["machine_price_EUR"] = 150.0
     seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True, "typeset"))
     assert "130" in seen and not any("one value" in text for text in seen)
 
@@ -111,8 +111,8 @@ def test_one_value_has_no_scale_of_colours():
 def test_figures_stand_in_the_cells_as_in_the_table(tmp_path):
     over, found, _ = mapped(tmp_path, GRID)
     seen = texts(drawings(over, found)[0]["price"]("typeset"))
-    shown = [f"≥{row['price_EUR']:.3g}" for row in found[()] if row["price_EUR"] is not None]
-    assert shown and all(row["price_lacks"] for row in found[()] if row["price_EUR"] is not None)
+    shown = [f"≥{row['machine_price_EUR']:.3g}" for row in found[()] if row["machine_price_EUR"] is not None]
+    assert shown and all(row["price_lacks"] for row in found[()] if row["machine_price_EUR"] is not None)
     assert sorted(text for text in seen if text.startswith("≥") and ":" not in text) == sorted(shown)
     assert any("≥: not known of all parts, at least" in text for text in seen)
 
@@ -223,7 +223,7 @@ def test_tolerances_vary_as_they_are_written(tmp_path):
 def test_an_unknown_figure_is_no_colour_of_the_scale(tmp_path):
     """A set of which the mass is not known has an empty cell, not a zero."""
     over, found, _ = mapped(tmp_path, GRID)
-    rows = [row | {"mass_kg": None} for row in found[()] if row["set"]]
+    rows = [row | {"machine_mass_kg": None} for row in found[()] if row["set"]]
     known = next(row for row in found[()] if row["set"])
     drawings(over, {(): [*rows, known]})[0]["mass"]("svg")
     scene = Scene(next(one for one in MAPS if one.name == "mass"), over.across, over.up, True, (None, None), {})

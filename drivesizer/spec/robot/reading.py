@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from copy import deepcopy
@@ -52,7 +53,19 @@ def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
     for one in toleranced:  # both ends must be values that the field may have
         for end, value in (("lowest", one.distribution.low), ("highest", one.distribution.high)):
             _reached(source, data, one, end, value)
+    spec._toleranced = tuple(one.as_angle() if _is_grade(spec, one) else one for one in toleranced)
     return spec
+
+
+def _is_grade(spec: RobotSpec, one: Toleranced) -> bool:
+    """Whether a figure in per cent became the angle of a slope."""
+    if one.unit != "%":
+        return False
+    of_case = one.path[0] == "cases"
+    place: Any = spec._cases[int(one.path[1])][1] if of_case else spec
+    for step in one.path[2:] if of_case else one.path:
+        place = getattr(place, step) if isinstance(step, str) and not isinstance(place, dict) else place[step]
+    return bool(place == math.atan(one.value) != one.value)
 
 
 def _read(source: YamlSource, data: dict[str, Any], before: RobotSpec | None = None) -> RobotSpec:
