@@ -39,11 +39,12 @@ from drivesizer.physics.products import product
 from drivesizer.physics.waveform import Wave, energy
 
 __all__ = [
-    "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "SPEED", "AtGearhead", "CycleAtBelt", "Peak",
-    "Pieces", "Turning", "at_gearhead", "bounded", "lacking",
+    "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "ROUNDING", "SPEED", "AtGearhead", "CycleAtBelt",
+    "Peak", "Pieces", "Turning", "at_gearhead", "bounded", "lacking",
 ]  # fmt: skip
 
 _FEW = 16  # points, of which the largest of each is found quicker column by column
+ROUNDING = 1e-9  # share of a function's largest value that is 0 but for rounding
 _FINEST = 200  # pieces of a segment at most
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 Array = NDArray[np.float64]
@@ -335,7 +336,7 @@ class AtGearhead:
         points = points * self.scale
         values = product(coefficients, points.T)
         if left_out is not None and len(rows := np.flatnonzero(lacking(left_out))):
-            against = (points < 0.0).astype(float)
+            against = (points < -ROUNDING * np.abs(points).max(axis=0)).astype(float)
             values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
         else:
             left_out = None

@@ -7,6 +7,7 @@ Symbols: i ratio, e efficiency, J inertia [kg*m^2], T torque [N*m], w speed [rad
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ __all__ = [
 SLOTLESS = "slotless"  # a winding without iron teeth
 DRY_SHARE = {SLOTLESS: 0.37, "": 0.55}  # of a brushless motor's no-load torque, by its winding; sources: ``friction``
 Array = NDArray[np.float64]
+_APART = 1e-9  # functions of time that are less apart are one function, but for a factor
 
 
 class Demands(NamedTuple):
@@ -83,9 +85,9 @@ def demands(
         The load cycle at the gearhead's output.
     motor, gearhead, encoder
         Figures of the candidates' parts by field name: columns. An unknown inertia of rotor or gearhead and an unknown
-        friction of the motor are left out where more of them could only increase the RMS torque, and the demands are
-        then lower bounds; else they are unknown. A figure whose function is 0 over the whole cycle has no effect
-        and need not be known. The inertia of an encoder, thousands of times smaller than the load's, is left out.
+        friction of the motor are taken as whatever makes the RMS torque least, so that the demands are then lower
+        bounds. A figure whose function is 0 over the whole cycle has no effect and need not be known. The inertia of
+        an encoder, thousands of times smaller than the load's, is left out.
     braking
         Inertia of a brake as the motor's shaft feels it [kg*m^2]; as a rotor's where it is unknown.
     known
@@ -102,13 +104,36 @@ def demands(
     """
     i, k_t = gearhead["ratio"], motor["torque_constant"]
     c, left_out, back_emf = known or coefficients(at.acts, motor, gearhead, encoder, braking)
-    slope = at.slope(c)
-    if left_out.any():
-        c = c.copy()
-        for place in (ACCELERATION, DIRECTION, SPEED):
-            c[left_out[:, place] & (slope[:, place] < 0.0), place] = np.nan
-    rms_torque = np.sqrt(np.maximum((slope * c).sum(1), 0.0))
+    rms_torque = np.sqrt(np.maximum(_least_square(at, c, left_out), 0.0))
     return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf, left_out)
+
+
+def _least_square(at: AtGearhead, c: Array, left_out: NDArray[np.bool_]) -> Array:
+    """Mean square of c f(t), with of what is left out the amounts, 0 or more, that make it least.
+
+    It is a convex function of the amounts: the least is met where the slope by some of them is 0 and the others are 0.
+    """
+    slope = at.slope(c)
+    found: Array = (slope * c).sum(1)
+    places = [k for k in (ACCELERATION, DIRECTION, SPEED) if left_out[:, k].any()]
+    if not (left_out & (slope < 0.0))[:, places].any():  # more of any of them only adds
+        return found
+    rows = np.flatnonzero((left_out & (slope < 0.0))[:, places].any(axis=1))
+    squares = {k: at.slope(np.broadcast_to(np.eye(6)[k], c.shape))[rows] for k in places}
+    least = found[rows]
+    for some in (list(some) for n in range(len(places)) for some in combinations(places, n + 1)):
+        matrix, s = np.stack([squares[k][:, some] for k in some], axis=1), slope[rows][:, some]
+        size = np.sqrt(np.einsum("rkk->rk", matrix))
+        own = left_out[rows][:, some].all(axis=1) & (size > 0.0).all(axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            matrix, s = matrix / (size[:, :, None] * size[:, None, :]), s / size
+        own[own] = np.linalg.det(matrix[own]) > _APART
+        amounts = -np.linalg.solve(matrix[own], s[own][:, :, None])[:, :, 0]
+        of = np.flatnonzero(own)[(amounts >= 0.0).all(axis=1)]
+        amounts = amounts[(amounts >= 0.0).all(axis=1)]
+        least[of] = np.minimum(least[of], found[rows[of]] + (s[of] * amounts).sum(axis=1))
+    found[rows] = least
+    return found
 
 
 def coefficients(acts: NDArray[np.bool_], motor: Any, gearhead: Any, encoder: Any, braking: Any = 0.0) -> Coefficients:

@@ -213,9 +213,10 @@ def heat(
         rubbing = rubbing + from_gearhead
     moments = cycle.moments
     mean = rubbing * moments[DIRECTION, SPEED] + iron * moments[SPEED, SPEED]
+    least = np.where(demands.complete, mean, np.nan_to_num(mean))  # of an unknown friction
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     R_25 = resistance_25(motor)
-    winding = steady_winding_temperature(ambient, R_25, *R_th, demands.rms_current, mean)
+    winding = steady_winding_temperature(ambient, R_25, *R_th, demands.rms_current, least)
     return Heat(rubbing, iron, mean, np.asarray(winding))
 
 

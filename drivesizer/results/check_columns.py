@@ -1,8 +1,10 @@
 """Demand against limit, for all candidates at once: the one place where margins are made.
 
 An upper limit has margin limit/demand - 1, a required minimum actual/required - 1, a temperature the same of its rise
-over the ambient. A figure that is missing makes the check *unknown*; a demand of zero passes and has no margin. Title,
-kind of quantity and unit are those that ``check_kinds`` declares.
+over the ambient. Where a limit is known from one side only, it has two ends: a demand over the high end fails, one
+within the low end passes, and between them, or where a figure is missing, the check is *unknown*. Where nothing is
+demanded it passes, unless even that is over the limit, and has no margin. Title, kind of quantity and unit are those
+that ``check_kinds`` declares.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from drivesizer.results.check_kinds import CHECKS, refuse_undeclared
 __all__ = ["PROPOSAL", "CheckColumn", "at_least", "at_most", "between", "fits", "over_band", "worst_case"]
 
 # what a check has of each candidate
-_COLUMNS = ("demand", "limit", "passed", "failed", "time", "case", "opened", "low", "high", "least_margin")
+_COLUMNS = ("demand", "limit", "passed", "failed", "time", "case", "opened", "low", "high", "least_margin", "bounded")
 _ALIKE = 1e-9  # by which margins differ through rounding alone
 _NO_MARGIN = 1e99  # above any margin; over the demand it orders checks that have none
 
@@ -47,7 +49,9 @@ class CheckColumn:
     low: NDArray[np.float64] | None = None  # demand at the ends of that band
     high: NDArray[np.float64] | None = None
     least_margin: NDArray[np.float64] | None = None  # of the two ends
+    bounded: NDArray[np.bool_] | None = None  # it fails at the high end of a limit that is known from one side
     note: str = ""
+    at_best: str = ""  # the note where it is so
     undecided: str = ""  # the note where the limit is known and the demand not: what would decide it
 
     def __post_init__(self) -> None:
@@ -165,6 +169,8 @@ class CheckColumn:
         return inf if isnan(margin) else margin
 
     def _lacking(self, index: int | tuple[()]) -> str:
+        if self.bounded is not None and self.bounded[index]:
+            return self.at_best
         open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))
         return self.undecided if open_ else ""
 
@@ -201,11 +207,16 @@ _ALL_COLUMNS, _PUT_COLUMNS = _access([*_COLUMNS, "zero"])
 _PLAIN, _PUT_PLAIN = _access([field.name for field in fields(CheckColumn) if field.name not in (*_COLUMNS, "zero")])
 
 
-def _column(name: str, demand: Any, limit: Any, *, zero: Any = 0.0, needed: float = 0.0, **more: Any) -> CheckColumn:
+def _column(
+    name: str, demand: Any, limit: Any, *, most: Any = None, zero: Any = 0.0, needed: float = 0.0, **more: Any
+) -> CheckColumn:
     demand, limit = np.asarray(demand, float), np.asarray(limit, float)
     above = zero + (demand - zero) * (1.0 + needed) if needed else demand
-    passed, failed = above <= limit, above > limit
-    idle, unbounded, unlimited = demand == zero, demand == np.inf, limit == np.inf
+    passed, failed = above <= limit, above > (limit if most is None else most)
+    if most is not None:
+        more["bounded"] = failed & ~(most == limit)
+        limit = np.where(more["bounded"], most, limit)
+    idle, unbounded, unlimited = (demand == zero) & ~failed, demand == np.inf, limit == np.inf
     if np.count_nonzero(idle | unbounded | unlimited):  # of most columns nothing is
         passed, failed = passed & ~unbounded, failed | unbounded  # it passes no limit, known or not
         idle = idle | (unlimited & ~unbounded)  # without a limit any demand will do
@@ -226,9 +237,11 @@ def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     name
         Declared in ``check_kinds``.
     demand, limit
-        In SI: a figure or a column of all candidates.
+        In SI: a figure or a column of all candidates. Where the limit is known from one side only: its low end, up to
+        which it passes; NaN where that is unknown.
     more
-        Further fields of the column: ``needed``, ``zero``, ``time``, ``advice``.
+        ``most``, the high end of the limit, above which it fails; further fields of the column: ``needed``, ``zero``,
+        ``time``, ``advice``, ``at_best``.
 
     Returns
     -------
@@ -239,6 +252,8 @@ def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     --------
     >>> at_most("motor_power", 10.0, 20.0).margin.item()
     1.0
+    >>> [at_most("motor_power", watts, 20.0, most=24.0).at((), "paper").status for watts in (18.0, 22.0, 26.0)]
+    ['pass', 'unknown', 'fail']
     """
     return _column(name, demand, limit, **more)
 

@@ -9,18 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.products import once_per_part
-from drivesizer.physics.thermal import current_derating, rated_ambient
+from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 
 __all__ = [
     "continuous_speed_limit",
     "controller_current",
+    "lasting_limit",
     "nominal_current_limit",
     "nominal_torque_limit",
+    "short_limit",
     "unstated_temperature",
 ]
 
 Array = NDArray[np.float64]
+_COLDER = "at most: the permitted winding temperature is unknown"
 _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
 
 
@@ -46,7 +49,44 @@ def continuous_speed_limit(
         Of the candidates.
     """
     speed = np.where(_by_the_mean(gearhead), mean_speed, sustained_speed)
-    return at_most("gearhead_continuous_speed", speed * ratio, gearhead["continuous_input_speed"], needed=needed)
+    limit = lasting_limit(gearhead["continuous_input_speed"], gearhead["intermittent_input_speed"])
+    return at_most("gearhead_continuous_speed", speed * ratio, **limit, needed=needed)
+
+
+def lasting_limit(lasting: Any, short: Any) -> dict[str, Any]:
+    """Both ends of a limit for ever: where it is unknown at most that for a short time.
+
+    Parameters
+    ----------
+    lasting, short
+        Limits as printed; NaN unknown.
+
+    Returns
+    -------
+    dict
+        Arguments of ``at_most``.
+    """
+    return {"limit": lasting, "most": np.where(np.isnan(lasting), short, lasting)}
+
+
+def short_limit(short: Any, lasting: Any) -> dict[str, Any]:
+    """Both ends of a limit for a short time: where it is unknown at least that for ever.
+
+    Parameters
+    ----------
+    short, lasting
+        Limits as printed; NaN unknown.
+
+    Returns
+    -------
+    dict
+        Arguments of ``at_most``.
+    """
+    unknown = np.isnan(short)
+    return {
+        "limit": np.where(unknown, lasting, short), "most": np.where(unknown, np.inf, short),
+        "undecided": "the limit at least: none for a short time is printed",
+    }  # fmt: skip
 
 
 @once_per_part
@@ -94,8 +134,8 @@ def controller_current(controller: Any, ambient: Array | float) -> Any:
 def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:
     """The RMS current against the nominal one in an ambient.
 
-    Colder than the rating, with an unknown permitted temperature, the motor withstands more by an unknown amount: up
-    to the nominal current it passes, and what is above is unknown.
+    With an unknown permitted temperature the limit has two ends. Colder than the rating it is the nominal current at
+    least, and ``derating_at_most`` of it at most; hotter it is the nominal current at most.
 
     Parameters
     ----------
@@ -147,10 +187,11 @@ def _rated(
 ) -> CheckColumn:
     """An RMS demand against a thermal rating, in another ambient than that of the rating."""
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
-    limit = np.where(np.isposinf(rating), np.inf, rating * current_derating(ambient, T_max, rated))
-    found = at_most(name, rms, limit, needed=needed)
-    least = np.isnan(T_max) & (ambient < np.asarray(rated)) & ~found.passed
-    return at_most(name, rms, np.where(least, np.nan, limit), needed=needed) if least.any() else found
+    limit, most = (
+        np.where(np.isposinf(rating), np.inf, rating * share(ambient, T_max, rated))
+        for share in (current_derating, derating_at_most)
+    )
+    return at_most(name, rms, limit, most=most, needed=needed, at_best=_COLDER)
 
 
 def unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:

@@ -223,8 +223,9 @@ def _over_bands(
     hard = at(unfavourable, candidates.on(rows), rows)
     easy = at(favourable, candidates.on(rows)._replace(controller=hard.controller, brake=hard.brake), rows)
     middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake), every)
-    same = zip(middle.checks, easy.checks, hard.checks, strict=True)
-    return middle._replace(candidates=candidates, checks=[over_band(m, (e, h), rows) for m, e, h in same])
+    ends = {e.name: (e, h) for e, h in zip(easy.checks, hard.checks, strict=True)}  # some checks no drive of these has
+    checks = [over_band(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
+    return middle._replace(candidates=candidates, checks=checks)
 
 
 def _with_parts(

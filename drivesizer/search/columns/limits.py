@@ -25,8 +25,10 @@ from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.ratings import (
     continuous_speed_limit,
     controller_current,
+    lasting_limit,
     nominal_current_limit,
     nominal_torque_limit,
+    short_limit,
 )
 from drivesizer.search.columns.brakes import at_motor, own_figure
 from drivesizer.search.columns.encoders import counting_limits
@@ -162,11 +164,13 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[C
     speed: dict[str, Any] = {"needed": spec.margins.speed}
     peak_torque = cycle.peak_torque
     found = [
-        at_most("gearhead_continuous_torque", cycle.rms_torque, gearhead["continuous_torque"], **torque),
-        at_most("gearhead_intermittent_torque", peak_torque, gearhead["intermittent_torque"], **torque),
+        at_most("gearhead_continuous_torque", cycle.rms_torque,
+                **lasting_limit(gearhead["continuous_torque"], gearhead["intermittent_torque"]), **torque),
+        at_most("gearhead_intermittent_torque", peak_torque,
+                **short_limit(gearhead["intermittent_torque"], gearhead["continuous_torque"]), **torque),
         continuous_speed_limit(gearhead, cycle.mean_speed, cycle.sustained_speed, i, **speed),
-        at_most("gearhead_intermittent_speed", cycle.peak_speed * i, gearhead["intermittent_input_speed"],
-                **speed),
+        at_most("gearhead_intermittent_speed", cycle.peak_speed * i,
+                **short_limit(gearhead["intermittent_input_speed"], gearhead["continuous_input_speed"]), **speed),
         at_most("gearhead_continuous_power", cycle.mean_power, gearhead["continuous_power"], **torque),
         at_most("gearhead_intermittent_power", cycle.peak_power, gearhead["intermittent_power"], **torque),
         _in_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"]),
@@ -293,12 +297,15 @@ def unpowered_limits(
 
 def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
     """A winding temperature against the permitted one, and when it is met."""
+    permitted = motor["max_winding_temperature"]
     return at_most(
-        "winding_temperature", winding, motor["max_winding_temperature"],
-        zero=spec.environment.ambient, needed=rise_needed(spec), time=time,
+        "winding_temperature", winding, permitted, most=np.where(np.isnan(permitted), _HOTTEST, permitted),
+        zero=spec.environment.ambient, needed=rise_needed(spec), time=time, at_best=_NO_WINDING,
     )  # fmt: skip
 
 
+_HOTTEST = 523.15  # K, thermal class 250 of IEC 60085, the highest
+_NO_WINDING = "at most: no insulation has a higher thermal class"
 _UNEVEN = 2.0  # largest loss of a phase at rest over the mean of three, by the rotor's angle
 _UNEVEN_NOTE = "at rest the hottest phase of a brushless motor has 1.5 to 2 times the mean heat: informational"
 
@@ -328,10 +335,15 @@ def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts)
     return found
 
 
-def _peak_torque(demand: Demands, stresses: Stress, motor: Any, needed: float) -> CheckColumn:
-    """The motor's torque against its permitted peak, where the maker limits it beside heat and speed."""
-    torque = stresses.torque
-    limit = np.where(np.isnan(motor["peak_torque"]), np.inf, motor["peak_torque"])
+def _peak_torque(stresses: Stress, motor: Any, volts: float, needed: float) -> CheckColumn:
+    """The motor's torque against its permitted peak, where the maker limits it beside heat and speed.
+
+    Else against its torque at stall, where the winding's figures are unknown by which the voltage limits it.
+    """
+    torque, peak = stresses.torque, motor["peak_torque"]
+    stall = motor["stall_torque"] * np.fmax(volts / motor["nominal_voltage"], 1.0)
+    unknown = np.isnan(motor["resistance"] * motor["torque_constant"]) & ~np.isnan(stall)
+    limit = np.where(np.isnan(peak), np.where(unknown, stall, np.inf), peak)
     time = stresses.current.time
     return at_most("motor_peak_torque", torque, limit, needed=needed, time=time)
 
@@ -358,10 +370,11 @@ def electrical_limits(
         Columns over candidates.
     """
     controller, torque = parts.controller, spec.margins.torque
+    lasting = controller_current(controller, spec.environment.ambient)
     return [
-        _peak_torque(demand, stresses, parts.motor, torque),
-        at_most("controller_continuous_current", demand.rms_current,
-                controller_current(controller, spec.environment.ambient), needed=controller_needed(spec)),
+        _peak_torque(stresses, parts.motor, spec.supply.highest, torque),
+        at_most("controller_continuous_current", demand.rms_current, lasting,
+                most=np.fmin(lasting, controller["continuous_current"]), needed=controller_needed(spec)),
         at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
                 needed=torque, time=stresses.current.time),
         *counting_limits(spec, cycle.belt, demand, parts),

@@ -25,7 +25,15 @@ from drivesizer.search.columns.limits import motor_limits
 
 __all__ = ["Offers", "limits_behind_each", "offers", "placed", "scattered", "unknown_where_doubtful", "worst_of_all"]
 
-_COLUMNS = {"demand": float, "limit": float, "passed": bool, "failed": bool, "time": float, "case": np.int64}
+_COLUMNS = {
+    "demand": float,
+    "limit": float,
+    "passed": bool,
+    "failed": bool,
+    "time": float,
+    "case": np.int64,
+    "bounded": bool,
+}
 _IDLE: dict[str, Any] = {
     "demand": 0.0,
     "limit": np.inf,
@@ -33,6 +41,7 @@ _IDLE: dict[str, Any] = {
     "failed": False,
     "time": np.nan,
     "case": 0,
+    "bounded": False,
 }  # no limit
 
 

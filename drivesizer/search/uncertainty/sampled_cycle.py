@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, CycleAtBelt, Peak, bounded
+from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
 
 __all__ = ["AtSamples"]
 
@@ -67,7 +67,8 @@ class AtSamples(AtGearhead):
         found = np.abs(line)
         if left_out is not None:
             for k in np.flatnonzero(left_out.any(axis=0)):
-                against = left_out[:, k] & (line * self.base.functions[k] < 0.0)
+                one = self.base.functions[k]
+                against = left_out[:, k] & (line * one < 0.0) & (np.abs(one) > ROUNDING * np.abs(one).max())
                 found = np.where(against, -np.inf, found)
         found = found.reshape(-1, len(coefficients))
         value = found.max(axis=0)

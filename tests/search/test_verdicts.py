@@ -1,0 +1,207 @@
+"""Verdicts of drives that anybody can judge by hand: what is hopeless fails, whatever its data sheet leaves out.
+
+Each row is a whole spec with the hand figure that decides it. The laws below hold over random machines.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rows import hold
+
+from drivesizer.catalog import Catalog, load
+from drivesizer.catalog.view.search_view import search_view
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.problem import problem
+from drivesizer.results.check_columns import at_most
+from drivesizer.search.columns.candidates import Candidates, pairs
+from drivesizer.search.columns.evaluation import by_physics
+from drivesizer.sizing import explain, size
+from drivesizer.spec.robot import RobotSpec, read_spec
+
+pytestmark = pytest.mark.usefixtures("no_further_searches")
+
+# each wheel needs 60 kg 9.81 (0.08 cos 10 + sin 10) / 4 of 0.127 m: 4.7 N*m on the slope, 0.2 N*m are printed
+UGV = """
+name: ugv
+load: {kind: wheeled_vehicle, mass: 60 kg, driven_wheels: 4, wheel_diameter: 254 mm, rolling_resistance: 8 %,
+  slope: 10 deg, inertia: 200 kg*cm^2}
+motion: {speed: 2.2 m/s, acceleration_time: 4 s, cruise_time: 15 s, rest_time: 20 s}
+transmission: [{kind: direct}]
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [beckhoff, maxon, rev]}
+"""
+# 5 N*m of friction against 0.2 N*m, 0.93 A in an ambient of 40 degC: 23 times the current, wherever it stands
+WHEEL = """
+name: wheel
+load: {kind: flywheel, inertia: 0.2 kg*m^2, friction_torque: 5 N*m}
+motion: {speed: 168 rpm, acceleration_time: 4 s, cruise_time: 120 s, rest_time: 20 s}
+environment: {ambient: %s degC}
+transmission: [{kind: direct}]
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [beckhoff, maxon, rev], motor: {part: AM8011-wByz}}
+"""
+# 8 kg 9.81 0.134 m (of a rod's middle) and more: at the motor 10.5 / (10 0.75) N*m of 0.72 N*m at stall
+JOINT = """
+name: joint
+load: {kind: arm, mass: 8 kg, length: 1 m, start_angle: -60 deg}
+motion: {speed: 30 deg/s, acceleration_time: 0.5 s, cruise_time: 2.5 s, rest_time: 5 s, there_and_back: true}
+transmission: [{kind: direct}, {kind: gear, ratio: 10, efficiency: 75 %%}]
+supply: {nominal: 12 V, current: 50 A, accepts: all}
+select: {catalogs: [banebots, roboteq]}
+""".replace("%%", "%")
+# 12 kg 9.81 0.5 m = 58.9 N*m, of motors of 48 to 2390 mN*m
+ARM = """
+name: arm joint
+load: {kind: arm, mass: 12 kg, length: 500 mm}
+motion: {profile: move, law: poly5, distance: 90 deg, time: 1.2 s, rest_time: %s s, there_and_back: true}
+transmission: [{kind: direct}]
+supply: {nominal: 48 V, accepts: all}
+select: {catalogs: [tamagawa], objective: mass}
+"""
+# 20 kg*m^2 to 1000 rpm in 0.2 s: 10.5 kN*m of 0.48 N*m
+SPIN = """
+name: flywheel
+load: {kind: flywheel, inertia: 20 kg*m^2}
+motion: {speed: 1000 rpm, acceleration_time: 0.2 s, cruise_time: 2 s, rest_time: 2 s}
+transmission: [{kind: direct}]
+supply: {nominal: 48 V, accepts: all}
+select: {catalogs: [fanuc, roboteq], objective: mass}
+"""
+# 13.58 kg 9.81 0.3034 m = 40.4 N*m of 0.2 N*m
+HEAVY = """
+name: arm of 13.6 kg
+load: {kind: arm, mass: 13.58 kg, length: 303.4 mm}
+motion: {profile: move, law: modified_sine, distance: 97 deg, time: 1.36 s, rest_time: 1 s, there_and_back: true}
+transmission: [{kind: direct}]
+supply: {nominal: 48 V, accepts: all}
+select: {catalogs: [beckhoff, roboteq]}
+"""
+# 300 N*m of an Allen-Bradley of 33 N*m, rated in 40 degC and used in 25
+PRESS = """
+name: press
+load: {kind: flywheel, inertia: 0.2 kg*m^2, friction_torque: 300 N*m}
+motion: {speed: 30 rpm, acceleration_time: 1 s, cruise_time: 100 s}
+transmission: [{kind: direct}]
+supply: {nominal: 325 V, accepts: all}
+select: {catalogs: [allen_bradley]}
+"""
+HOPELESS = {
+    "vehicle": (UGV, "AM8011-wByz", {"motor_nominal_current"}),
+    **{f"wheel at {t}": (WHEEL % t, "AM8011-wByz", {"motor_nominal_current"}) for t in (25, 39, 40, 41)},
+    "joint": (JOINT, "BaneBots RS-775", {"supply_voltage", "controller_peak_current"}),
+    **{f"arm at rest for {t}": (ARM % t, "TS4862", {"motor_nominal_torque"}) for t in (0.5, 0.503, 1)},
+    "flywheel": (SPIN, "beta 0.2/5000is", {"motor_peak_torque"}),
+    "heavy arm": (HEAVY, "AM8011-wByz", {"motor_nominal_current"}),
+    "press": (PRESS, "VPL-B1654B", {"motor_nominal_torque"}),
+}
+
+
+def spec_of(text: str) -> RobotSpec:
+    return read_spec(YamlSource(text, "robot.yaml"))
+
+
+def test_what_is_hopeless_fails():
+    def fails(text: str, motor: str, names: set[str]) -> None:
+        drive = explain(spec_of(text), motor, "direct")[0]
+        assert drive.status == "fail"
+        failed = {check.name: check for check in drive.checks if check.status == "fail"}
+        assert names <= failed.keys(), failed.keys()
+        assert all(failed[name].margin < -0.5 for name in names)
+
+    hold(fails, HOPELESS)
+
+
+def test_no_hopeless_drive_comes_first():
+    def none(text: str) -> None:
+        assert size(spec_of(text)).counts.feasible == 0
+
+    hold(none, {"wheel": (WHEEL % 25,), "joint": (JOINT,), "arm": (ARM % 0.503,)})
+
+
+# --- what is demanded at rest counts ---------------------------------------------------------------------------------
+
+BATTERY = """
+name: conveyor on a battery
+load: {kind: conveyor, mass: 10 kg, drum_diameter: 60 mm, friction_coefficient: 0.3}
+motion: {speed: 0.15 m/s, acceleration_time: 1 s, cruise_time: 20 s}
+supply: {nominal: 24 V, min: 20 V, max: 29 V, kind: battery}
+battery: {series: 4, nominal_voltage: 15.6 V, charge_voltage: 7.5 V, capacity: 10 A*h, resistance: 20 mohm}
+mission: {duration: 10 min}
+select: {catalogs: [pololu]}
+"""
+
+
+def test_a_resting_value_over_the_limit_fails():
+    """A winding of an ambient of 160 degC that nothing warms is above 155, one of 140 is not."""
+    found = at_most("winding_temperature", np.array([433.15, 413.15]), 428.15, zero=np.array([433.15, 413.15]))
+    assert found.failed.tolist() == [True, False] and found.passed.tolist() == [False, True]
+    assert np.isnan(found.margin).all()
+    assert at_most("motor_power", 0.0, np.nan).passed  # nothing is demanded of an unknown limit
+
+
+def test_a_battery_that_is_charged_below_its_nominal_voltage_is_refused():
+    with pytest.raises(InputError, match=r"robot\.yaml:6: battery: expected charge_voltage >= nominal_voltage"):
+        spec_of(BATTERY)
+
+
+# --- laws over random machines ---------------------------------------------------------------------------------------
+
+MAKERS = ("allen_bradley", "banebots", "basicmicro", "beckhoff", "fanuc", "feetech", "maxon", "pololu", "roboteq",
+          "robotis", "tamagawa")  # fmt: skip
+G, EVERY = 9.80665, 400
+HOIST = st.fixed_dictionaries({
+    "mass": st.floats(0.1, 300.0), "drum": st.floats(0.02, 0.3), "speed": st.floats(0.02, 1.0),
+    "ramp": st.floats(0.05, 1.0), "rest": st.floats(0.1, 5.0), "ambient": st.integers(5, 60),
+    "volts": st.sampled_from([12, 24, 48, 325]),
+})  # fmt: skip
+
+
+@cache
+def shop(estimates: bool) -> Catalog:
+    return search_view(load(list(MAKERS)), estimates)
+
+
+def hoist(of: dict[str, Any], estimates: bool) -> RobotSpec:
+    return spec_of(
+        f"""
+name: hoist
+load: {{kind: hoist, mass: {of["mass"]} kg, drum_diameter: {of["drum"]} m}}
+motion: {{speed: {of["speed"]} m/s, acceleration_time: {of["ramp"] + of["speed"] / G} s, cruise_time: 2 s, rest_time: {of["rest"]} s,
+  there_and_back: true}}
+environment: {{ambient: {of["ambient"]} degC}}
+supply: {{nominal: {of["volts"]} V, accepts: all}}
+select: {{catalogs: [{", ".join(MAKERS)}], estimates: {'"on"' if estimates else '"off"'}}}
+"""
+    )
+
+
+@settings(max_examples=20)
+@given(of=HOIST, estimates=st.booleans(), start=st.integers(0, EVERY - 1))
+def test_laws_of_verdicts(of, estimates, start):
+    """No check passes over its limit, and no drive of which peak or stall is below what the load alone needs."""
+    catalog = shop(estimates)
+    given_ = problem(hoist(of, estimates), catalog)
+    every = pairs(given_)
+    some = every.on(np.arange(start, len(every.motor), EVERY))
+    found = by_physics(given_, some, False)
+    for check in found.checks:
+        over = check.passed & (check.demand > check.limit * (1.0 + 1e-9))
+        assert not over.any(), (check.name, check.demand[over][0], check.limit[over][0])
+    needed = of["mass"] * G * of["drum"] / 2.0 / catalog.gearheads["ratio"][some.gearhead]  # at the motor, without loss
+    weak = needed > catalog.motors["peak_torque"][some.motor]
+    volts = np.fmax(of["volts"] / catalog.motors["nominal_voltage"][some.motor], 1.0)
+    weak |= needed > 1.3 * volts * catalog.motors["stall_torque"][some.motor]  # printed ones are not k_t V / R exactly
+    weak |= needed * catalog.gearheads["ratio"][some.gearhead] > catalog.gearheads["intermittent_torque"][some.gearhead]
+    assert found.failed[weak].all(), _parts(catalog, some, weak & ~found.failed)
+
+
+def _parts(catalog: Catalog, some: Candidates, rows: np.ndarray) -> list[tuple[str, str]]:
+    return [(str(catalog.motors["part"][m]), str(catalog.gearheads["part"][g]))
+            for m, g in zip(some.motor[rows], some.gearhead[rows], strict=True)][:3]  # fmt: skip
