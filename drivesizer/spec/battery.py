@@ -98,7 +98,8 @@ class Battery(Section):
             raise ValueError(f"give a part of a catalogue, or {' and '.join(lacking)} as well")
         if len({run.power is None for run in self.discharge or ()}) > 1:
             raise ValueError("give currents or powers in discharge, not both")
-        if None not in (self.nominal_voltage, self.charge_voltage) and self.charge_voltage < self.nominal_voltage:
+        nominal, charge = self.nominal_voltage, self.charge_voltage
+        if nominal is not None and charge is not None and charge < nominal:
             raise ValueError("expected charge_voltage >= nominal_voltage; both are of one cell or block")
         if self.start + self.usable <= 1.0:
             raise ValueError("expected start above the share that may not be drawn, 1 - usable")
