@@ -54,7 +54,7 @@ def continuous_speed_limit(
 
 
 def lasting_limit(lasting: Any, short: Any) -> dict[str, Any]:
-    """Both ends of a limit for ever: where it is unknown at most that for a short time.
+    """Both ends of a continuous limit: where it is unknown at most that for a short time.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def lasting_limit(lasting: Any, short: Any) -> dict[str, Any]:
 
 
 def short_limit(short: Any, lasting: Any) -> dict[str, Any]:
-    """Both ends of a limit for a short time: where it is unknown at least that for ever.
+    """Both ends of a limit for a short time: where it is unknown at least the continuous one.
 
     Parameters
     ----------
