@@ -73,7 +73,9 @@ def _from_description(path: Path, joint: str | None, output: Path) -> str:
 
     if joint is not None or has_wheels(path) or (path.suffix == ".urdf" and joints_to_drive(path) < 2):
         return spec_of(path, joint)
-    return machine_of(path, Path() if str(output) == "-" else output.parent)
+    asked = at_terminal() and str(output) != "-"
+    masses = ("with_drives" if typer.confirm(_HOLD_DRIVES, default=True) else "without") if asked else ""
+    return machine_of(path, Path() if str(output) == "-" else output.parent, masses)
 
 
 def start_by_questions(output: Path) -> None:
@@ -114,6 +116,7 @@ def _naming(text: str, name: str) -> str:
     return text.replace(_NEXT.format("robot.yaml"), _NEXT.format(name), 1) if name.isprintable() else text
 
 
+_HOLD_DRIVES = "Do the masses of its links hold the drives already (most robots on sale do)"
 _NEXT = "# Then: drivesizer size {}"
 
 

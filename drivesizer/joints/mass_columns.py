@@ -250,6 +250,13 @@ def _notes(section: RobotSection, robot: Robot, motion: JointMotion, held: Mappi
     if held:
         places = ", ".join(f"{name} at {value:.4g} {unit_of(robot.joints[name])}" for name, value in held.items())
         yield f"joints that the trajectory does not move are held: {places}"
+    if section.masses == "with_drives":
+        yield "the links' masses hold their drives (robot.masses): none is added, whatever its mass"
+    elif "masses" not in section.model_fields_set and drive_places(section, robot, motion.joints):
+        yield (
+            "each drive's mass is added to the link that it rides on; where the description's masses hold the drives "
+            "already, as those of most robots on sale do, they count twice: robot: {masses: with_drives}"
+        )
     own = [robot.joints[name] for name in motion.joints]
     if any(joint.armature for joint in own):
         yield "the armature in the description is of the drives that are to be replaced, and is left out"

@@ -16,7 +16,8 @@ __all__ = ["carried_by", "drive_places", "outermost_first", "payload_place"]
 
 
 def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> dict[str, Attached]:
-    """Points of links at which the drives of joints hang; those on the base hang on none and are left out.
+    """Points of links at which the drives of joints hang; those on the base, and those that the
+    links' masses hold already, hang on none and are left out.
 
     Parameters
     ----------
@@ -45,6 +46,8 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
                 f"{quoted(name)} is no joint that moves{nearest(name, joints)}; expected {', '.join(joints)[:200]}",
             )
     found: dict[str, Attached] = {}
+    if section.masses == "with_drives":
+        return found
     for name in joints:
         place = section.drives.get(name, DrivePlace())
         if place.on != "base":

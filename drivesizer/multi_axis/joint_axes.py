@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from math import fsum
 
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.files.frozen import dataclass
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
+from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.robot_section import RobotSection
+from drivesizer.spec.robot_section import DrivePlace, RobotSection
 from drivesizer.spec.several_axes.machine import MachineSpec
 from drivesizer.spec.several_axes.machine_file import in_order, joint_axis
+from drivesizer.units import show
 
 __all__ = ["Joints", "TorquesOf", "with_joints"]
 
 TorquesOf = Callable[[RobotSection, str, float], JointTorques]
 _ROUNDING = 1e-9  # of the largest torque
+_WORTH_SAYING = 0.005  # of it
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +62,54 @@ class Joints:
         made = spec.changed(lambda one: one.model_copy(update={"load": loads[0]}))
         further = ((case.name, load) for case, load in zip(self.torques.cases[1:], loads[1:], strict=True))
         return made.with_cases((name, made.alone(load=load)) for name, load in further)
+
+    def notes_on(self, drives: Mapping[str, tuple[DriveSet, float]]) -> Iterator[str]:
+        """Sentences on what the chosen drives of joints mean to the robot.
+
+        Parameters
+        ----------
+        drives
+            Of each joint its drive, and what of it counts where it rides [kg].
+
+        Yields
+        ------
+        str
+            A drive heavier than the link whose mass is said to hold it; and the most that rotors beyond a joint add to
+            its torque, :math:`\\sum_j K_j J_{m,j} |\\ddot q_j|`, were all their axes parallel to its own.
+        """
+        if self.torques is None:
+            return
+        robot, section = self.torques.robot, self.torques.section
+        motion, joints = self.torques.cases[0].motion, self.torques.joints
+        quickest = np.abs(motion.acceleration).max(axis=(0, 1))
+        for joint in joints:
+            place = section.drives.get(joint, DrivePlace())
+            link = robot.links[place.link or robot.joints[joint].parent]
+            mass = drives[joint][1] if joint in drives else 0.0
+            carried = place.on != "base" and any(one.name in joints for one in robot.chain(link.name))
+            if section.masses == "with_drives" and carried and mass > link.mass:
+                found = (
+                    f"{show(mass, 'kg', 'mass')}, is heavier than its link {link.name}, {show(link.mass, 'kg', 'mass')}"
+                )
+                yield f"the drive of {joint}, {found}, which is said to hold it (robot.masses)"
+            beyond = [n for n, one in enumerate(joints) if one in drives and self._moves(joint, one)]
+            spun = fsum(
+                one.total_ratio * one.motor.rotor_inertia * quickest[n]
+                for n, one in ((n, drives[joints[n]][0]) for n in beyond)
+            )
+            largest = float(np.abs(self.torques.load(joint, {}).cycle.torque).max())
+            if robot.joints[joint].turns and spun > _WORTH_SAYING * largest:
+                share = show(spun / largest, "%", "dimensionless", 2)
+                yield (
+                    f"{joint}: rotors of drives beyond it add {show(spun, 'N*m', 'torque', 2)} at most, were their "
+                    f"axes parallel to its own ({share} of its peak torque), which is left out"
+                )
+
+    def _moves(self, joint: str, other: str) -> bool:
+        """Whether a joint moves the link before another one."""
+        assert self.torques is not None
+        robot = self.torques.robot
+        return any(one.name == joint for one in robot.chain(robot.joints[other].parent))
 
     def rises(self, joint: str, masses: Mapping[str, float]) -> bool:
         """Whether more mass of the drives on a joint nowhere lessens its torque.

@@ -106,7 +106,12 @@ def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], fo
         objective=", ".join(objectives),
         searches=len(sizings.made),
         certain=found.certain and all(_bounded(sizings, axis.name, found) for axis in machine.axes),
-        notes=(*_notes(machine, found, axes), *sizings.joints.notes, *_waiting(axes)),
+        notes=(
+            *_notes(machine, found, axes),
+            *sizings.joints.notes,
+            *_on_joints(sizings, axes, found),
+            *_waiting(axes),
+        ),
         checks=power.checks if power else (),
         power=power,
     )
@@ -272,6 +277,14 @@ def _waiting(axes: Sequence[AxisSizing]) -> Iterator[str]:
     if waits:
         cycle = show(next(end for end in until.values() if end is not None), "s", "time")
         yield f"{', '.join(waits)}: at rest after the motion until the cycle of {cycle} is over; if not: repeats: true"
+
+
+def _on_joints(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination) -> Iterator[str]:
+    """What the chosen drives mean to the robot whose joints they turn."""
+    drives = {
+        one.name: (one.best, found.chosen[one.name].mass) for one in axes if one.best and one.name in found.chosen
+    }
+    return sizings.joints.notes_on(drives)
 
 
 def _notes(machine: MachineSpec, found: Combination, axes: tuple[AxisSizing, ...]) -> list[str]:

@@ -193,6 +193,10 @@ class RobotSection(Section):
     friction: Literal["keep", "leave"] = Field(
         default="keep", description="of the joints in the description: kept as that of bearings, or left out"
     )
+    masses: Literal["without", "with_drives"] = Field(
+        default="without",
+        description="of the links: without the drives, which are added where they ride, or with_drives already",
+    )
     drives: dict[Name, DrivePlace] = at_defaults(
         description="by joint; at the joint on the link before it where not given"
     )

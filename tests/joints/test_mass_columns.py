@@ -63,6 +63,20 @@ def test_a_drive_in_the_base_is_carried_by_none(tmp_path: Path) -> None:
     assert (light.torque == heavy.torque).all() and light.inertia == heavy.inertia
 
 
+def test_masses_that_hold_the_drives_are_not_counted_twice(tmp_path: Path) -> None:
+    """By hand: the links alone, whatever the drives weigh; without a word on it the note says what is assumed."""
+    made, file = section(tmp_path, masses="with_drives", friction="leave")
+    found = joint_torques(made, file)
+    loads = found.loads({"shoulder": 5.0, "elbow": 3.0})
+    assert loads["shoulder"].cycle.torque[0] == pytest.approx((2 * 0.3 + 1 * 0.8) * G, rel=1e-12)
+    assert found.carried == {"shoulder": (), "elbow": ()} and not found.points
+    assert any("hold their drives" in note for note in found.notes)
+    silent = joint_torques(section(tmp_path)[0], file)
+    assert any("robot: {masses: with_drives}" in note for note in silent.notes)
+    plain = joint_torques(section(tmp_path, masses="without")[0], file)
+    assert plain.carried == silent.carried and not any("masses" in note for note in plain.notes)
+
+
 def test_a_drive_elsewhere_on_its_link(tmp_path: Path) -> None:
     near = {"on": "link", "link": "upper", "at": ["100 mm", "0 mm", "0 mm"]}
     made, file = section(tmp_path, drives={"elbow": near}, friction="leave")

@@ -7,6 +7,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import numpy as np
 import pytest
 from small_arms import arm, least_of_all, two_joints
 
@@ -18,6 +19,7 @@ from drivesizer.results.machine import MachineSizing
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.units import show
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
@@ -99,6 +101,20 @@ def test_carried_axes_ride_on_all_below_them() -> None:
     assert machine.carried("rail") == {"bridge": None, "lift": None} and machine.carried("lift") == {}
 
 
+def test_distances_of_what_rides_add_along_the_chain() -> None:
+    """An arm stretched out: the wrist's drive 400 mm from the elbow, the elbow's 100 mm from the lift, is 500 mm off."""
+    plain: dict[str, Any] = {"load": {"kind": "arm", "mass": "0.5 kg", "length": "130 mm"},
+                             "motion": GANTRY["axes"]["lift"]["motion"] | {"speed": "60 deg/s"}}  # fmt: skip
+    axes = {
+        "lift": plain | {"carries": {"elbow": {"at": "100 mm"}}},
+        "elbow": plain | {"carries": {"wrist": {"at": "400 mm"}}},
+        "wrist": plain,
+    }
+    assert load_machine({**GANTRY, "axes": axes}).carried("lift") == pytest.approx({"elbow": 0.1, "wrist": 0.5})
+    axes["lift"] = plain | {"carries": {"elbow": {"at": "100 mm"}, "wrist": {"at": "300 mm"}}}  # folded back
+    assert load_machine({**GANTRY, "axes": axes}).carried("lift") == pytest.approx({"elbow": 0.1, "wrist": 0.3})
+
+
 def test_an_axis_without_a_drive_is_named_and_the_others_are_sized() -> None:
     axes = {**GANTRY["axes"], "lift": {**GANTRY["axes"]["lift"]}}
     axes["lift"] = {**axes["lift"], "load": {**axes["lift"]["load"], "mass": "3000 kg"}}
@@ -130,6 +146,22 @@ def test_the_elbow_s_drive_is_load_of_the_shoulder_at_its_place(tmp_path: Path) 
     level = 9.80665 * (1.0 * 0.4 + riding.mass * 0.4 + 0.5 * 0.7)
     assert float(shoulder.spec.load.cycle.torque[0, 0]) == pytest.approx(-level, rel=1e-6)
     assert float(elbow.spec.load.cycle.torque[0, 0]) == pytest.approx(-9.80665 * 0.5 * 0.3, rel=1e-6)
+
+
+def test_rotors_beyond_a_joint_and_drives_too_heavy_for_their_links_are_said(tmp_path: Path) -> None:
+    """By hand: K J_m of the elbow's drive times its largest acceleration, beside the shoulder's peak torque."""
+    machine = two_joints(tmp_path, masses="with_drives")
+    found = size_machine(load_machine(machine), top=1)
+    elbow, shoulder = found.axis("elbow"), found.axis("shoulder")
+    quickest = float(np.abs(elbow.spec.load.cycle.acceleration).max())
+    spun = elbow.best.total_ratio * elbow.best.motor.rotor_inertia * quickest
+    peak = float(np.abs(shoulder.spec.load.cycle.torque).max())
+    said = [note for note in found.notes if note.startswith("shoulder: rotors")]
+    assert bool(said) == (spun > 0.005 * peak)
+    if said:
+        assert show(spun, "N*m", "torque", 2) in said[0]
+    heavy = [note for note in found.notes if "heavier than its link upper, 1 kg" in note]
+    assert bool(heavy) == (elbow.best.mass > 1.0)
 
 
 def test_a_drive_on_the_base_is_no_load(tmp_path: Path) -> None:

@@ -111,7 +111,8 @@ def _radii(link: Node, path: Path) -> Iterator[tuple[float, Array]]:
 def _joint(node: Node, path: Path) -> Joint:
     name, (place, turn) = name_of(node, path), _origin(node, path)
     ends = [end.attributes.get("link", "") if (end := node.first(what)) else "" for what in ("parent", "child")]
-    along, limit = node.first("axis"), node.first("limit")
+    kind, limit = node.attributes.get("type", ""), node.first("limit")
+    along = None if kind == "fixed" else node.first("axis")  # a fixed joint has none, whatever its file says
     axis = vector(along, "xyz", path, (1.0, 0.0, 0.0)) if along else np.array([1.0, 0.0, 0.0])
     length = float(np.linalg.norm(axis))
     if not length > 0.0:
@@ -124,7 +125,7 @@ def _joint(node: Node, path: Path) -> Joint:
     if min(damping, friction) < 0.0:
         raise InputError(f"{path}:{node.line}: joint {quoted(name)}: damping or friction below 0 is none")
     return Joint(
-        name, node.attributes.get("type", ""), node.line, ends[0], ends[1], place, turn, axis / length,
+        name, kind, node.line, ends[0], ends[1], place, turn, axis / length,
         effort, velocity, lower, upper, limit is not None, damping=damping, friction=friction,
         mimic=follows.attributes.get("joint", "") or "?" if follows else "",
         factor=figure(follows, "multiplier", path, 1.0) if follows else 1.0,

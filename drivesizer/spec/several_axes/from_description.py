@@ -18,6 +18,7 @@ __all__ = ["joints_to_drive", "machine_of"]
 
 _SWING = math.pi / 4  # rad, either way at most
 _STROKE = 0.1  # m
+_MASSES = "                  # assumed: of the links; with_drives where they hold the drives already"
 _PLAIN = re.compile(r"[^\W_][\w .-]{0,59}")  # names that need no quotes and name an axis
 
 _TEXT = """# Made of {file} by drivesizer: every joint that moves is an axis, the outer drives load of the inner ones.
@@ -27,6 +28,7 @@ name: {name}
 
 robot:
   description: {description}
+  masses: {masses}{assumed}
   # payload: {{mass: 1 kg, link: {last}}}
   waypoints:                       # assumed: or trajectory: moves.csv, columns time and joints by name
     - positions: {{{here}}}
@@ -69,7 +71,7 @@ def joints_to_drive(path: Path) -> int:
     return len(_driven(read_description(path)))
 
 
-def machine_of(path: Path, folder: Path) -> str:
+def machine_of(path: Path, folder: Path, masses: str = "") -> str:
     """The text of a machine.yaml whose axes are the joints of a description.
 
     Parameters
@@ -78,6 +80,8 @@ def machine_of(path: Path, folder: Path) -> str:
         URDF or MJCF.
     folder
         Where the text is to be, from which the description's path counts.
+    masses
+        Whether the links' masses are without their drives or with_drives; empty where that is not known.
 
     Returns
     -------
@@ -100,7 +104,8 @@ def machine_of(path: Path, folder: Path) -> str:
     sliding = [joint.name for joint in joints if not joint.turns]
     acceleration = "5 rad/s^2" if joints[0].turns else "2 m/s^2"
     return _TEXT.format(
-        file=quoted(path.name)[1:-1], name=_quoted(robot.name or path.stem), last=_quoted(joints[-1].child),
+        masses=masses or "without", assumed="" if masses else _MASSES, file=quoted(path.name)[1:-1],
+        name=_quoted(robot.name or path.stem), last=_quoted(joints[-1].child),
         description=_quoted(os.path.relpath(path, folder)), here=_positions(joints, -1), there=_positions(joints, 1),
         acceleration=acceleration, further=_limits(joints, turns=joints[0].turns) + _drives(sliding),
         axes=f"\n# axes:                          # what a joint needs beside its motion\n"

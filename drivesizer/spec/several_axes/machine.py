@@ -99,12 +99,14 @@ class MachineSpec:
         Returns
         -------
         dict[str, float or None]
-            Distance by name [m], None along a line: where not given, that of the one on which it rides.
+            Distance by name [m], None along a line. Where not given, distances add along the chain, as of an arm that
+            is stretched out.
         """
         direct = {one.name: one.distance for one in self.axis(name).carries}
         found = dict(direct)
         for other, distance in direct.items():
-            found |= {further: distance for further in self.carried(other) if further not in found}
+            for further, beyond in self.carried(other).items():
+                found.setdefault(further, None if distance is None else distance + (beyond or 0.0))
         return found
 
     def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> MachineSpec:

@@ -51,7 +51,10 @@ _NAME = re.compile(r"[^\W_][\w .-]{0,59}")  # of an axis, which names files of e
 class CarriedPlace(Section):
     """Place of a carried drive."""
 
-    at: Place | None = Field(default=None, description="distance of its drive from the carrying axis, where that turns")
+    at: Place | None = Field(
+        default=None,
+        description="distance of its drive from the carrying axis, where that turns; distances add along the chain",
+    )
 
 
 class AxisFields(Section):
