@@ -73,8 +73,8 @@ def _from_description(path: Path, joint: str | None, output: Path) -> str:
 
     if joint is not None or has_wheels(path) or (path.suffix == ".urdf" and joints_to_drive(path) < 2):
         return spec_of(path, joint)
-    asked = at_terminal() and str(output) != "-"
-    masses = ("with_drives" if typer.confirm(_HOLD_DRIVES, default=True) else "without") if asked else ""
+    answered = at_terminal() and str(output) != "-"
+    masses = ("with_drives" if typer.confirm(_HOLD_DRIVES, default=True) else "without") if answered else ""
     return machine_of(path, Path() if str(output) == "-" else output.parent, masses)
 
 

@@ -280,7 +280,7 @@ def _waiting(axes: Sequence[AxisSizing]) -> Iterator[str]:
 
 
 def _on_joints(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination) -> Iterator[str]:
-    """What the chosen drives mean to the robot whose joints they turn."""
+    """Sentences on the chosen drives of the robot's joints."""
     drives = {
         one.name: (one.best, found.chosen[one.name].mass) for one in axes if one.best and one.name in found.chosen
     }
