@@ -14,13 +14,14 @@ from pathlib import Path
 
 from following_page import ran
 
-from drivesizer import load_spec, size, validate
+from drivesizer import explain, load_spec, size, validate
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
 from drivesizer.control.path_following.runs import FollowingRun
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.machine.permitted_speed import permitted_speeds
 from drivesizer.output.report.figures.all_figures import Drawing, report_drawings
-from drivesizer.output.report.figures.path import path_and_errors
+from drivesizer.output.report.figures.path import path_and_errors, speed_by_direction
 from drivesizer.output.report.figures.prediction import bench
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.results.prediction import Conditions
@@ -81,6 +82,15 @@ def _conveyor() -> dict[str, Drawing]:
     return report_drawings(size(spec, top=1, sampling=sampling_of(spec)), None)
 
 
+def _permitted(form: str) -> bytes:
+    """Speeds by direction of the paper's drive, on its wheels."""
+    spec = load_spec(ROOT / "examples" / "sps_platform.yaml")
+    (drive,) = explain(spec, "118752", "406764")
+    found = permitted_speeds(spec, drive)
+    assert found is not None
+    return speed_by_direction(found, spec.platform.limits.speed, form)
+
+
 def _at_the_bench(form: str) -> bytes:
     """The figure of ``drivesizer predict --figure`` for the set of its page."""
     maxon, parts = load(["maxon"]), {"motors": "DCX22S01EBKL598", "gearheads": "GPX22HPKLSL44D0CPLW"}
@@ -108,6 +118,7 @@ FIGURES: dict[str, Callable[[], Drawing]] = {
     "tornado": lambda: _conveyor()["tornado"],
     "at_the_bench": lambda: _at_the_bench,
     "followed": lambda: _followed,
+    "permitted": lambda: _permitted,
 }  # fmt: skip
 
 

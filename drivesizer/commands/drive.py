@@ -34,8 +34,9 @@ def drive(
     ] = None,
     catalogs: More = None,
 ) -> None:
-    """Drive a platform along a trajectory: requirements at each wheel, and the checks of a drive."""
+    """Drive a platform along a trajectory: requirements at each wheel, checks of a drive, speeds that it permits."""
     from drivesizer.load_cases.platform_drive import driving, with_trajectory
+    from drivesizer.machine.permitted_speed import permitted_speeds
     from drivesizer.output.report import accept
 
     if drawings and not follow:
@@ -50,15 +51,16 @@ def drive(
 
         write_driving(found, csv)
     runs = _followed(found, one, drawings) if follow else {}
+    speeds = permitted_speeds(on_path, one) if one else None
     if json:
         from drivesizer.output.json import documents as json_documents
         from drivesizer.output.json import driving as json_driving
 
-        typer.echo(json_documents.as_text(json_driving.driving(found, one, runs)))
+        typer.echo(json_documents.as_text(json_driving.driving(found, one, runs, speeds)))
     else:
         from drivesizer.output.terminal import driving as terminal_driving
 
-        terminal_driving.driven(found, one, runs)
+        terminal_driving.driven(found, one, runs, speeds)
         if not one:
             print_notes(("no drive meets all limits for the spec's own motion; see `drivesizer size`",))
     raise typer.Exit(0 if one and one.status != "fail" else 1)

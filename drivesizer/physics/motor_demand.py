@@ -28,7 +28,7 @@ from drivesizer.physics.products import once_per_part
 
 __all__ = [
     "DRY_SHARE", "SLOTLESS", "Coefficients", "Demands", "coefficients", "demands", "flange_loss", "friction",
-    "gear_loss", "mean_gear_loss", "nominal_friction",
+    "gear_loss", "lost_in_gearhead", "mean_gear_loss", "nominal_friction",
 ]  # fmt: skip
 
 SLOTLESS = "slotless"  # a winding without iron teeth
@@ -258,10 +258,29 @@ def mean_gear_loss(at: AtGearhead, gearhead: Any) -> Array:
     array
         [W], of each gearhead.
     """
-    e, idle = gear_loss(gearhead)
     driving, braking = at.moments[DRIVING, SPEED], at.moments[BRAKING, SPEED]
-    turned = at.moments[DIRECTION, SPEED] * gearhead["ratio"]
-    found: Array = driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * turned
+    return lost_in_gearhead(driving, braking, at.moments[DIRECTION, SPEED] * gearhead["ratio"], gearhead)
+
+
+def lost_in_gearhead(driving: Any, braking: Any, speed: Any, gearhead: Any) -> Array:
+    """Power that gearheads lose by that at their output, as ``mean_gear_loss`` prints it.
+
+    Parameters
+    ----------
+    driving, braking
+        Power that drives the load, above 0, and that brakes it, below 0 [W].
+    speed
+        Of the motor, without sign [rad/s].
+    gearhead
+        Figures of gearheads by field name: columns.
+
+    Returns
+    -------
+    array
+        [W].
+    """
+    e, idle = gear_loss(gearhead)
+    found: Array = driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * speed
     return found
 
 

@@ -16,6 +16,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform_drive import driving, over_time, with_trajectory
+from drivesizer.machine.permitted_speed import permitted_speeds
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -387,3 +388,89 @@ def test_a_platform_that_tips_over_is_not_followed():
     spec = spec_of(VEHICLE.replace("slope: 2 deg", "slope: 0 deg"), tall, AHEAD)
     with pytest.raises(InputError, match=r"platform\.centre_of_mass: the platform tips over .* 11\.33 mm beyond its"):
         follow_all(driving(spec), None)
+
+
+# --- the speed that a drive permits in each direction -----------------------------------------------------------------
+
+PAPER = """
+name: the paper's platform
+load: {kind: wheeled_vehicle, mass: 45 kg, driven_wheels: 4, wheel_diameter: 152.4 mm, rolling_resistance: 0.02,
+       friction_coefficient: 0.6, inertia: 40 kg*cm^2}
+transmission: [{kind: gearhead}, {kind: belt, ratio: 1.1, efficiency: 0.95}]
+supply: {nominal: 48 V, min: 22 V, max: 50 V, current: 40 A, regeneration: 0.7}
+power_stage: {voltage_drop: 1 V}
+select: {catalogs: [maxon], motor: {family: RE 25}, gearhead: {family: GP 26 A},
+         controller: {family: EPOS4 Compact 50/5, bus: CANopen}}
+platform:
+  wheels:
+    - {kind: mecanum, distance: 274.06 mm, alpha: -29.5 deg, roller_angle: 45 deg}
+    - {kind: mecanum, distance: 274.06 mm, alpha: 29.5 deg, roller_angle: -45 deg}
+    - {kind: mecanum, distance: 274.06 mm, alpha: 150.5 deg, roller_angle: 45 deg}
+    - {kind: mecanum, distance: 274.06 mm, alpha: 209.5 deg, roller_angle: -45 deg}
+  inertia: 2.34 kg*m^2
+  centre_of_mass: {height: 90 mm}
+  limits: {speed: 1.5 m/s, acceleration: 0.75 m/s^2}
+motion: {waypoints: [{x: 0 m, y: 0 m, heading: 0 deg}, {x: 3 m, y: 3 m, heading: 0 deg}]}
+"""
+SET = "118752", "406764"  # 42.73 rad/s/V or 0.0234 N*m/A, 2.32 ohm, 36.9 mA, 3.1 and 14 K/W; 27:1 at 80 %, 8000 rpm
+RATIO = 1.1 * 3249 / 121
+DIAGONAL = math.sqrt(2.0) / 0.0762  # rad/m of the two wheels that turn at 45 degrees
+ROLLING = 0.02 * 45.0 * 9.80665 / 4 * 0.0762  # N*m, of a wheel
+
+
+def speeds_of(text: str, *parts: str):
+    spec = spec_of(text)
+    (drive,) = explain(spec, *parts)
+    return permitted_speeds(spec, drive)
+
+
+def by_hand(torque: float, usable: float) -> float:
+    """Speed of the motor [rad/s] at which a steady torque at the wheel takes the usable voltage, the winding warm."""
+    current, speed, kelvin = torque / (RATIO * 0.8 * 0.95) / 0.0234 + 0.0369, 700.0, 0.0
+    for _ in range(50):
+        kelvin = 17.1 * 2.32 * (1.0 + 0.00392 * kelvin) * current**2 + 14.0 * 0.0234 * 0.0369 * speed
+        speed = (usable - 2.32 * (1.0 + 0.00392 * kelvin) * current) / 0.0234
+    return speed
+
+
+def test_the_papers_drive_on_the_diagonal():
+    """1.5 m/s at 45 degrees are 265.8 rpm of two wheels, 7852 rpm of their motors: 8000 rpm permit 1.528 m/s."""
+    assert 1.5 * DIAGONAL * 30.0 / math.pi == pytest.approx(265.8, abs=0.05)
+    assert 1.5 * DIAGONAL * 30.0 / math.pi * RATIO == pytest.approx(7852.0, abs=1.0)
+    strong = speeds_of(PAPER.replace("min: 22 V", "min: 30 V"), *SET)
+    assert strong.at(45)[0] == (pytest.approx(1.528, abs=5e-4), "Gearhead continuous input speed")
+    weak = speeds_of(PAPER, *SET)  # 0.9 (22 V - 1 V)
+    speed, limit = weak.at(45)[0]
+    assert speed == pytest.approx(by_hand(ROLLING, 18.9) / RATIO / DIAGONAL, rel=1e-3)
+    assert speed < 1.5 < weak.at(0)[0][0] and limit == "Motor voltage, cold and hot"
+    assert weak.at(0)[0][0] == pytest.approx(speed * math.sqrt(2.0), rel=1e-6)  # the same torque, wheels turn at v / r
+    assert weak.unknown == ("Motor permissible speed",)
+
+
+def test_without_one_of_the_two_wheels_the_other_takes_its_torque():
+    """At 45 degrees wheels 1 and 3 turn; without a third motor the force aside and the moment are those of 2 and 4."""
+    found = speeds_of(PAPER, *SET).at(45)
+    alone = by_hand(2.0 * ROLLING, 18.9) / RATIO / DIAGONAL
+    assert [found[n][0] for n in (1, 3)] == pytest.approx([alone] * 2, rel=1e-3)
+    assert [found[n][0] for n in (2, 4)] == pytest.approx([found[0][0]] * 2)
+    heavy = speeds_of(PAPER.replace("mass: 45 kg", "mass: 90 kg"), *SET).at(45)  # 0.677 A, and 1.317 of 1.16 A
+    assert heavy[0][0] > 1.0 and heavy[3] == (0.0, "Motor nominal current (RMS)")
+
+
+def test_a_differential_drive_goes_ahead_and_back():
+    wheels = PAPER[PAPER.index("  wheels:") : PAPER.index("  inertia: 2.34")]
+    text = PAPER.replace(wheels, "  layout: {kind: differential, track: 400 mm}\n  casters: [{x: 300 mm, y: 0 mm}]\n")
+    text = text.replace("driven_wheels: 4", "driven_wheels: 2").replace("y: 3 m", "y: 0 m")
+    found = speeds_of(text, *SET)
+    assert list(found.speed) == [0]  # the other wheel alone does not hold it
+    known = found.direction[~np.isnan(found.speed[0])]
+    assert known.tolist() == [0, 180] and found.at(0)[0] == found.at(180)[0]
+
+
+def test_the_speeds_are_printed(drive, folder):
+    (folder / "robot.yaml").write_text(PAPER)
+    out = drive("--set", "/".join(SET))[1]
+    assert "without 4" in out and "45 °" in out and "limited by motor voltage, cold and hot" in out.lower()
+    document = json.loads(drive("--set", "/".join(SET), "--json")[1])["permitted_speeds"]
+    ahead = [s for s in document["speeds"] if s["direction_deg"] == 0]
+    assert [s["failed_wheel"] for s in ahead] == [None, 1, 2, 3, 4] and document["unknown"]

@@ -1,11 +1,13 @@
 """The machine in a report: what it is, its way in plan view, its wheels over time, what it weighs, why it falls."""
 
+import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from math import cos, isnan, nan, sin
 
+import jsonschema
 import numpy as np
 import pytest
 from conftest import ROOT
@@ -15,17 +17,21 @@ from printed import Printed, blank_figures, printed, text_of
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform_wheels import trajectory_of
+from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import html, workbook
-from drivesizer.output.report.figures import motion, plan_view, wheels
+from drivesizer.output.report.figures import motion, path, plan_view, wheels
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.figures.time_windows import Window, thinned
 from drivesizer.output.report.html.page import report_html
+from drivesizer.output.report.json import render
 from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.pdf import report_pdf
+from drivesizer.output.report.sections.blocks import Table
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.machine import consumers, masses, unknown_consumers
+from drivesizer.output.report.sections.machine import PERMITTED, consumers, masses, unknown_consumers
+from drivesizer.output.report.sections.section import rows_of, sheets_of
 from drivesizer.output.report.sections.texts import text_of as text_of_cell
 from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.results.sizing import SizingResult
@@ -308,3 +314,27 @@ def test_figures_of_a_way_are_drawn_with_the_same_bytes_each_time(result, spec):
     for name in ("way", "profile", "cycle", "battery"):
         assert made[name]("svg") == made[name]("svg")
     assert "way" not in report_drawings(size(spec, top=1), None)
+
+
+def test_the_speeds_by_direction_are_in_the_report(result, canvas):
+    """A diagonal of the drive is slower than straight on; a circle shows what the spec asks for."""
+    content = Content(result, None)
+    found = content.behaviour.permitted
+    table = next(block for block in PERMITTED.blocks(content) if isinstance(block, Table))
+    assert [column.head for column in table.columns[1:-1]] == ["all motors", *(f"without {n}" for n in range(1, 5))]
+    assert [row.cells[1].value for row in table.rows] == [found.at(degrees)[0][0] for degrees in range(0, 91, 15)]
+    rows = [row for row in rows_of(PERMITTED, content).after(content) if row["name"] == "45_all_motors"]
+    assert rows[0]["si_value"] == found.at(45)[0][0] < found.at(0)[0][0]
+    panels = canvas(path, path.speed_by_direction, found, 1.5).axes
+    assert [axes.get_title("left") for axes in panels] == [f"without wheel {n}" for n in range(1, 5)]
+    whole, without, asked = (np.hypot(*line.get_data()) for line in panels[0].lines)
+    assert whole == pytest.approx(found.speed[0][[*range(72), 0]]) and asked == pytest.approx(np.full(73, 1.5))
+    assert (without <= whole + 1e-9).all()
+    assert [sheet.name for sheet in sheets_of(PERMITTED, content)] == ["Speed by direction"]
+
+
+def test_the_json_report_of_a_platform_has_them(result, tmp_path):
+    (document,) = render(Content(result, None), tmp_path / "r.json").values()
+    found = json.loads(document)
+    jsonschema.Draft202012Validator(report_schema()).validate(found)
+    assert len(found["platform"]["permitted_speeds"]["speeds"]) == 5 * 72

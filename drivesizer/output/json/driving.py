@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.following import Followed
 from drivesizer.load_cases.platform_drive import Driving, Wheel
+from drivesizer.machine.permitted_speed import PermittedSpeeds
 from drivesizer.output.json.documents import SCHEMA_VERSION, drive_set, requirement
 from drivesizer.output.json.loops import number
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import KINDS
 from drivesizer.version import __version__
 
-__all__ = ["driving"]
+if TYPE_CHECKING:
+    from drivesizer.output.json import schema
+
+__all__ = ["driving", "on_path"]
 
 
-def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> dict[str, Any]:
+def driving(
+    found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None = None
+) -> dict[str, Any]:
     """The document of ``drivesizer drive --json``.
 
     Parameters
@@ -28,6 +35,8 @@ def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed
         The drive; None without one.
     runs
         Simulated path following, by name.
+    speeds
+        That the drive permits; None without one.
 
     Returns
     -------
@@ -43,21 +52,55 @@ def driving(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed
         "time_s": found.trajectory.total,
         "wheels": [_wheel(wheel) for wheel in found.wheels],
         "set": drive_set(chosen) if chosen else None,
-        "measured": _measured(found),
+        **on_path(found.spec, speeds, runs),
+    }
+
+
+def on_path(spec: RobotSpec, speeds: PermittedSpeeds | None, runs: Mapping[str, Followed]) -> schema.OnPath:
+    """Speeds that a platform's drives permit, and simulated path following beside measured errors.
+
+    Parameters
+    ----------
+    spec
+        Which may state measured errors.
+    speeds
+        By failed wheel and direction; None where there are none.
+    runs
+        By name.
+
+    Returns
+    -------
+    dict
+        Plain data.
+    """
+    return {
+        "permitted_speeds": _permitted(speeds) if speeds else None,
+        "measured": _measured(spec),
         "following": {name: _run(run) for name, run in runs.items()},
     }
 
 
-def _measured(found: Driving) -> list[dict[str, Any]]:
+def _permitted(speeds: PermittedSpeeds) -> schema.Permitted:
+    """Highest steady speeds by failed wheel and direction."""
+    every: list[schema.PermittedSpeed] = [
+        {"failed_wheel": failed or None, "direction_deg": degrees, "speed_m_per_s": number(speed), "limited_by": limit}
+        for failed in speeds.speed
+        for degrees in speeds.direction.tolist()
+        for speed, limit in [speeds.at(degrees)[failed]]
+    ]
+    return {"speeds": every, "unknown": [*speeds.unknown]}
+
+
+def _measured(spec: RobotSpec) -> list[schema.Measured]:
     """Measured errors that the spec states."""
-    section = found.spec.platform
+    section = spec.platform
     measured = section.following.measured if section else []
     return [{"name": one.name, "position_m": one.position, "heading_rad": one.heading} for one in measured]
 
 
-def _run(run: Followed) -> dict[str, Any]:
+def _run(run: Followed) -> schema.Run:
     """Largest deviations of a run."""
-    largest = [
+    largest: list[schema.Deviation] = [
         {
             "title": e.title,
             "si": number(e.value),

@@ -43,7 +43,8 @@ def document(result: SizingResult, proof: Validation | None) -> schema.Report:
     """
     parts = machine_parts(result.sets[0], result.problem) if result.sets else []
     found = simulated(proof) if proof else None
-    return {**sizing(result), "parts_list": [_line(line) for line in parts], "validation": found}
+    more = {"parts_list": [_line(line) for line in parts], "validation": found}
+    return cast("schema.Report", {**sizing(result), **more})
 
 
 def simulated(proof: Validation) -> schema.Validation:

@@ -180,6 +180,18 @@ Sizing = TypedDict("Sizing", {
 })  # fmt: skip
 
 
+PermittedSpeed = TypedDict("PermittedSpeed", {
+    "failed_wheel": Count | None, "direction_deg": Count, "speed_m_per_s": Number, "limited_by": str,
+})  # fmt: skip
+Permitted = TypedDict("Permitted", {"speeds": list[PermittedSpeed], "unknown": list[str]})
+Deviation = TypedDict("Deviation", {"title": str, "si": Number, "si_unit": str, "at_time_s": float, "at_way_m": float})
+Run = TypedDict("Run", {"largest": list[Deviation], "time_at_torque_limit": Number})
+Measured = TypedDict("Measured", {"name": str, "position_m": float, "heading_rad": float})
+OnPath = TypedDict("OnPath", {
+    "permitted_speeds": Permitted | None, "measured": list[Measured], "following": dict[str, Run],
+})  # fmt: skip
+
+
 class Validation(Proof):
     """The closed loop of a report."""
 
@@ -191,6 +203,7 @@ class Report(Sizing):
 
     parts_list: list[Line]
     validation: Validation | None
+    platform: NotRequired[OnPath]
 
 
 Carried = TypedDict("Carried", {

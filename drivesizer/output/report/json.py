@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from drivesizer.output.json.documents import as_text
+from drivesizer.output.json.driving import on_path
 from drivesizer.output.json.file import document
 from drivesizer.output.report.sections.content import Content
 
@@ -25,5 +27,8 @@ def render(content: Content, path: Path) -> dict[Path, bytes]:
     -------
     dict[Path, bytes]
     """
-    text = f"{as_text(document(content.result, content.validation))}\n"
+    found: dict[str, Any] = {**document(content.result, content.validation)}
+    if content.behaviour and content.result.spec.platform:
+        found["platform"] = on_path(content.result.spec, content.behaviour.permitted, {})
+    text = f"{as_text(found)}\n"
     return {path: text.encode("utf-8", "backslashreplace")}  # a lone surrogate, which a spec may have, becomes \udxxx

@@ -13,6 +13,8 @@ from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import assumed
 from drivesizer.load_cases.platform_drive import Driving
+from drivesizer.machine.permitted_speed import PermittedSpeeds
+from drivesizer.output.platform_table import SPEEDS, speed_heads, speed_remarks, speed_rows, speed_text
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE
 from drivesizer.physics.load_cycle import OwnLimit
@@ -30,8 +32,10 @@ _OF_A_WHEEL = (  # requirement, head of its column
 _BESIDE = 4  # runs side by side
 
 
-def driven(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]) -> None:
-    """Print the requirements at each wheel, the checks of a drive on the path, and how the platform follows it.
+def driven(
+    found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None = None
+) -> None:
+    """Print the requirements at each wheel, the checks of a drive on the path, its speeds, and how it follows the path.
 
     Parameters
     ----------
@@ -41,6 +45,8 @@ def driven(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]
         The drive; None without one.
     runs
         Simulated path following, by name.
+    speeds
+        That the drive permits; None without one.
     """
     console = tables.console()
     path = found.trajectory
@@ -51,10 +57,22 @@ def driven(found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed]
         console.print(Text(chosen.label))
         console.print(tables.checks(chosen.checks, "The drive on this path"))
         _machine(console, chosen)
+    if speeds:
+        console.print(_permitted(speeds))
+        for remark in speed_remarks(speeds):
+            console.print(Text(remark, style="dim"))
     if runs:
         console.print(_compared(runs, found) if len(runs) > _BESIDE else _followed(runs))
         for assumption in assumed(found):
             console.print(Text(assumption, style="dim"))
+
+
+def _permitted(speeds: PermittedSpeeds) -> Table:
+    """Speeds of a quarter turn."""
+    table = tables.bare(*((head, "right") for head in speed_heads(speeds)), title=SPEEDS)
+    for degrees, _, found in speed_rows(speeds):
+        table.add_row(degrees, *map(speed_text, found))
+    return table
 
 
 def _followed(runs: Mapping[str, Followed]) -> Table:

@@ -31,7 +31,16 @@ __all__ = ["IN_TABLES", "STILL", "Drawing", "loop_drawings", "report_drawings"]
 
 Drawing = Callable[[Form], bytes]
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
-STILL = ("way", "tornado", "fields", "efficiency", "demand", "heat", "energy")  # what the page shows as the PDF does
+STILL = (
+    "way",
+    "tornado",
+    "fields",
+    "efficiency",
+    "demand",
+    "heat",
+    "energy",
+    "permitted",
+)  # what the page shows as the PDF does
 
 
 def report_drawings(
@@ -52,8 +61,8 @@ def report_drawings(
     -------
     dict
         Functions that draw, by name: ``way``, the path of a platform, ``profile``, ``cycle``; of a drive ``margins``,
-        ``field``, ``fields`` (each load case alone), ``efficiency``, ``demand``, ``heat``, ``energy`` and ``battery``,
-        as far as its figures are known;
+        ``field``, ``fields`` (each load case alone), ``efficiency``, ``demand``, ``heat``, ``energy``, ``permitted``
+        (speeds of a platform) and ``battery``, as far as its figures are known;
         ``front``; ``tornado``; ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
@@ -91,6 +100,8 @@ def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, 
         made["heat"] = does.temperatures
     if does.energy.known:
         made["energy"] = does.flow
+    if does.permitted:
+        made["permitted"] = does.speeds
     budget = best.energy
     if budget and is_known(budget):
         made["battery"] = lambda form: battery(budget, form)

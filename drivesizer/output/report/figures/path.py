@@ -1,8 +1,9 @@
-"""The path of a platform in the plane, desired and driven, and its errors along the way."""
+"""A platform in the plane: its path, desired and driven, with errors along the way; speeds that its drives permit."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,19 +12,25 @@ from numpy.typing import NDArray
 from drivesizer.control.path_following.deviation import deviation
 from drivesizer.control.path_following.following import Followed
 from drivesizer.errors import InputError
+from drivesizer.machine.permitted_speed import PermittedSpeeds
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, named, placed
 from drivesizer.output.report.figures.time_windows import Window, thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-__all__ = ["path_and_errors"]
+__all__ = ["path_and_errors", "speed_by_direction"]
 
 _LOOKS: tuple[tuple[str, Any], ...] = (  # of the runs: the kinematic and the dynamic model, poses fed back
     ("vermillion", (0, (5, 2))), ("green", "solid"), ("purple", (0, (1, 1.2))), ("orange", (0, (3, 1, 1, 1))),
 )  # fmt: skip
 _ARROWS = 24  # headings along the path
 _POINTS = 2000  # of a path
+_ACROSS, _MOST = 4, 8  # panels beside each other, and in all
+_PANEL = 1.32  # in, wide and high
+_LEFT, _RIGHT, _TOP, _BELOW = 0.66, 0.2, 0.4, 0.42  # in, around the panels
+_GAP, _TITLE = 0.12, 0.25  # in, between them, and above each
 
 
 def path_and_errors(runs: Mapping[str, Followed], form: Form = "svg") -> bytes:
@@ -96,3 +103,54 @@ def _over_way(axes: Axes, runs: Mapping[str, Followed], column: str, title: str)
         axes.plot(d.travel[rows], values[rows], color=COLOURS[colour], linestyle=dashes, zorder=_above(layer))
     axes.axhline(0.0, color="black", linewidth=0.6)
     axes.set(xlim=(0.0, float(d.travel[-1]) or 1.0), ylabel=title)
+
+
+def speed_by_direction(found: PermittedSpeeds, required: float | None, form: Form = "svg") -> bytes:
+    """Highest steady speed in each direction, with all motors and without each of the first few.
+
+    Parameters
+    ----------
+    found
+        Of a drive.
+    required
+        Speed that the spec names as the platform's limit [m/s]; None where it names none.
+    form
+        Drawing, picture, or drawing for a typesetter.
+
+    Returns
+    -------
+    bytes
+        The file in that form.
+    """
+    turn = np.radians(np.append(found.direction, 360))
+    failed = [wheel for wheel in found.speed if wheel][:_MOST] or [0]
+    rows, columns = ceil(len(failed) / _ACROSS), min(len(failed), _ACROSS)
+
+    fast = [speed[np.isfinite(speed)].max(initial=required or 0.0) for speed in found.speed.values()]
+    most = 1.06 * max(fast) or 1.0
+
+    def line(axes: Any, speed: NDArray[np.float64], **look: Any) -> None:
+        known = np.where(np.isfinite(speed), speed, np.nan)
+        marker = "" if np.isfinite(speed).all() else "."
+        axes.plot(known * np.cos(turn), known * np.sin(turn), marker=marker, **look)
+
+    def draw(figure: Figure) -> None:
+        right = max(figure.get_size_inches()[0] - _LEFT - (_PANEL + _GAP) * columns + _GAP, _RIGHT)
+        grid = placed(figure, rows, columns, top=_TOP, right=right, gaps=(_TITLE, _GAP))
+        for axes, wheel in zip((axes for row in grid for axes in row), failed, strict=False):
+            line(axes, found.speed[0][[*range(len(turn) - 1), 0]], color=COLOURS["blue"], label="all motors")
+            if wheel:
+                without = found.speed[wheel][[*range(len(turn) - 1), 0]]
+                line(axes, without, color=COLOURS["vermillion"], linestyle=(0, (5, 1.5)), label="without one")
+                axes.set_title(f"without wheel {wheel}")
+            if required is not None:
+                line(axes, np.full(len(turn), required), color="black", linewidth=0.7, linestyle=(0, (1, 1.5)),
+                     label=f"{required:g} m/s, limit of the spec")  # fmt: skip
+            axes.set(xlim=(-most, most), ylim=(-most, most))
+        for axes in grid[-1]:
+            axes.set_xlabel("ahead (m/s)")
+        for row in grid:
+            row[0].set_ylabel("to the left (m/s)")
+        heading(figure, *grid[0][0].get_legend_handles_labels(), 3)
+
+    return drawn(draw, _TOP + _BELOW + _PANEL * rows + _TITLE * (rows - 1), form)

@@ -9,6 +9,7 @@ from math import fsum, isfinite, isnan, sqrt
 
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.machine.energy_flow import EnergyFlow, energy_flow
+from drivesizer.machine.permitted_speed import PermittedSpeeds, permitted_speeds
 from drivesizer.machine.set_cycle import SetCycle, set_cycle, warming
 from drivesizer.machine.warm_up import WarmUp, warm_up
 from drivesizer.output.report.figures.demand import current_and_voltage
@@ -16,6 +17,7 @@ from drivesizer.output.report.figures.efficiency import efficiency_field, effici
 from drivesizer.output.report.figures.energy import energy_bars, energy_unit
 from drivesizer.output.report.figures.field_panels import TOGETHER
 from drivesizer.output.report.figures.heat import temperatures
+from drivesizer.output.report.figures.path import speed_by_direction
 from drivesizer.output.report.figures.style import Form
 from drivesizer.output.report.figures.wheels import MOST_WHEELS
 from drivesizer.output.report.lines.machine import first_wheel
@@ -79,7 +81,19 @@ class Behaviour:
         bodies = two_bodies(asdict(found.motor.part))
         return warm_up(bodies, found.spec.environment.ambient, warming(found)) if found.known else None
 
+    @cached_property
+    def permitted(self) -> PermittedSpeeds | None:
+        """Speeds that the drive permits a platform in each direction; None of another machine."""
+        machine = self.problem.machine
+        return permitted_speeds(machine, self.drive_set) if machine.platform else None
+
     # -- figures
+
+    def speeds(self, form: Form) -> bytes:
+        """Those speeds over the direction."""
+        assert self.permitted is not None
+        platform = self.problem.machine.platform
+        return speed_by_direction(self.permitted, platform.limits.speed if platform else None, form)
 
     def temperatures(self, form: Form) -> bytes:
         """Winding and housing in the hottest case."""

@@ -15,7 +15,7 @@ from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, HEAT
 from drivesizer.output.report.sections.derivation import DERIVATION
 from drivesizer.output.report.sections.estimates import ESTIMATES
 from drivesizer.output.report.sections.loop import LINEAR_LOOPS, LOOP
-from drivesizer.output.report.sections.machine import BATTERY, BRAKING, MACHINE
+from drivesizer.output.report.sections.machine import BATTERY, BRAKING, MACHINE, PERMITTED
 from drivesizer.output.report.sections.parts import DATA_SHEETS, PARTS
 from drivesizer.output.report.sections.pieces import PIECES
 from drivesizer.output.report.sections.reliability import RELIABILITY
@@ -36,6 +36,7 @@ SECTIONS = (  # what to buy, whether it holds, how close others come, why; then 
     ENERGY,
     RELIABILITY,
     MACHINE,
+    PERMITTED,
     BATTERY,
     BRAKING,
     LOOP,

@@ -1,4 +1,4 @@
-"""The machine with the drive: its budgets, its masses and figures, its battery, and what it regenerates."""
+"""The machine with the drive: its budgets, masses and figures, a platform's speeds, battery, what it regenerates."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import isnan
 
 from drivesizer.output.energy_table import consumer_rows
+from drivesizer.output.platform_table import SPEEDS, speed_heads, speed_remarks, speed_rows
 from drivesizer.output.report.lines.drive import check_row, figure_row
 from drivesizer.output.report.lines.rows import battery_rows, braking_rows, machine_rows
 from drivesizer.output.report.sections.blocks import (
@@ -29,7 +30,7 @@ from drivesizer.results.check_parts import by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 
-__all__ = ["BATTERY", "BRAKING", "MACHINE", "consumers", "masses", "unknown_consumers", "unknown_masses"]
+__all__ = ["BATTERY", "BRAKING", "MACHINE", "PERMITTED", "consumers", "masses", "unknown_consumers", "unknown_masses"]
 
 _OF_MASSES = ("mass_known", "mass_left")  # figures that belong below the masses that they sum
 
@@ -87,6 +88,25 @@ MACHINE = Section(
     csv=CsvRows(of_drive=lambda content, _, drive: machine_rows(drive)),
 )  # fmt: skip
 
+
+# -- a platform
+
+
+def _permitted(content: Content) -> Iterator[Block]:
+    found = content.behaviour.permitted if content.behaviour else None
+    if found is None:
+        return
+    yield Picture("permitted", "Highest steady speed over the direction, with all motors and without each.",
+                  "permitted speed over the direction", about="shows how fast the robot may go.")  # fmt: skip
+    direction, *heads = speed_heads(found)
+    columns = [Column(direction, "number"), *(Column(head, "number") for head in heads), Column("limited by", "small")]
+    rows = [Row((degrees, *(quantity(speed, "m/s", "speed") for speed in speeds), by))
+            for degrees, by, speeds in speed_rows(found)]  # fmt: skip
+    yield Table(f"{SPEEDS}; what limits it with all motors", columns, rows, "permitted", dense=True)
+    yield Bullets("In these speeds:", [*speed_remarks(found)])
+
+
+PERMITTED = Section(name="permitted", title="Speed by direction", level=2, blocks=_permitted)
 
 # -- battery
 

@@ -1,0 +1,53 @@
+"""Tables of a platform, for terminal and reports: the speed that its drives permit in each direction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from math import isinf, isnan
+
+from drivesizer.machine.permitted_speed import PermittedSpeeds
+from drivesizer.units import show
+
+__all__ = ["SPEEDS", "speed_heads", "speed_remarks", "speed_rows", "speed_text"]
+
+SPEEDS = "Highest steady speed by direction, in the robot's frame, counterclockwise from ahead"
+
+
+def speed_heads(found: PermittedSpeeds) -> list[str]:
+    """Heads of the columns: direction, all motors, and each failed wheel."""
+    return ["direction", "all motors", *(f"without {failed}" for failed in found.speed if failed)]
+
+
+def speed_rows(found: PermittedSpeeds) -> Iterator[tuple[str, str, list[float]]]:
+    """Direction, what limits it, and speeds [m/s], with all motors and without each; of a quarter turn."""
+    for degrees in range(0, 91, 15):
+        here = found.at(degrees)
+        if not isnan(here[0][0]):
+            yield f"{degrees} °", here[0][1], [speed for speed, _ in here.values()]
+
+
+def speed_text(speed: float) -> str:
+    """A speed of the table; a dash where the wheels do not go there.
+
+    >>> speed_text(1.35), speed_text(float("nan")), speed_text(float("inf"))
+    ('1.35 m/s', '–', 'any')
+    """
+    return "any" if isinf(speed) else "–" if isnan(speed) else show(speed, "m/s", "speed", 3)
+
+
+def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
+    """Assumptions of the table, as sentences."""
+    yield (
+        "At constant speed for long, at the lowest supply voltage: what is left for gaining speed is not in it, and "
+        "neither are supply and battery."
+    )
+    by = dict.fromkeys(name for names in found.limit.values() for name in names if name)
+    yield f"Limited by {_listed(by)}; 0 m/s: not for long at any speed." if by else "No limit is known."
+    if len(found.speed) > 1:
+        yield "Without: the motor of that wheel has failed, and neither it nor its gearhead resists."
+    if found.unknown:
+        yield f"Unknown and not looked at: {_listed(found.unknown)}."
+
+
+def _listed(titles: Iterable[str]) -> str:
+    return "; ".join(f"{title[0].lower()}{title[1:]}" for title in titles)
