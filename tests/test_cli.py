@@ -26,9 +26,8 @@ def test_size_prints_the_papers_drive(run, example):
         assert words in out
     assert "208.9 rpm" in out
     assert "(13)" in out
-    assert "by physics unknown (motor permissible speed" in " ".join(out.split())
-    assert "why they differ" in out
-    assert "derived: nominal torque" in " ".join(out.split())
+    assert "by physics pass" in " ".join(out.split())  # by both methods, as the paper concludes
+    assert "derived: length" in " ".join(out.split())
     assert "by the paper's equations and rule" in out
     assert "the whole catalogue gives" in " ".join(out.split())
     *printed, _, _, _ = out.splitlines()  # commands to copy do not wrap
@@ -74,16 +73,12 @@ def test_json_contract(run, example):
     assert document["requirements"]["rms_speed"]["equation"] is None
     best = document["sets"][0]
     assert set(best["results"]) == {"paper", "physics", "budget"}
-    assert best["results"]["physics"]["status"] == "unknown"
-    # without time constants nobody knows how warm the winding is, hence what R I is, when the voltage is highest
-    estimated = {one["figure"]: one for one in best["estimated"]}
-    for figure in ("winding_time_constant", "motor_time_constant"):  # no sheet of the RE 25 has them
-        one = estimated[figure]
-        assert one["low"] < one["value"] == best["motor"][figure] < one["high"]
-    assert best["results"]["physics"]["unknown"] == ["motor_speed", "motor_temperature_range"]
+    assert best["results"]["physics"]["status"] == "pass"
+    assert best["results"]["physics"]["unknown"] == best["results"]["physics"]["open"] == []
+    assert best["estimated"] == []  # no check rests on an estimate
     assert {c["method"] for c in best["checks"]} == {"paper", "physics", "budget"}
     assert (best["rank"], best["status"], best["motor"]["part"]) == (1, "pass", "118752")
-    assert best["motor"]["max_speed"] is None
+    assert best["motor"]["price"] is None
     assert best["mass_of"] == ["motor", "gearhead"]
     assert best["total_ratio"] == pytest.approx(3249 / 121 * 1.1)
     assert {"rms_torque_at_motor", "maximum_torque_at_motor", "speed_constant", "no_load_speed"} <= set(
@@ -182,17 +177,15 @@ def test_validate_the_papers_set(run, example):
     assert status == 0
     assert "118752" in text
     assert "FAIL" not in text
-    assert "unknown" in text
-    assert "unknown" in err
+    assert "unknown" not in text + err
     status, out, _ = run("validate", example, "--json", "--set", "118752/406764")
     document = json.loads(out)
     by_name = {c["name"]: c["status"] for c in document["checks"]}
     assert status == 0
-    assert document["status"] == "unknown"  # nothing fails, but not all is known
-    assert "fail" not in by_name.values()
-    assert by_name["motor_speed"] == "unknown"
-    assert by_name["winding_temperature"] == "pass"  # by an estimate, which is named
-    assert any("motor winding time constant" in line for line in document["assumptions"])
+    assert document["status"] == "pass"  # the motor does not reach its limits, as the paper concludes
+    assert set(by_name.values()) == {"pass"}
+    limits = {c["name"]: c["limit"] for c in document["checks"]}
+    assert (limits["motor_speed"], limits["winding_temperature"]) == pytest.approx((14000, 125))
 
 
 def test_files_of_size_validate_and_report(run, example, tmp_path):

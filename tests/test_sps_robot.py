@@ -91,9 +91,13 @@ def test_without_encoder_and_controller_families_others_suffice_too(example_text
     assert sum(e.family == "HEDL 5540" and e.counts_per_turn == 500 for e in hedl) == 4
 
 
-def test_unknown_is_never_a_pass(result):
-    motor = result.sets[0].motor
-    assert math.isnan(motor.max_speed) and math.isnan(motor.max_winding_temperature)
+def test_both_methods_say_pass(result):
+    """The paper concludes that the motor does not reach its limits: 14000 rpm and 125 degC, of its product page."""
+    best = result.sets[0]
+    assert {check.status for check in best.checks} == {"pass"}
+    assert best.motor.max_speed * RPM == pytest.approx(14000)
+    assert best.motor.max_winding_temperature == pytest.approx(125 + 273.15)
+    assert not [one for one in best.estimated if one.part == "motor"]
 
 
 IMPERIAL = [

@@ -75,12 +75,14 @@ def _per_source(catalog: Catalog, sources: NDArray[np.int32], starts_with: str) 
 
 
 def test_counts(catalog: Catalog) -> None:
-    assert [len(catalog.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [646, 2265, 51, 45]
+    assert [len(catalog.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [647, 2265, 51, 45]
     assert _per_source(catalog, catalog.motors.source, "maxon online shop") == 640
     assert _per_source(catalog, catalog.gearheads.source, "maxon online shop") == 2191
     assert _per_source(catalog, catalog.gearheads.source, "Motor-Gearbox Database") == 74
     assert _per_source(catalog, catalog.motor_gearhead.source, "Motor-Gearbox Database") == 60143
-    assert len(catalog.motor_gearhead.left) == 60143 + 9 + 9 + 72  # the paper's, the same housing, koaxdrives
+    assert _per_source(catalog, catalog.motor_gearhead.source, "public GitHub file, number 25465484559") == 45 + 17 + 17
+    koaxdrives = 3 * 24
+    assert len(catalog.motor_gearhead.left) == 60143 + 9 + 9 + koaxdrives + 24 + 45 + 17 + 17  # the paper's, same housing
 
 
 def test_every_source_has_a_document_and_a_known_confidence(catalog: Catalog) -> None:
@@ -96,7 +98,20 @@ PRINTED = {
         "nominal_voltage": 24, "assigned_power": 20, "no_load_speed": 9560 * RPM, "no_load_current": 36.9e-3,
         "nominal_current": 1.16, "stall_torque": 243e-3, "stall_current": 10.4, "max_efficiency": 0.85,
         "resistance": 2.32, "inductance": 0.238e-3, "torque_constant": 23.4e-3, "speed_constant": 408 * RPM,
-        "rotor_inertia": 10.8e-7, "diameter": 0.025, "mass": 0.13,
+        "rotor_inertia": 10.8e-7, "diameter": 0.025, "mass": 0.13, "nominal_speed": 8330 * RPM,
+        "nominal_torque": 26.3e-3, "speed_torque_gradient": 40.3 * RPM / 1e-3, "mechanical_time_constant": 4.55e-3,
+        "thermal_resistance_winding": 3.1, "thermal_resistance_housing": 14, "winding_time_constant": 12.5,
+        "motor_time_constant": 612, "ambient_min": 243.15, "ambient_max": 373.15, "max_winding_temperature": 398.15,
+        "max_speed": 14000 * RPM, "max_axial_load": 3.2, "max_radial_load": 16, "radial_load_distance": 5e-3,
+        "commutator_segments": 11,
+    },
+    # RE 30, 24 V, 60 W
+    "268214": {
+        "nominal_voltage": 24, "assigned_power": 60, "no_load_speed": 8810 * RPM, "no_load_current": 165e-3,
+        "nominal_speed": 8050 * RPM, "nominal_torque": 85.6e-3, "nominal_current": 3.47, "stall_torque": 1020e-3,
+        "resistance": 0.611, "inductance": 0.119e-3, "torque_constant": 25.9e-3, "speed_constant": 369 * RPM,
+        "rotor_inertia": 33.5e-7, "thermal_resistance_housing": 6, "winding_time_constant": 16.3,
+        "motor_time_constant": 593, "max_winding_temperature": 398.15, "max_speed": 12000 * RPM, "mass": 0.26,
     },
     # 12 V, 10 W, precious metal
     "118743": {
@@ -131,15 +146,12 @@ def test_motors_as_printed(motors: Table[Motor], part: str) -> None:
 def test_what_is_not_known_of_the_papers_motor_is_unknown_and_what_is_worked_out_says_so(catalog: Catalog) -> None:
     row = catalog.motors.rows["118752"]
     motor = catalog.motors.record(row)
-    for name in ("max_speed", "max_winding_temperature", "nominal_speed", "winding_time_constant", "price"):
-        assert math.isnan(getattr(motor, name)), name
+    assert math.isnan(motor.price)
     confidence = catalog.confidence("motors", row)
-    derived = {"nominal_torque", "speed_torque_gradient", "mechanical_time_constant", "length",
-               "thermal_resistance_winding", "thermal_resistance_housing"}  # fmt: skip
-    assert {name for name, how in confidence.items() if how == "derived"} == derived
+    assert {name for name, how in confidence.items() if how == "derived"} == {"length"}
     assert set(confidence.values()) == {"derived", "secondary"}
     assert motor.nominal_torque == pytest.approx(23.4e-3 * (1.16 - 0.0369), rel=2e-3)  # k_t (I_N - I_0)
-    assert motor.speed_torque_gradient == pytest.approx(2.32 / 23.4e-3**2, rel=2e-3)  # R / k_t^2
+    assert motor.speed_torque_gradient == pytest.approx(2.32 / 23.4e-3**2, rel=5e-3)  # R / k_t^2
 
 
 def test_the_papers_gearhead_as_printed(catalog: Catalog) -> None:
@@ -166,6 +178,7 @@ def test_the_paper_is_the_source_of_its_own_set(catalog: Catalog) -> None:
         assert source.confidence == "quoted"
     encoder = catalog.encoders.record(catalog.encoders.rows["225778"])
     assert (encoder.family, encoder.counts_per_turn) == ("MR type ML", 500)
+    assert encoder.inertia == pytest.approx(0.7e-7)  # the code wheel of 225780, which has 1000 counts
 
 
 def test_the_papers_controller(catalog: Catalog) -> None:

@@ -311,7 +311,7 @@ def test_what_goes_with_a_gearhead(run, small):
 def test_the_papers_motor_is_shown_as_the_catalogue_has_it(run):
     said = words(run("show", "118752")[1])
     assert "torque constant 23.4 mN·m/A secondary" in said
-    assert "nominal torque 26.3 mN·m derived" in said
+    assert "nominal torque 26.3 mN·m secondary" in said and "length 54.5 mm derived" in said
     assert "GP 26 A (9)" in said
 
 
@@ -655,7 +655,7 @@ def test_hostile_cells_stay_text(run, tmp_path):
 def test_origins_follow_the_notes(catalog):
     hit = Hit("maxon", catalog, "motors", catalog.motors.rows["118752"])
     found = origins(hit)
-    assert found["nominal_torque"].confidence == "derived"
+    assert (found["length"].confidence, found["mass"].confidence) == ("derived", "secondary")
     assert set(found) == set(catalog.confidence("motors", hit.row))
 
 

@@ -104,13 +104,13 @@ def test_what_a_check_says_to_rest_on_changes_something(found):
 def test_the_robots_unknown_and_estimated_figures(example):
     sized = size(load_spec(example), top=1)
     best = sized.sets[0]
-    unknown = dict(unknown_figures(best))
-    assert unknown["Motor permissible speed"] == "motor max speed"
-    assert "Winding temperature, peak" not in unknown
+    assert not unknown_figures(best)
+    poorer = without(sized.catalog, "motor", "118752", "max_speed")
+    (lacking,) = explain(load_spec(example), "118752", "406764", catalog=poorer)
+    assert dict(unknown_figures(lacking)) == {"Motor permissible speed": "motor max speed"}
     marked = {name: (value, mark) for name, value, mark, _ in marked_figures(best, sized.catalog)}
     assert marked["encoder max speed"] == ("24000 rpm", "recalled")
-    assert marked["motor thermal resistance winding"] == ("3.1 K/W", "derived")
-    assert marked["motor winding time constant"][1] == marked["motor max winding temperature"][1] == "estimated"
+    assert marked["encoder inertia"] == ("0.7 g·cm²", "derived")
     assert "motor resistance" not in marked  # copied by others, and quoted there
     alone = replace(best, encoder=None, checks=tuple(replace(c, status="unknown") for c in best.checks))
     assert dict(unknown_figures(alone))["Encoder counts per turn"] == "any encoder"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, isnan, nan
 
 import numpy as np
@@ -137,8 +138,12 @@ def test_a_thermal_resistance_of_nothing_is_none():
 
 
 def test_estimated_figures_are_listed_and_widen_the_band():
-    """RE 25, 118752: the catalogue has no thermal time constants of this winding."""
-    found = of(hit("118752"))
+    """RE 25, 118752, as if the catalogue had no thermal time constants of this winding."""
+    known = hit("118752")
+    lacking = ("winding_time_constant", "motor_time_constant")
+    columns = known.table.columns | {name: np.full_like(known.table[name], nan) for name in lacking}
+    poorer = replace(known.catalog, motors=replace(known.table, columns=columns))
+    found = of(replace(known, catalog=poorer))
     names = {one.figure for one in found.estimates}
     assert {"winding_time_constant", "motor_time_constant"} <= names
     assert all(one.low <= one.value <= one.high and one.law for one in found.estimates)
