@@ -10,6 +10,7 @@ import control
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from specs import HEAT
 
 from drivesizer.control.drive_train import DriveTrain, Regime, drive_train, modes
 from drivesizer.control.loop_analysis import analyse
@@ -37,9 +38,9 @@ def papers(spec, catalog):
 
 @pytest.fixture(scope="module")
 def chosen(papers):
-    """The same as closed forms have it: without code wheel, its resistance that of 25 degC for want of heat's figures."""
-    heat = dict.fromkeys(("max_winding_temperature", "winding_time_constant", "motor_time_constant"), nan)
-    return replace(papers, motor=replace(papers.motor, **heat), encoder=replace(papers.encoder, inertia=nan))
+    """The same as closed forms have it: no code wheel, and the resistance of 25 degC for want of figures of heat."""
+    motor = replace(papers.motor, **dict.fromkeys(HEAT, nan))
+    return replace(papers, motor=motor, encoder=replace(papers.encoder, inertia=nan))
 
 
 @pytest.fixture(scope="module")

@@ -1,12 +1,19 @@
-"""Specs with one setting changed."""
+"""Specs with one setting changed, catalogues without some figures."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from drivesizer.catalog import Catalog
+from drivesizer.catalog.tables import Table
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["estimates_off", "selecting"]
+__all__ = ["HEAT", "estimates_off", "selecting", "without"]
+
+HEAT = ("max_winding_temperature", "winding_time_constant", "motor_time_constant")
 
 
 def selecting(spec: RobotSpec, **settings: Any) -> RobotSpec:
@@ -17,3 +24,12 @@ def selecting(spec: RobotSpec, **settings: Any) -> RobotSpec:
 def estimates_off(spec: RobotSpec) -> RobotSpec:
     """The spec with figures that no data sheet gives unknown."""
     return selecting(spec, estimates="off")
+
+
+def without(catalog: Catalog, role: str, part: str, *fields: str) -> Catalog:
+    """A catalogue that does not know figures of a part."""
+    table: Table[Any] = getattr(catalog, f"{role}s")
+    columns = {field: table[field].copy() for field in fields}
+    for column in columns.values():
+        column[table.rows[part]] = np.nan
+    return catalog.with_tables({f"{role}s": replace(table, columns={**table.columns, **columns})}, {})

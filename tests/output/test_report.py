@@ -128,7 +128,7 @@ def test_pdf_says_what_was_found_and_has_the_same_bytes_each_time(result, tmp_pa
     for said in (
         "A drive was found",
         "208.9",
-        "337.3",
+        "336.9",
         "secondary",
         "derived",
         "recalled",

@@ -14,8 +14,10 @@ from math import inf, nan
 import numpy as np
 import openpyxl
 import pytest
+from specs import HEAT, without
 from synthetic_validation import synthetic_validation
 
+from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import workbook, write
 from drivesizer.output.report.sections import candidates
@@ -36,8 +38,9 @@ FORMULAS = ("=1+1", "+1", "-1+1", "@SUM(A1)", '=HYPERLINK("http://x")', "http://
 
 
 @pytest.fixture(scope="module")
-def result(spec: RobotSpec) -> SizingResult:
-    return size(spec, top=4)
+def result(spec: RobotSpec, catalog: Catalog) -> SizingResult:
+    """Of a motor whose heat is unknown."""
+    return size(spec, catalog=without(catalog, "motor", "118752", *HEAT), top=4)
 
 
 @pytest.fixture(scope="module")
@@ -305,11 +308,11 @@ def test_the_spec_stands_line_by_line_and_the_file_tells_what_made_it(book, resu
 def test_figures_of_the_data_sheets_carry_their_confidence(book, result):
     rows = [r for r in rows_of(book["Selected drive"]) if r["part"] == "motor"]
     sure = {r["figure"]: r["confidence"] for r in rows}
-    # as the catalogue file has it: nominal torque derived, speed constant and inertia from a copy
-    assert (sure["nominal torque"], sure["rotor inertia"]) == ("derived", "secondary")
+    # as the catalogue file has it: length derived, all else from a copy
+    assert (sure["length"], sure["rotor inertia"]) == ("derived", "secondary")
     value = {r["figure"]: (r["value"], r["unit"], r["SI value"]) for r in rows}
     assert value["nominal torque"] == (pytest.approx(26.3), "mN·m", pytest.approx(0.0263))
-    assert "max speed" not in value  # unknown: not listed
+    assert "max winding temperature" not in value  # unknown: not listed
     assert all(r["source"] for r in rows)
 
 

@@ -4,13 +4,11 @@ from dataclasses import fields, replace
 from math import isnan
 from pathlib import Path
 
-import numpy as np
 import pytest
-from specs import estimates_off
+from specs import estimates_off, without
 from starters import starter
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.tables import Table
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.figures_behind_checks import marked_figures, rests_on, unknown_figures
 from drivesizer.results.sizing import Check
@@ -18,14 +16,6 @@ from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 ROLES = ("motor", "gearhead", "encoder", "controller")
-
-
-def without(catalog: Catalog, role: str, part: str, field: str) -> Catalog:
-    """A catalogue that does not know a figure."""
-    table: Table = getattr(catalog, f"{role}s")
-    column = table[field].copy()
-    column[table.rows[part]] = np.nan
-    return catalog.with_tables({f"{role}s": replace(table, columns={**table.columns, field: column})}, {})
 
 
 def pinned(spec: RobotSpec, one: DriveSet) -> RobotSpec:
