@@ -102,7 +102,7 @@ def test_carried_axes_ride_on_all_below_them() -> None:
 
 
 def test_distances_of_what_rides_add_along_the_chain() -> None:
-    """An arm stretched out: the wrist's drive 400 mm from the elbow, the elbow's 100 mm from the lift, is 500 mm off."""
+    """An arm stretched out: the wrist's drive 400 mm from the elbow, the elbow's 100 mm from the lift: 500 mm off."""
     plain: dict[str, Any] = {"load": {"kind": "arm", "mass": "0.5 kg", "length": "130 mm"},
                              "motion": GANTRY["axes"]["lift"]["motion"] | {"speed": "60 deg/s"}}  # fmt: skip
     axes = {

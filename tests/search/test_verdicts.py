@@ -173,8 +173,8 @@ def hoist(of: dict[str, Any], estimates: bool) -> RobotSpec:
         f"""
 name: hoist
 load: {{kind: hoist, mass: {of["mass"]} kg, drum_diameter: {of["drum"]} m}}
-motion: {{speed: {of["speed"]} m/s, acceleration_time: {of["ramp"] + of["speed"] / G} s, cruise_time: 2 s, rest_time: {of["rest"]} s,
-  there_and_back: true}}
+motion: {{speed: {of["speed"]} m/s, acceleration_time: {of["ramp"] + of["speed"] / G} s, cruise_time: 2 s,
+  rest_time: {of["rest"]} s, there_and_back: true}}
 environment: {{ambient: {of["ambient"]} degC}}
 supply: {{nominal: {of["volts"]} V, accepts: all}}
 select: {{catalogs: [{", ".join(MAKERS)}], estimates: {'"on"' if estimates else '"off"'}}}
