@@ -142,6 +142,17 @@ def test_full_steps_shake_more_than_microsteps(path: Path, proof: Validation) ->
     assert check(calm, "load_angle").demand < check(full, "load_angle").demand
 
 
+def test_microsteps_are_the_cure_that_is_named_where_they_help(path: Path) -> None:
+    """Full steps at 43.3 a second meet the natural frequency of 36.1 Hz and shake the rotor out of step."""
+    slow = {"speed": "13 rpm", "acceleration_time": "0.3 s", "cruise_time": "1 s"}
+    full = simulated(path, motion=slow, control={"microsteps": 1})
+    assert full.status == "fail"
+    assert any("with control: {microsteps: 16} none is" in one for one in full.warnings)
+    assert simulated(path, motion=slow, control={"microsteps": 16}).status == "pass"
+    quick = simulated(path, motion={"acceleration_time": "0.02 s"}, control={"microsteps": 1})
+    assert any("less acceleration" in one for one in quick.warnings)
+
+
 def test_an_estimated_torque_leaves_it_unknown_between_the_ends_of_its_band(path: Path) -> None:
     """A1 has no curve: 67 to 150 % of the simulated torque; a share of 0.67 to 1.5 is decided by it."""
     spec = load_spec(spec_of(path, select={"motor": {"kind": "stepper", "part": "A1"}}))

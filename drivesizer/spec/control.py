@@ -71,7 +71,8 @@ class Control(Section):
         default=None, description="over which counts are taken for a speed; designed where not given"
     )
     microsteps: Annotated[int, Field(ge=1)] | None = Field(
-        default=None, description="of a stepper's driver, to a full step; its finest where not given"
+        default=None,
+        description="of a stepper's driver, to a full step, in size and validate; its finest where not given",
     )
     damping_ratio: Part | None = Field(
         default=None, description="of the swings of a stepper's rotor; 0.1 where not given"

@@ -212,6 +212,17 @@ def test_resolution_is_that_of_the_microsteps(path: Path) -> None:
     assert {one.motor.part for one in few.sets} == {"A3", "A4", "B1", "B2"}
 
 
+def test_resolution_is_that_of_the_microsteps_that_are_set(path: Path) -> None:
+    """360 degrees / (200 x 8) = 0.225 degrees, whatever finer ones a driver has; S9 prints none and runs these."""
+    found = sized(path, needs={"resolution_at_load": "0.23 deg"}, control={"microsteps": 8}).sets
+    assert {round(math.degrees(check(one, "step_resolution").demand), 6) for one in found} <= {0.225, 0.1125}
+    assert check(next(one for one in found if one.motor.part == "A2"), "step_resolution").demand == pytest.approx(
+        math.radians(0.225)
+    )
+    few = sized(path, needs={"resolution_at_load": "0.2 deg"}, control={"microsteps": 8})
+    assert "A2" not in {one.motor.part for one in few.sets}
+
+
 def test_resonance_is_advice(path: Path) -> None:
     """A2 with the flywheel swings at 43.2 Hz: 12.4 rpm is 41.3 full steps a second."""
     swings = math.sqrt(50 * 0.59 / (4e-4 + 82e-7)) / (2 * math.pi)

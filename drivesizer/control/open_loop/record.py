@@ -184,10 +184,12 @@ def _assumptions(case: OpenLoop) -> list[str]:
 def _warnings(case: OpenLoop, found: tuple[Check, ...]) -> Iterator[str]:
     seen, swings = case.out.figures, case.stepper.natural_frequency
     if case.out.lost:
-        yield (
-            f"steps are lost from {seen['slipped']:.4g} s on: less acceleration, speed or inertia, a higher supply "
-            "voltage, or a larger motor"
+        cure = (
+            f"with control: {{microsteps: {case.finer}}} none is, in a driver that has them"
+            if case.finer
+            else "less acceleration, speed or inertia, a higher supply voltage, or a larger motor"
         )
+        yield f"steps are lost from {seen['slipped']:.4g} s on: {cure}"
     ignored = sorted(case.spec.control.model_fields_set - _OWN)
     if ignored:
         yield f"control.{ignored[0]}: a stepper runs open-loop; of control only microsteps and damping_ratio are used"

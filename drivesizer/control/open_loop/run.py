@@ -34,6 +34,7 @@ PullOut = Callable[[Array], Array]  # torque at speeds of the motor
 _POINTS = 513  # of the pull-out torque over the speed
 _FASTEST = 1e9  # rad/s at the motor
 _STARTS = 40.0  # periods of the natural frequency that a start without a ramp is watched
+_CALM = 16  # microsteps with which swings are small
 _SETTLES = 10.0  # the same, at rest after the motion
 _NEEDED = {"motor": ("rotor_inertia", "pole_pairs", "holding_torque"), "gearhead": ("ratio", "efficiency")}
 _SMALL = {"gearhead": "inertia of the gearhead", "brake": "inertia of the brake", "load": "inertia of the load"}
@@ -51,6 +52,7 @@ class OpenLoop(NamedTuple):
     out: Turned
     share: float  # of the pull-out torque that keeps step along the motion
     start: float  # the same of a start without a ramp, to needs.start_speed; NaN where there is none
+    finer: int  # microsteps with which no step is lost, where some are; 0 where these do not help
     assumptions: tuple[str, ...]
 
     @property
@@ -95,8 +97,13 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: Pull
     stepper, shaft = ready.stepper, at_shaft(spec)
     motion = _motion(spec, profile, shaft, _SETTLES / stepper.natural_frequency)
     out = simulate(stepper, motion)
+    finer = 0
+    driver = math.nan if drive_set.controller is None else drive_set.controller.microsteps
+    if out.lost and ready.microsteps < _CALM and not driver < _CALM:
+        calm = replace(stepper, microstep=stepper.microstep * ready.microsteps / _CALM)
+        finer = 0 if simulate(calm, motion).lost else _CALM
     return OpenLoop(spec, drive_set, profile, stepper, shaft.radius, ready.microsteps, out,
-                    least_share(stepper, motion), _start(spec, stepper, motion), ready.assumptions)  # fmt: skip
+                    least_share(stepper, motion), _start(spec, stepper, motion), finer, ready.assumptions)  # fmt: skip
 
 
 def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> Prepared:

@@ -294,6 +294,8 @@ def start_limits(
 def resolution_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Angle of a microstep at the load; of a full step, where the driver's are unknown and that is fine enough.
 
+    Microsteps are those of the spec, as far as the driver has them; else its finest.
+
     Parameters
     ----------
     spec
@@ -312,7 +314,8 @@ def resolution_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts
     if need is None:
         return []
     full = 2.0 * np.pi / (4.0 * parts.motor["pole_pairs"] * demand.total_ratio * cycle.belt)
-    micro = full / parts.controller["microsteps"]
+    given = np.nan if spec.control.microsteps is None else spec.control.microsteps
+    micro = full / np.fmin(parts.controller["microsteps"], given)
     return [at_most("step_resolution", np.where(np.isnan(micro) & (full <= need), full, micro), need)]
 
 
