@@ -6,9 +6,13 @@ import sys
 from itertools import chain, repeat
 
 import pytest
+from conftest import ROOT
+from rich.cells import cell_len
 
 from drivesizer import cli
 from drivesizer.commands import common
+
+EXAMPLE, PLATFORM = (f"{ROOT}/examples/{name}.yaml" for name in ("sps_robot", "sps_platform"))
 
 
 @pytest.fixture
@@ -128,6 +132,11 @@ def test_nothing_fits_is_status_1(run, example_text, tmp_path):
         (["explain", "EXAMPLE", "--motor", "nix", "--gearhead", "406764"], "in no catalogue"),
         (["equations", "60"], "1 to 59"),
         (["equations", "0"], "1 to 59"),
+        (["equations", "33", EXAMPLE], "sps_robot.yaml: no section platform; expected one"),
+        (["equations", "4", EXAMPLE], "sps_robot.yaml: equation (4) is no step of the derivation"),
+        (["equations", "1", PLATFORM], "sps_platform.yaml: the paper treats a wheeled_vehicle without wind"),
+        (["equations", "33", "nothing.yaml"], "nothing.yaml: cannot be read"),
+        (["equations", "60", "nothing.yaml"], "1 to 59"),
         (["init", "--kind", "spaceship"], "wheeled_vehicle"),
         (["init", "-o", "no/such/folder.yaml"], "cannot be written"),
         (["validate", "EXAMPLE", "--set", "118752/406764/1.1"], "MOTOR/GEARHEAD"),
@@ -169,6 +178,23 @@ def test_equations_listed_and_shown(run):
     assert "V_0 = n_nom K + τ M_max/m0" in text
     _, out, _ = run("equations", "1")
     assert "unit check passes" in " ".join(out.split())
+
+
+def test_equations_with_the_numbers_of_a_spec(run, example):
+    """By hand: 2 · 1.5 / (0.1524 · 0.9) rad/s; 1 / 76.2 mm, and (238.5 + 135.0) / 76.2 of the wheels' places."""
+    status, out, _ = run("equations", "1", example)
+    assert (status, "n_nom = 2 · 1.5 m/s / (0.1524 m · 0.9) = 208.9 rpm" in out) == (0, True)
+    status, out, _ = run("equations", "9", example)
+    assert "Inertia of a wheel\nJ_w = " in out and "Inertia of a shaft\nJ_s = " in out
+    assert "RE 25 118752" in out
+    status, out, _ = run("equations", "33", PLATFORM)
+    rows = [line.split() for line in out.splitlines()]
+    assert status == 0 and "its largest" not in out
+    assert ["E", "x", "(1/m)", "y", "(1/m)", "θ"] in rows and ["wheel", "3", "13.12", "13.12", "-4.901"] in rows
+    assert ["l_1", "0.2385", "m"] in rows and ["l_2", "0.135", "m"] in rows
+    status, out, _ = run("equations", "51", PLATFORM)
+    assert "with motor and gearhead of" in out and "where wheel 1 has its largest torque" in " ".join(out.split())
+    assert max(map(cell_len, out.splitlines())) <= 80
 
 
 def test_validate_the_papers_set(run, example):

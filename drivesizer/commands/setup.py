@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Json
-from drivesizer.commands.options import file_option
+from drivesizer.commands.common import DEFAULT, Json, OfAxis, load, working
+from drivesizer.commands.options import file_argument, file_option
 from drivesizer.commands.starting import KINDS, MACHINES, at_terminal, by_questions, copy_example, starter
 from drivesizer.errors import InputError, quoted
 
@@ -18,8 +18,12 @@ __all__ = ["doctor", "equations", "init", "schema", "start_by_questions"]
 
 def equations(
     number: Annotated[str | None, typer.Argument(help="The paper's number, or a requirement's name.")] = None,
+    spec: Annotated[
+        Path | None, file_argument(metavar="ROBOT.YAML", help="A spec, of which the numbers are put in.")
+    ] = None,
+    axis: OfAxis = None,
 ) -> None:
-    """List the paper's equations, or show one: as printed, as computed, why they differ, units, source."""
+    """List the paper's equations, or show one: as printed, as computed, why they differ, units, source; of a spec."""
     from drivesizer.output import formula
     from drivesizer.output.terminal import equations as terminal_equations
     from drivesizer.platform import printed_forms
@@ -29,12 +33,49 @@ def equations(
         terminal_equations.equations()
         return
     sizing, platform = formula.find(number), printed_forms.find(number)
-    if sizing is not None:
-        terminal_equations.equation(sizing)
-    elif platform is not None:
-        terminal_equations.platform_equation(platform)
-    else:
+    if sizing is None and platform is None:
         raise InputError(f"there is no equation {quoted(number)}; expected 1 to {max(PLATFORM)}")
+    robot = None if spec is None else load(spec, None, axis)
+    if sizing is not None:
+        terminal_equations.equation(sizing, *(_steps(sizing, robot) if robot else ()))
+    elif platform is not None:
+        terminal_equations.platform_equation(platform, _of_robot(platform, robot) if robot else None)
+
+
+def _steps(declared: Any, robot: Any) -> tuple[Any, str]:
+    """Steps of the paper's derivation that are of an equation, and the spec and its best drive that they are for."""
+    from drivesizer.search.paper.derivation import of_drive
+    from drivesizer.spec.robot.contradictions import PAPER_TREATS
+
+    if not robot.paper_applies:
+        raise InputError(f"{robot.where(())}: {PAPER_TREATS}; expected such a spec for equations 1 to 20")
+    spec, drive = _with_best_drive(robot)
+    found = tuple(r for r in of_drive(spec, drive).values() if r.declared is declared)
+    if not found:
+        why = "the spec gives its result, or does not need it" if drive else "it needs a drive, and there is none"
+        raise InputError(f"{robot.where(())}: {declared.label} is no step of the derivation: {why}")
+    return found, f"{spec.name}, {drive.label}" if drive else spec.name
+
+
+def _of_robot(declared: Any, robot: Any) -> Any:
+    """An equation of the platform with the numbers of a spec; inertias are those with the best drive's rotors."""
+    from drivesizer.output.platform_numbers import equation_of
+    from drivesizer.platform import equations_dynamics
+
+    if robot.platform is None:
+        raise InputError(f"{robot.where(())}: no section platform; expected one, e.g. platform: {{layout: ...}}")
+    turning = declared.name in equations_dynamics.__all__
+    spec, drive = _with_best_drive(robot) if turning else (robot, None)
+    return equation_of(declared, spec, drive, turning)
+
+
+def _with_best_drive(robot: Any) -> tuple[Any, Any]:
+    """The machine of the mass that it was sized for, and the drive that a sizing reports, or None."""
+    from drivesizer.sizing import size as sized
+
+    with working("sizing the drive"):
+        found = sized(robot, top=1, brief=True)
+    return found.spec, found.shown
 
 
 def init(

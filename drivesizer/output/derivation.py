@@ -11,16 +11,17 @@ import ast
 import inspect
 import json
 import math
+from collections.abc import Callable
 from functools import cache
 from importlib import resources
 from typing import Any
 
-from drivesizer.output.formula import computed, printed_failure, symbol_typst, typst
+from drivesizer.output.formula import computed, printed_failure, symbol_typst, text, typst
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.results.requirement import Requirement
-from drivesizer.units import KINDS, from_si
+from drivesizer.units import KINDS, from_si, label
 
-__all__ = ["MATHEMATICS", "found_failures", "quantity", "step", "symbol"]
+__all__ = ["MATHEMATICS", "found_failures", "numbers_in", "quantity", "step", "symbol"]
 
 MATHEMATICS = ("symbol", "symbol_value", "printed", "used", "numbers", "result")  # of a step: typst source
 
@@ -136,18 +137,31 @@ def _forms(declared: Equation, expression: str) -> tuple[str, str]:
 
 
 def _put_in(r: Requirement, expression: str) -> str:
+    return typst(expression, values=_values(r, expression, _with_unit))
+
+
+def numbers_in(r: Requirement) -> str:
+    """A requirement's equation with its numbers put in, as a line of text without the left side."""
+    expression = _expression(r)
+    return text(expression, values=_values(r, expression, _plain))
+
+
+def _plain(value: float, unit: str) -> str:
+    return "unknown" if math.isnan(value) else f"{value:.4g} {label(unit)}".rstrip()
+
+
+def _values(r: Requirement, expression: str, with_unit: Callable[[float, str], str]) -> dict[str, str]:
+    """Values of an equation's terms as they are put in, in brackets where a sign or an exponent needs them."""
     assert r.declared is not None
-    units = {term.name: term.unit for term in r.declared.terms}
     defaults = inspect.signature(r.declared.formula).parameters
-    raised = _raised(expression)
-    values = {}
-    for name, unit in units.items():
+    raised, values = _raised(expression), {}
+    for name, unit in ((term.name, term.unit) for term in r.declared.terms):
         value = float(r.inputs.get(name, defaults[name].default))
         if unit == "rad":
             value, unit = math.degrees(value), "deg"
-        written = _with_unit(value, unit)
-        values[name] = f"({written})" if value < 0 or (name in raised and written != _number(value)) else written
-    return typst(expression, values=values)
+        written = with_unit(value, unit)
+        values[name] = f"({written})" if value < 0 or (name in raised and written != with_unit(value, "1")) else written
+    return values
 
 
 def _raised(expression: str) -> set[str]:

@@ -99,7 +99,7 @@ def symbol_typst(name: str, *, paper: bool = False) -> str:
     return f'{head}_"{tail}"' if tail else head
 
 
-def text(expression: str, *, paper: bool = False) -> str:
+def text(expression: str, *, paper: bool = False, values: dict[str, str] | None = None) -> str:
     """An expression on one line of text.
 
     Parameters
@@ -108,6 +108,8 @@ def text(expression: str, *, paper: bool = False) -> str:
         Python source of a formula.
     paper
         Whether with the paper's letters.
+    values
+        Each name's value, in place of its symbol.
 
     Returns
     -------
@@ -129,7 +131,10 @@ def text(expression: str, *, paper: bool = False) -> str:
     def power(a: str, b: str) -> str:
         return f"{a}{ {'2': '²', '3': '³'}.get(b) or '^' + b }"
 
-    return _render(expression, lambda n: symbol_text(n, paper=paper), divide, root, power, bracket=True)
+    def name(n: str) -> str:
+        return (values or {}).get(n) or symbol_text(n, paper=paper)
+
+    return _render(expression, name, divide, root, power, bracket=True, between=" · " if values else " ")
 
 
 def typst(expression: str, *, paper: bool = False, values: dict[str, str] | None = None) -> str:

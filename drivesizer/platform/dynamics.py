@@ -322,4 +322,4 @@ def wheel_space(d: Dynamics) -> tuple[Array, Array]:
     rank is the number of motions at most, never n where wheels are redundant: do not invert them.
     """
     D, K_plus = d.distribution, d.kinematics.K_plus
-    return D @ d.M @ K_plus, D @ d.C @ K_plus
+    return eq.wheel_space_inertia(D, d.M, K_plus), eq.wheel_space_coriolis(D, d.C, K_plus)

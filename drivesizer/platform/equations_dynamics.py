@@ -405,20 +405,20 @@ def wheel_space_torque(M_q: Array, q_ddot: Array, C_q: Array, q_dot: Array) -> A
 
 _NO_INVERSE = (
     "The Moore-Penrose inverse takes its place, which gives the torques with the least sum of squares; any "
-    "c (1, 1, −1, −1) may be added to those of the paper's robot, and moves nothing. The matrix has rank 3 and is "
-    "never inverted."
+    "c (1, 1, −1, −1) may be added to those of the paper's robot, and moves nothing. Where the wheels allow only the "
+    "motions S, it is D = (Sᵀ Eᵀ)⁺ Sᵀ. The matrix has rank 3 at most and is never inverted."
 )
 
 
 @matrix_equation(
     58, "M_q", printed_symbol="M̄", printed="inv(E.T) @ (R @ M_R @ R.T @ K_plus) + M_phi @ E @ K_plus", note=_NO_INVERSE
 )
-def wheel_space_inertia(E: Array, M_bar: Array, K_plus: Array) -> Array:
+def wheel_space_inertia(D: Array, M_bar: Array, K_plus: Array) -> Array:
     """Inertia in the space of the wheels.
 
     Parameters
     ----------
-    E: wheel speeds over velocity [rad/s per m/s, m/s, rad/s]
+    D: Moore-Penrose inverse of Eᵀ [N*m per N, N, N*m]
     M_bar: inertia of platform and wheels, (50) [N, N, N*m per m/s^2, m/s^2, rad/s^2]
     K_plus: velocity over wheel speeds [m/s, m/s, rad/s per rad/s]
 
@@ -426,16 +426,16 @@ def wheel_space_inertia(E: Array, M_bar: Array, K_plus: Array) -> Array:
     -------
     M_q: inertia at the wheels [kg*m^2]
     """
-    return np.linalg.pinv(E.T) @ M_bar @ K_plus
+    return D @ M_bar @ K_plus
 
 
 @matrix_equation(59, "C_q", printed_symbol="C̄", printed="inv(E.T) @ (R @ M_R @ R_T_dot @ K_plus)", note=_NO_INVERSE)
-def wheel_space_coriolis(E: Array, C_bar: Array, K_plus: Array) -> Array:
+def wheel_space_coriolis(D: Array, C_bar: Array, K_plus: Array) -> Array:
     """Coriolis matrix in the space of the wheels.
 
     Parameters
     ----------
-    E: wheel speeds over velocity [rad/s per m/s, m/s, rad/s]
+    D: Moore-Penrose inverse of Eᵀ [N*m per N, N, N*m]
     C_bar: Coriolis matrix, (51) [N, N, N*m per m/s, m/s, rad/s]
     K_plus: velocity over wheel speeds [m/s, m/s, rad/s per rad/s]
 
@@ -443,4 +443,4 @@ def wheel_space_coriolis(E: Array, C_bar: Array, K_plus: Array) -> Array:
     -------
     C_q: Coriolis matrix at the wheels [kg*m^2/s]
     """
-    return np.linalg.pinv(E.T) @ C_bar @ K_plus
+    return D @ C_bar @ K_plus

@@ -16,13 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.physics.equation import Term
-from drivesizer.platform import equations_dynamics, equations_kinematics, matrix_equation
+from drivesizer.platform import matrix_equation
+from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.matrix_equation import PLATFORM, Array, MatrixEquation
+from drivesizer.platform.robot_figures import OF_A_WHEEL, Instant, figures
+from drivesizer.platform.wheels import Platform, table_wheel
 from drivesizer.units import registry
 
 __all__ = ["SOURCE", "Finding", "find", "finding", "rows", "sample"]
-
-assert equations_kinematics.__all__ and equations_dynamics.__all__  # importing them declares them
 
 _BASE = {"[length]": 0.3, "[mass]": 1.7, "[time]": 0.6}
 _FUNCTIONS = {n: getattr(np, n) for n in ("array", "concatenate", "cos", "diag", "sin", "sum")} | {
@@ -41,52 +42,17 @@ class Finding(NamedTuple):
 
 @cache
 def sample() -> dict[str, Any]:
-    """Figures of the paper's robot on a curve, by the names that equations use; they fit together."""
-    return _dynamics(_motion(_geometry()))
-
-
-def _geometry() -> dict[str, Any]:
-    alpha, L, r = np.radians(29.5), 0.27406, 0.0762
-    alpha_i, gamma_i = np.array([-alpha, alpha, np.pi - alpha, np.pi + alpha]), np.pi / 4 * np.array([1, -1, 1, -1])
-    phi_i, delta_i = np.pi / 2 + gamma_i, np.pi / 2 - alpha_i + gamma_i
-    J_1 = np.array([-np.sin(phi_i), np.cos(phi_i), L * np.cos(delta_i)]).T
-    J_2 = np.diag(r * np.cos(gamma_i))
-    E = -np.linalg.inv(J_2) @ J_1
-    return {
-        "r": r, "L": L, "alpha": alpha, "gamma": gamma_i[1], "phi": phi_i[1], "delta": delta_i[1],
-        "l_1": L * np.cos(alpha), "l_2": L * np.sin(alpha), "phi_i": phi_i, "delta_i": delta_i, "gamma_i": gamma_i,
-        "L_i": np.full(4, L), "r_i": np.full(4, r), "J_1": J_1, "J_2": J_2, "E": E, "K": E,
-        "K_plus": np.linalg.pinv(E),
-    }  # fmt: skip
-
-
-def _motion(s: dict[str, Any]) -> dict[str, Any]:
-    theta, turn = 0.4, 0.8
-    cos, sin = np.cos(theta), np.sin(theta)
-    R = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-    R_T_dot = turn * np.array([[-sin, -cos, 0.0], [cos, -sin, 0.0], [0.0, 0.0, 0.0]])
-    eta, eta_dot = np.array([0.9, 0.35, turn]), np.array([0.5, -0.3, 0.6])
-    xi_dot, speeds = R.T @ eta, s["E"] @ eta
-    return s | {f"varphi_{k + 1}_dot": w for k, w in enumerate(speeds)} | {
-        "x": 1.2, "y": -0.7, "theta": theta, "R": R, "R_T_dot": R_T_dot, "eta": eta, "eta_dot": eta_dot,
-        "x_R_dot": eta[0], "y_R_dot": eta[1], "theta_dot": turn, "xi_dot": xi_dot, "x_dot": xi_dot[0],
-        "y_dot": xi_dot[1], "xi_ddot": R.T @ eta_dot + R_T_dot @ eta, "O_Ri_dot": np.array([0.6, -0.2]),
-        "varphi_dot": speeds, "q_dot": speeds, "varphi_i_dot": speeds[1],
-        "varphi_ddot": s["E"] @ eta_dot, "q_ddot": s["E"] @ eta_dot,
-    }  # fmt: skip
-
-
-def _dynamics(s: dict[str, Any]) -> dict[str, Any]:
-    m_R, I_Rz, I_phiy = 45.0, 2.3, np.full(4, 3.1e-3)
-    M_R, M_phi = np.diag([m_R, m_R, I_Rz]), np.diag(I_phiy)
-    M_bar, C_bar = M_R + s["E"].T @ M_phi @ s["E"], s["R"] @ M_R @ s["R_T_dot"]
-    T_xi, K_plus = M_R @ s["xi_ddot"], s["K_plus"]
-    return s | {f"tau_{k}": 0.1 + 0.2 * k for k in (1, 2, 3, 4)} | {
-        "m_R": m_R, "I_Rz": I_Rz, "I_phiy": I_phiy, "x_C": 0.0, "y_C": 0.0, "M_R": M_R, "M_phi": M_phi, "M": M_R / 2,
-        "I_phi": M_phi / 2, "T_xi": T_xi, "T_phi": M_phi @ s["varphi_ddot"], "p_dot": T_xi + 1.0, "T_psi": np.ones(3),
-        "M_bar": M_bar, "C_bar": C_bar, "M_q": K_plus.T @ M_bar @ K_plus, "C_q": K_plus.T @ C_bar @ K_plus,
-        "g_q": np.full(4, 0.2),
-    }  # fmt: skip
+    """Figures of the paper's robot on a curve, by the names that equations use; those of a wheel are of the second."""
+    places = [(-1.0, 45.0), (1.0, -45.0), (1.0, 45.0), (-1.0, -45.0)]
+    alpha, wheels = np.radians(29.5), []
+    for number, (side, gamma) in enumerate(places):
+        direction = side * (alpha if number < 2 else np.pi - alpha)
+        wheels.append(table_wheel(0.27406, direction, np.pi / 2 - direction, np.radians(gamma), 0.0762, inertia=3.1e-3))
+    d = dynamics(Platform(wheels=tuple(wheels), mass=45.0, inertia=2.3))
+    known = figures(d, Instant(np.array([1.2, -0.7, 0.4]), np.array([0.9, 0.35, 0.8]), np.array([0.5, -0.3, 0.6])))
+    of_a_wheel = {name: known[name][..., 1] for name in OF_A_WHEEL}
+    nothing_is_zero = {"p_dot": known["T_xi"] + 1.0, "T_psi": np.ones(3), "g_q": np.full(4, 0.2)}
+    return known | of_a_wheel | nothing_is_zero
 
 
 @cache

@@ -81,6 +81,12 @@ class DriveParts:
         return self.brake.inertia / (self.total_ratio**2 if self.brake.shaft == "load" else 1.0)
 
     @property
+    def rotors_at_load(self) -> float:
+        """Inertia of motor and gearhead at the load's shaft, K² (J_m + J_g), as far as it is known [kg*m^2]."""
+        known = (one for one in (self.motor.rotor_inertia, self.gearhead.inertia) if one == one)
+        return self.total_ratio**2 * sum(known)
+
+    @property
     def released_power(self) -> float:
         """Power that keeps its brake released [W]; 0 without one, or where it is unknown."""
         return float(released_power(asdict(self.brake))) if self.brake else 0.0

@@ -1,6 +1,9 @@
 """The machine in a report: what it is, its way in plan view, its wheels over time, what it weighs, why it falls."""
 
+import csv
+import io
 import json
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,6 +20,7 @@ from printed import Printed, blank_figures, printed, text_of
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform_wheels import trajectory_of
+from drivesizer.output.json.documents import sizing
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import html, workbook
 from drivesizer.output.report.figures import motion, path, plan_view, wheels
@@ -31,8 +35,10 @@ from drivesizer.output.report.pdf import report_pdf
 from drivesizer.output.report.sections.blocks import Table
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.machine import PERMITTED, consumers, masses, unknown_consumers
+from drivesizer.output.report.sections.platform import PLATFORM_NUMBERS
 from drivesizer.output.report.sections.section import rows_of, sheets_of
 from drivesizer.output.report.sections.texts import text_of as text_of_cell
+from drivesizer.output.report.table.csv import report_csv
 from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
@@ -306,6 +312,29 @@ def test_the_platforms_report_speaks_of_wheels(sheets):
         and "as specified" not in text
         and not re.search(r"(?<!load )case wheel", text)
     )
+
+
+def test_every_report_has_the_platforms_matrices(result, sheets):
+    """By hand: (238.53 + 134.95) / 76.2 of E, 76.2 mm · cos 45° of J₂; the inertia with the drive's rotors."""
+    text = " ".join(text_of(sheets("a4").content).split())
+    assert "Kinematics and dynamics of the platform" in text and "Wheel speeds over velocity (32), (33)" in text
+    content = Content(result)
+    rows = {row["name"]: row for row in csv.DictReader(io.StringIO(report_csv(content).decode()))
+            if row["section"] == "platform"}  # fmt: skip
+    assert float(rows["E_wheel_1_theta"]["value"]) == pytest.approx(4.9013, abs=1e-4)
+    assert (float(rows["J_2_wheel_4_wheel_4"]["si_value"]), rows["J_2_wheel_4_wheel_4"]["si_unit"]) == (
+        pytest.approx(0.053881, abs=1e-6), "m",
+    )  # fmt: skip
+    assert float(rows["wheels_wheel_2_α"]["si_value"]) == pytest.approx(math.radians(29.5))
+    wheel = 40e-4 + result.sets[0].rotors_at_load
+    assert float(rows["M_bar_x_x"]["value"]) == pytest.approx(45 + 4 * wheel / 0.0762**2, rel=1e-9)
+    assert {"28", "29", "32", "43", "45", "50", "51", "55", "58", "59"} <= {row["equation"] for row in rows.values()}
+    (sheet,) = sheets_of(PLATFORM_NUMBERS, content)
+    assert len(sheet.rows) == len(rows)
+    document = sizing(result)["platform_numbers"]
+    assert document["tables"]["E"]["values"][0][2] == pytest.approx(4.9013, abs=1e-4)
+    schema = report_schema()
+    jsonschema.validate(document, schema["$defs"]["PlatformNumbers"] | {"$defs": schema["$defs"]})
 
 
 def test_figures_of_a_way_are_drawn_with_the_same_bytes_each_time(result, spec):

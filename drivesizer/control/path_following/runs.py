@@ -164,10 +164,7 @@ def _rotor(given: Following, chosen: DriveSet | None) -> float:
     """Inertia of a drive at its wheel [kg*m^2]: given, or as far as it is known."""
     if given.rotor_inertia is not None:
         return given.rotor_inertia
-    if chosen is None:
-        return 0.0
-    parts = (chosen.motor.rotor_inertia, chosen.gearhead.inertia)
-    return chosen.total_ratio**2 * sum(one for one in parts if one == one)
+    return 0.0 if chosen is None else chosen.rotors_at_load
 
 
 def _strongest(chosen: DriveSet | None) -> float:

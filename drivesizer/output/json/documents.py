@@ -227,6 +227,22 @@ def braking_document(budget: BrakingBudget) -> schema.Braking:
     }
 
 
+def _platform(result: SizingResult) -> schema.PlatformNumbers | None:
+    """Kinematics and dynamics of the platform in numbers."""
+    if result.spec.platform is None:
+        return None
+    from drivesizer.output.platform_numbers import platform_numbers  # with what a spec without one need not load
+
+    found = platform_numbers(result.spec, result.shown)
+    tables: dict[str, schema.PlatformTable] = {
+        one.name: {
+            "symbol": one.symbol, "title": one.meaning, "equations": list(one.equations), "rows": list(one.rows),
+            "columns": list(one.columns), "values": one.values.tolist(), "units": one.units,
+        } for one in found.every
+    }  # fmt: skip
+    return {"remarks": [found.rotors, found.moment], "tables": tables}
+
+
 def sizing(result: SizingResult) -> schema.Sizing:
     """The document of ``drivesizer size --json``."""
     method = result.method
@@ -246,6 +262,7 @@ def sizing(result: SizingResult) -> schema.Sizing:
         "unrestricted": drive_set(result.unrestricted) if result.unrestricted else None,
         "unsure": [drive_set(s) for s in result.unsure],
         "uncertainty": uncertainty(result.uncertainty),
+        "platform_numbers": _platform(result),
         "counts": {
             "considered": result.counts.considered,
             "feasible": result.counts.feasible,

@@ -119,6 +119,11 @@ Piece = TypedDict("Piece", {
     "case": str, "name": str, "start_s": float, "duration_s": float, "speed_rad_s": float, "load_torque_Nm": float,
     "motor_torque_Nm": Number, "rms_torque_Nm": Number, "current_A": Number, "rms_current_A": Number,
 })  # fmt: skip
+PlatformTable = TypedDict("PlatformTable", {
+    "symbol": str, "title": str, "equations": list[int], "rows": list[str], "columns": list[str],
+    "values": list[list[float]], "units": list[list[str]],
+})  # fmt: skip
+PlatformNumbers = TypedDict("PlatformNumbers", {"remarks": list[str], "tables": dict[str, PlatformTable]})
 Set = TypedDict("Set", {
     "rank": Count, "status": Status, "actuator": Annotated[dict[str, Any], _PartOf("actuators")] | None,
     "motor": Annotated[dict[str, Any], _PartOf("motors")],
@@ -175,7 +180,8 @@ Sizing = TypedDict("Sizing", {
     "sets": list[Set],
     "alternatives": Annotated[list[Set], Field(description="the best of other motor families, in order")],
     "misses": list[Set], "relaxations": list[Relaxation], "pareto": Pareto,
-    "unrestricted": Set | None, "unsure": list[Set], "uncertainty": Uncertainty | None, "counts": Counts,
+    "unrestricted": Set | None, "unsure": list[Set], "uncertainty": Uncertainty | None,
+    "platform_numbers": PlatformNumbers | None, "counts": Counts,
     "assumptions": list[str], "warnings": list[str],
 })  # fmt: skip
 

@@ -5,14 +5,23 @@ Those of the sizing, (1)-(20), are scalars and those of the platform, (21)-(59),
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
+import numpy as np
 from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
 from rich.text import Text
 
 from drivesizer.output import formula
+from drivesizer.output.derivation import numbers_in
+from drivesizer.output.platform_numbers import EquationNumbers, cell, printed
 from drivesizer.output.terminal import tables as tables
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.platform import matrix_equation, printed_forms
 from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
+from drivesizer.platform.robot_figures import Numbers
+from drivesizer.results.requirement import Requirement
 from drivesizer.units import label
 
 __all__ = ["equation", "equations", "platform_equation"]
@@ -40,8 +49,18 @@ def _unit(unit: str) -> str:
     return "" if "," in unit or "per" in unit else label(unit)
 
 
-def equation(declared: Equation) -> None:
-    """Print one equation: as printed, as computed, why they differ, units, source."""
+def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = "") -> None:
+    """Print one equation: as printed, as computed, why they differ, units, source.
+
+    Parameters
+    ----------
+    declared
+        The equation.
+    steps
+        Those of a derivation that are of it, with their numbers.
+    of
+        The machine and its drive.
+    """
     console = tables.console()
     tables.heading(console, declared.title, f"equation ({declared.number})" if declared.number else "not in the paper")
     rows = []
@@ -55,13 +74,62 @@ def equation(declared: Equation) -> None:
     rows.append(("result", f"{declared.result.meaning} [{label(declared.shown) or '1'}]"))
     rows += [(formula.symbol_text(term.name), f"{term.meaning} [{label(term.unit) or '1'}]") for term in declared.terms]
     _print_rows(console, [*rows, ("source", printed_forms.SOURCE)])
+    if of:
+        console.print(Text(of, style="bold"))
+    for r in steps:
+        if len(steps) > 1:
+            console.print(Text(r.title))
+        console.print(Text(f"{r.symbol} = {numbers_in(r)} = {r.text}"))
 
 
-def platform_equation(declared: MatrixEquation) -> None:
-    """Print one equation of the platform: as printed, as computed, where they differ, units, source."""
+def platform_equation(declared: MatrixEquation, numbers: EquationNumbers | None = None) -> None:
+    """Print one equation of the platform: as printed, as computed, where they differ, units, source.
+
+    Parameters
+    ----------
+    declared
+        The equation.
+    numbers
+        Those of a platform.
+    """
     console = tables.console()
     tables.heading(console, declared.title, f"equation ({declared.number})")
     _print_rows(console, printed_forms.rows(declared))
+    if numbers is not None:
+        console.print(Text(numbers.of, style="bold"))
+        if numbers.remarks:
+            console.print(Text(" ".join(numbers.remarks)))
+        for table in _tables(numbers.tables):
+            console.print(table)
+
+
+def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
+    """Matrices one by one; vectors with the same labels beside each other, scalars below each other."""
+    columns: dict[tuple[str, ...], list[Numbers]] = {}
+    for one in every:
+        if one.columns == ("",):
+            columns.setdefault(one.rows, []).append(one)
+        else:
+            yield _matrix(one, f"{one.symbol} ({printed(one).unit})" if printed(one).unit else one.symbol)
+    for rows, alike in columns.items():
+        if rows == ("",):
+            table = tables.bare(("", "left"), ("", "right"), headed=False)
+            for one in alike:
+                table.add_row(one.symbol, cell(one.values.item(), one.units[0][0]))
+            yield table
+        else:
+            units = [[u for one in alike for u in one.units[i]] for i in range(len(rows))]
+            values = np.hstack([one.values for one in alike])
+            yield _matrix(alike[0]._replace(columns=tuple(one.symbol for one in alike), values=values, units=units))
+
+
+def _matrix(numbers: Numbers, corner: str = "") -> Table:
+    """Numbers with their labels, and a text in the corner."""
+    shown = printed(numbers)
+    table = tables.bare((escape(corner), "left"), *((head, "right") for head in shown.heads))
+    for name, cells in zip(numbers.rows, shown.cells, strict=True):
+        table.add_row(name, *cells)
+    return table
 
 
 _NAMES = ("as printed", "unit check", "value check", "as computed", "note", "result", "source")

@@ -7,16 +7,18 @@ the figures of all candidates at once. Every step keeps its equation and the num
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from drivesizer import equations as eq
 from drivesizer.loads.wheeled_vehicle import Cylinder, WheeledVehicle
 from drivesizer.physics.equation import Equation
+from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.requirement import Requirement
 from drivesizer.spec.motions import Trapezoid
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["BRAKING", "Derivation", "at_the_motor", "vehicle"]
+__all__ = ["BRAKING", "Derivation", "at_the_motor", "of_drive", "vehicle"]
 
 BRAKING = eq.braking_torque_per_motor.name
 
@@ -174,6 +176,27 @@ def at_the_motor(spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Any, 
         _as_printed(d, eq.rms_torque_at_motor, M_rms_m=M_rms_m, **geared)
         _as_printed(d, eq.maximum_torque_at_motor, M_max_m=M_max_m, **geared)
     return d
+
+
+def of_drive(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Requirement]:
+    """Requirements (1)-(20) of a wheeled vehicle with a drive; without one (1)-(16), with no rotor inertia.
+
+    Parameters
+    ----------
+    spec
+        The robot, to which the paper applies.
+    drive
+        The drive.
+
+    Returns
+    -------
+    dict
+        By name, in the order in which they were derived.
+    """
+    if drive is None:
+        return vehicle(spec, 0.0).steps
+    wheel = vehicle(spec, drive.motor.rotor_inertia).steps
+    return wheel | at_the_motor(spec, wheel, asdict(drive.motor), asdict(drive.gearhead), drive.belt_ratio).steps
 
 
 def _as_printed(d: Derivation, declared: Equation, **inputs: Any) -> None:

@@ -10,7 +10,11 @@ from drivesizer.spec.lives import Lives
 from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.transmission import DIRECT, DirectStage, GearheadStage
 
-__all__ = ["refuse_contradictions"]
+__all__ = ["PAPER_TREATS", "refuse_contradictions"]
+
+PAPER_TREATS = (
+    "the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it accelerates, in one case"
+)
 
 _OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw", "ball_screw")
 
@@ -95,10 +99,7 @@ def _of_its_kind_of_motor(spec: Any) -> None:
     if spec.method == "paper" and spec.steps:
         raise ValueError("method: the paper treats DC motors, no steppers; expected method: physics")
     if spec.method == "paper" and not spec.paper_applies:
-        raise ValueError(
-            "method: the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it "
-            "accelerates, in one case; expected method: physics"
-        )
+        raise ValueError(f"method: {PAPER_TREATS}; expected method: physics")
 
 
 def _on_wheels(spec: Any) -> None:

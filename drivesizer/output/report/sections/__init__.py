@@ -7,17 +7,17 @@ May import: ``lines``, ``figures`` and what output may; no kind of report.
 from __future__ import annotations
 
 from drivesizer.output.report.sections.appendix import REPEAT, SPEC_FILE
-from drivesizer.output.report.sections.assumptions import ASSUMPTIONS
+from drivesizer.output.report.sections.assumptions import ASSUMPTIONS, ESTIMATES
 from drivesizer.output.report.sections.candidates import CANDIDATES
 from drivesizer.output.report.sections.changes import CHANGES
 from drivesizer.output.report.sections.checks import CHECKS, DRIVE, PHYSICS
 from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, HEAT
 from drivesizer.output.report.sections.derivation import DERIVATION
-from drivesizer.output.report.sections.estimates import ESTIMATES
 from drivesizer.output.report.sections.loop import LINEAR_LOOPS, LOOP
 from drivesizer.output.report.sections.machine import BATTERY, BRAKING, MACHINE, PERMITTED
 from drivesizer.output.report.sections.parts import DATA_SHEETS, PARTS
 from drivesizer.output.report.sections.pieces import PIECES
+from drivesizer.output.report.sections.platform import PLATFORM_NUMBERS
 from drivesizer.output.report.sections.reliability import RELIABILITY
 from drivesizer.output.report.sections.specification import SPECIFICATION
 from drivesizer.output.report.sections.summary import SUMMARY
@@ -47,6 +47,7 @@ SECTIONS = (  # what to buy, whether it holds, how close others come, why; then 
     PIECES,
     ASSUMPTIONS,
     PHYSICS,
+    PLATFORM_NUMBERS,
     REPEAT,
     SPEC_FILE,
     DATA_SHEETS,

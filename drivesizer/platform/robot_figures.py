@@ -1,0 +1,335 @@
+"""Figures of one robot at one instant, by the names of equations (21)-(59), and as labelled matrices with units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.errors import InputError
+from drivesizer.physics.equation import Term
+from drivesizer.platform import equations_dynamics, equations_kinematics
+from drivesizer.platform.contact_loads import LEVEL, Ground, weight_along
+from drivesizer.platform.dynamics import Dynamics, energy, required_force, resistance
+from drivesizer.platform.matrix_equation import PLATFORM, Array, MatrixEquation, symbol
+
+__all__ = [
+    "OF_A_WHEEL", "Instant", "Numbers", "at_instant", "figures", "labelled", "matrices", "mobility", "numbers_of",
+    "result_of", "wheel_table",
+]  # fmt: skip
+
+assert equations_kinematics.__all__ and equations_dynamics.__all__  # importing them declares them
+
+_AXES = ("x", "y", "θ")
+_POSTURE = ("R", "R_T_dot")  # of which both axes are those of the posture, though all entries have one unit
+_OF_ITS = {  # an entry of a matrix: unit of its row over that of its column
+    ("m/s", "m/s"): "1", ("m/s", "rad/s"): "m", ("rad/s", "m/s"): "1/m", ("rad/s", "rad/s"): "1",
+    ("N", "m/s^2"): "kg", ("N", "rad/s^2"): "kg*m", ("N*m", "m/s^2"): "kg*m", ("N*m", "rad/s^2"): "kg*m^2",
+    ("N", "m/s"): "kg/s", ("N", "rad/s"): "kg*m/s", ("N*m", "m/s"): "kg*m/s", ("N*m", "rad/s"): "kg*m^2/s",
+    ("N*m", "N"): "m", ("N*m", "N*m"): "1",
+}  # fmt: skip
+_NOTHING = 1e-12  # of the largest entry: rounding
+_NEAR = 1e-9  # of the largest entry: the same
+_DERIVED = (28, 29, 31, 39, 43, 45, 47, 48, 50, 51, 49, 44, 58, 59)  # each builds on those before
+OF_A_WHEEL = ("L", "alpha", "gamma", "phi", "delta", "varphi_i_dot", "O_Ri_dot")  # the last axis counts the wheels
+_MATRICES = ("J_1", "J_2", "E", "K_plus", "M_R", "M_phi", "M_bar", "C_bar", "M_q", "C_q")
+
+
+class Instant(NamedTuple):
+    """One instant of a platform's motion."""
+
+    posture: Array  # m, m, rad
+    eta: Array  # m/s, m/s, rad/s in the robot's frame
+    eta_dot: Array  # m/s^2, m/s^2, rad/s^2
+    ground: Ground = LEVEL
+    towards: Array | None = None  # velocity whose direction the resistances take, where it is not that of ``eta``
+
+
+class Numbers(NamedTuple):
+    """A scalar, vector or matrix with its labels; each entry has its own unit, angles are in degrees."""
+
+    name: str
+    symbol: str
+    meaning: str
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+    values: Array  # (rows, columns)
+    units: list[list[str]]
+    equations: tuple[int, ...] = ()  # whose result it is
+
+
+def figures(d: Dynamics, at: Instant) -> dict[str, Any]:
+    """Figures of a robot by the names that equations (21)-(59) use; those of a wheel as an array over wheels.
+
+    Parameters
+    ----------
+    d
+        The robot.
+    at
+        The instant of those that change.
+
+    Returns
+    -------
+    dict
+        In SI. K⁺ and D have zeros for wheels without a motor.
+    """
+    k, p, driven = d.kinematics, d.platform, list(d.kinematics.driven)
+    L, alpha, beta, gamma, r, inertia = np.array(
+        [(w.L, w.alpha, w.beta, w.roller_angle, w.radius, w.inertia + w.rotor_inertia) for w in k.wheels]
+    ).T
+    K_plus, D, turn = np.zeros((3, len(r))), np.zeros((len(r), 3)), at.eta[2]
+    K_plus[:, driven], D[driven] = k.K_plus, d.distribution
+    R = equations_kinematics.robot_velocity(at.posture[2], *np.eye(3))
+    s: dict[str, Any] = {
+        "x": at.posture[0], "y": at.posture[1], "theta": at.posture[2], "R": R, "eta": at.eta, "eta_dot": at.eta_dot,
+        "R_T_dot": turn * R.T @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
+        "x_R_dot": at.eta[0], "y_R_dot": at.eta[1], "theta_dot": turn,
+        "L_i": L, "L": L, "alpha": alpha, "beta": beta, "gamma_i": gamma, "gamma": gamma, "r_i": r, "r": r[0],
+        "phi_i": alpha + beta + gamma, "phi": alpha + beta + gamma, "delta_i": beta + gamma, "delta": beta + gamma,
+        "l_1": abs(k.wheels[0].x), "l_2": abs(k.wheels[0].y), "E": k.E, "K": k.E, "K_plus": K_plus, "D": D,
+        "varphi_dot": k.E @ at.eta, "q_dot": k.E @ at.eta, "varphi_i_dot": k.E @ at.eta,
+        "m_R": p.mass, "x_C": p.x, "y_C": p.y, "I_Rz": p.inertia + p.mass * (p.x**2 + p.y**2), "I_phiy": inertia,
+        "T": energy(d, at.eta), "g_q": -D @ weight_along(p, at.posture[2], at.ground),
+    }  # fmt: skip
+    for number in _DERIVED:
+        e = PLATFORM[number]
+        s[e.result.name] = e(**{t.name: s[t.name] for t in e.terms})
+    s |= {"x_dot": s["xi_dot"][0], "y_dot": s["xi_dot"][1], "q_ddot": s["varphi_ddot"], "M": s["M_R"] / 2}
+    s["O_Ri_dot"] = PLATFORM[23](*at.eta, L, alpha)
+    s["T_xi"] = R.T @ (s["F"] - k.E.T @ s["T_phi"])  # (34)
+    s["T_psi"] = np.array([0.0, 0.0, -p.mass * turn * (p.x * at.eta[0] + p.y * at.eta[1])])
+    s["p_dot"] = s["T_xi"] + s["T_psi"]  # (35)
+    if len(r) == 4:  # the paper has four wheels where it writes them one by one
+        tau = PLATFORM[52](*(s[t.name] for t in PLATFORM[52].terms))
+        for number, (speed, torque) in enumerate(zip(s["varphi_dot"], tau, strict=True), 1):
+            s |= {f"varphi_{number}_dot": speed, f"tau_{number}": torque}
+    return s
+
+
+def result_of(e: MatrixEquation, known: Mapping[str, Any]) -> Array:
+    """The result of an equation for a robot; of one that is written for a wheel the first axis counts the wheels.
+
+    Parameters
+    ----------
+    e
+        The equation.
+    known
+        Of ``figures``.
+
+    Returns
+    -------
+    array
+        In SI.
+
+    Raises
+    ------
+    InputError
+        When the equation is written for the paper's robot and does not hold for this one.
+    """
+    terms = {t.name: known[t.name] for t in e.terms if t.name in known}
+    one_by_one = [name for name in terms if name in OF_A_WHEEL]
+    if len(terms) == len(e.terms):
+        if one_by_one:
+            wheels = range(len(known["L"]))
+            return np.stack([e(**terms | {n: terms[n][..., i] for n in one_by_one}) for i in wheels])
+        found, wanted = np.asarray(e(**terms)), np.asarray(known.get(e.result.name, np.nan))
+        if np.isnan(wanted).all() or (
+            found.shape == wanted.shape and np.abs(found - wanted).max() <= _NEAR * max(1.0, np.abs(wanted).max())
+        ):
+            return found
+    raise InputError(
+        f"equation ({e.number}) is written for four wheels as in the paper's Table 1 with the centre of mass in the "
+        "reference point; this platform has others, expected e.g. 32, 49, 50 or 58"
+    )
+
+
+def labelled(term: Term, value: Any, *, wheels_first: bool = False, equations: Iterable[int] = ()) -> Numbers:
+    """A figure with labels and units by its declaration.
+
+    Parameters
+    ----------
+    term
+        Its declaration.
+    value
+        In SI: a scalar, a vector or a matrix.
+    wheels_first
+        Whether its first axis counts wheels, with a figure of the declaration for each.
+    equations
+        Numbers of those that it is the result of.
+
+    Returns
+    -------
+    Numbers
+        For people and programs.
+    """
+    over, _, under = term.unit.partition(" per ")
+    up, down = ([u.strip() for u in part.split(",")] for part in (over, under))
+    array, posture = np.asarray(value, dtype=float), term.name in _POSTURE
+    axes = [_labels(up, n, posture) for n in array.shape]
+    if wheels_first:
+        inner, wheels = [_AXES[:n] for n in array.shape[1:]], [f"wheel {i + 1}" for i in range(len(array))]
+        if len(inner) == 2:
+            wheels = [f"{wheel} {axis}" for wheel in wheels for axis in inner[0]]
+            array = array.reshape(len(wheels), -1)
+        axes = [tuple(wheels), *inner[-1:]]
+    elif array.ndim == 2 and under:
+        axes[1] = _labels(down, array.shape[1], posture)
+    rows, columns = (*axes, ("",), ("",))[:2] if array.ndim else (("",), ("",))
+    units = [[_unit(up, down if under else (), i, j) for j in range(len(columns))] for i in range(len(rows))]
+    return _numbers(term.name, term.meaning, rows, columns, array.reshape(len(rows), len(columns)), units, equations)
+
+
+def _labels(units: Sequence[str], length: int, posture: bool) -> tuple[str, ...]:
+    """Labels of an axis: of posture or force where its entries have units of their own, else one for each wheel."""
+    head = _AXES[:length] if posture or len(units) > 1 else ()
+    return (*head, *(f"wheel {i + 1}" for i in range(length - len(head))))
+
+
+def _unit(up: Sequence[str], down: Sequence[str], row: int, column: int) -> str:
+    unit = up[min(row, len(up) - 1)]
+    if not down:
+        return unit
+    below = down[min(column, len(down) - 1)]
+    return "1" if unit == below else _OF_ITS[unit, below]
+
+
+def _numbers(
+    name: str, meaning: str, rows: Sequence[str], columns: Sequence[str], values: Array, units: list[list[str]],
+    equations: Iterable[int] = (),
+) -> Numbers:  # fmt: skip
+    """Numbers without what rounding leaves where there is nothing, and with angles in degrees."""
+    clean = np.where(np.abs(values) <= _NOTHING * max(1.0, np.abs(values).max()), 0.0, values)
+    turned = np.where(np.array(units) == "rad", np.degrees(clean), clean)
+    degrees = [["deg" if unit == "rad" else unit for unit in row] for row in units]
+    return Numbers(name, symbol(name), meaning, tuple(rows), tuple(columns), turned, degrees, tuple(equations))
+
+
+def numbers_of(e: MatrixEquation, known: Mapping[str, Any]) -> list[Numbers]:
+    """Result of an equation for a robot, then its terms.
+
+    Parameters
+    ----------
+    e, known
+        As of ``result_of``.
+
+    Returns
+    -------
+    list of Numbers
+
+    Raises
+    ------
+    InputError
+        When the equation does not hold for this robot.
+    """
+    one_by_one = any(t.name in OF_A_WHEEL for t in e.terms)
+    result = labelled(e.result, result_of(e, known), wheels_first=one_by_one)._replace(symbol=e.symbol)
+    return [result, *(_term(t, known[t.name]) for t in e.terms)]
+
+
+def _term(term: Term, value: Any) -> Numbers:
+    if term.name in OF_A_WHEEL:
+        return labelled(term, np.moveaxis(value, -1, 0), wheels_first=True)
+    return labelled(term, value)
+
+
+def matrices(d: Dynamics) -> list[Numbers]:
+    """The matrices of a robot with the equations that they are results of; those of Coriolis at 1 rad/s.
+
+    Parameters
+    ----------
+    d
+        The robot.
+
+    Returns
+    -------
+    list of Numbers
+        From the rolling constraints (28) to the dynamics in the space of the wheels (59).
+    """
+    known = figures(d, Instant(np.zeros(3), np.array([0.0, 0.0, 1.0]), np.zeros(3)))
+    found, every = [], [PLATFORM[number] for number in sorted(PLATFORM)]
+    for name in _MATRICES:
+        results = [e for e in every if e.result.name == name and _holds(e, known)]
+        users = [e for e in every if any(t.name == name for t in e.terms)]
+        term = next(t for t in (*(e.result for e in results), *users[0].terms) if t.name == name)
+        title = results[0].title if results else term.meaning
+        numbers = [e.number for e in results or users[:1]]
+        found.append(labelled(term._replace(meaning=title), known[name], equations=numbers))
+    return found
+
+
+def _holds(e: MatrixEquation, known: Mapping[str, Any]) -> bool:
+    try:
+        result_of(e, known)
+    except InputError:
+        return False
+    return True
+
+
+def wheel_table(d: Dynamics) -> Numbers:
+    """The paper's Table 1 of a robot, with what its equations make of the angles: a row for each wheel."""
+    known = figures(d, Instant(np.zeros(3), np.zeros(3), np.zeros(3)))
+    columns = {"L": "mm", "alpha": "rad", "beta": "rad", "gamma": "rad", "phi": "rad", "delta": "rad", "r": "mm",
+               "I_phiy": "kg*m^2"}  # fmt: skip
+    factors = {"mm": 1000.0, "rad": 1.0, "kg*m^2": 1.0}
+    known["r"] = known["r_i"]
+    values = np.array([known[name] * factors[unit] for name, unit in columns.items()]).T
+    turns = [unit == "rad" for unit in columns.values()]
+    values[:, turns] = np.pi - (np.pi - values[:, turns]) % (2.0 * np.pi)
+    rows = [f"wheel {i + 1}" for i in range(len(values))]
+    return _numbers("wheels", "Places, angles, radii and inertias of the wheels", rows, [*map(symbol, columns)], values,
+                    [[*columns.values()]] * len(rows))  # fmt: skip
+
+
+def mobility(d: Dynamics) -> Numbers:
+    """Rank of E, the motions that the wheels allow, and the torques that these leave open."""
+    k = d.kinematics
+    values = [float(np.linalg.matrix_rank(k.E)), k.mobility, len(k.driven) - k.mobility]
+    rows = ("rank of E", "degree of mobility: motions that the wheels allow", "torques that a motion leaves open")
+    return _numbers("mobility", "Rank and mobility", rows, ("",), np.array([values]).T, [["1"]] * len(rows))
+
+
+def at_instant(d: Dynamics, at: Instant) -> tuple[Numbers, Numbers]:
+    """A robot at an instant: its course, and force and torques by their causes.
+
+    Parameters
+    ----------
+    d
+        The robot.
+    at
+        The instant.
+
+    Returns
+    -------
+    pair of Numbers
+        Posture, velocity and its rate of change; force and moment on the platform, and the wheels' torques for them.
+    """
+    known = figures(d, at)
+    return _course(known, at), _forces(d, known, at)
+
+
+def _course(known: Mapping[str, Any], at: Instant) -> Numbers:
+    terms = [PLATFORM[21].result, PLATFORM[22].result, next(t for t in PLATFORM[47].terms if t.name == "eta_dot")]
+    parts = [labelled(t, value) for t, value in zip(terms, (at.posture, known["eta"], known["eta_dot"]), strict=True)]
+    units = [[row for (row,) in part.units] for part in parts]
+    return Numbers("course", "course", "Posture in the world, velocity and its rate of change in the robot's frame",
+                   _AXES, tuple(part.symbol for part in parts), np.hstack([part.values for part in parts]),
+                   [list(row) for row in zip(*units, strict=True)], (21, 22))  # fmt: skip
+
+
+def _forces(d: Dynamics, known: Mapping[str, Any], at: Instant) -> Numbers:
+    theta = at.posture[2]
+    towards = at.eta if at.towards is None else at.towards
+    causes = {
+        "inertia, M̄ η̇": d.M @ at.eta_dot,
+        "Coriolis, C̄ η": known["C_bar"] @ at.eta,
+        "weight on a slope": -weight_along(d.platform, theta, at.ground),
+        "rolling resistance": resistance(d, towards, theta, at.ground),
+        "together": required_force(d, at.eta, at.eta_dot, theta=theta, ground=at.ground, towards=at.towards),
+    }
+    force = np.array([*causes.values()])
+    columns = (*_AXES, *(f"wheel {i + 1}" for i in range(len(d.kinematics.wheels))))
+    units = ["N", "N", *["N*m"] * (len(columns) - 2)]
+    values = np.hstack([force, force @ known["D"].T])
+    return _numbers("forces", "Force and moment in the robot's axes, and the torques of the wheels for them",
+                    [*causes], columns, values, [units] * len(causes), (49, 52, 57))  # fmt: skip

@@ -1,0 +1,139 @@
+"""Figures of a robot by the names of (21)-(59): by hand for the paper's robot, and which equations hold for others."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from platform_vehicles import VEHICLE
+from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, differential, mecanum, omni_three
+
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform_instant import hardest_instant
+from drivesizer.platform.contact_loads import Ground
+from drivesizer.platform.dynamics import dynamics
+from drivesizer.platform.matrix_equation import PLATFORM
+from drivesizer.platform.robot_figures import (
+    _OF_ITS,
+    Instant,
+    at_instant,
+    figures,
+    matrices,
+    mobility,
+    numbers_of,
+    wheel_table,
+)
+from drivesizer.platform.wheels import Platform
+from drivesizer.spec.robot import read_spec
+from drivesizer.units import registry
+
+LX, LY = LENGTH * math.cos(ALPHA), LENGTH * math.sin(ALPHA)  # 238.5 mm, 135.0 mm
+SIDE = np.array([[1, 1, 1], [1, -1, -1], [1, 1, -1], [1, -1, 1]])  # signs of forward, sideways and turning
+AT = Instant(np.array([1.2, -0.7, 0.4]), np.array([0.9, 0.35, 0.8]), np.array([0.5, -0.3, 0.6]))
+
+
+def by_name(d):
+    return {one.name: one for one in [wheel_table(d), mobility(d), *matrices(d)]}
+
+
+def test_the_papers_robot_by_hand():
+    """r ω = v_x ± v_y ± (l_x + l_y) θ̇, the known result for four mecanum wheels; rows of (26) by their angles."""
+    found = by_name(dynamics(mecanum()))
+    assert found["E"].values == pytest.approx(SIDE * [1, 1, LX + LY] / RADIUS, rel=1e-12)
+    assert found["E"].values[0] == pytest.approx([13.1234, 13.1234, 4.9013], abs=1e-4)
+    assert found["E"].units[0] == ["1/m", "1/m", "1"] and found["E"].equations == (32, 33)
+    root = math.sqrt(0.5)  # φ = 135° and 45°; L cos δ is what the lever along the roller's axis is
+    assert found["J_1"].values == pytest.approx(-root * SIDE * [1, 1, LX + LY], rel=1e-12)
+    assert np.diag(found["J_2"].values) == pytest.approx([0.05388] * 4, abs=5e-6)  # 76.2 mm · cos 45°
+    assert found["K_plus"].values[2] == pytest.approx(np.array([1, -1, -1, 1]) * 0.0762 / 4 / 0.37348, rel=1e-4)
+    assert found["mobility"].values[:, 0].tolist() == [3, 3, 1]
+    table = found["wheels"]
+    assert table.values[:, 1] == pytest.approx([-29.5, 29.5, 150.5, -150.5])
+    assert table.values[:, 2] == pytest.approx([119.5, 60.5, -60.5, -119.5])  # β = 90° − α rolls forward
+    assert table.values[0, :1] == pytest.approx([274.06]) and table.units[0][:2] == ["mm", "deg"]
+
+
+def test_the_inertia_of_the_papers_robot_by_hand():
+    """Forward and sideways all wheels turn with v / r: m + 4 J / r²; turning I + 4 J (l / r)²."""
+    found = by_name(dynamics(mecanum()))["M_bar"]
+    along, turning = MASS + 4 * WHEEL / RADIUS**2, INERTIA + 4 * WHEEL * ((LX + LY) / RADIUS) ** 2
+    assert found.values == pytest.approx(np.diag([along, along, turning]), rel=1e-12, abs=1e-12)
+    assert [found.units[i][i] for i in range(3)] == ["kg", "kg", "kg*m^2"] and found.equations == (50,)
+
+
+def test_the_inertia_is_the_curvature_of_the_kinetic_energy():
+    """T of body and wheels, differentiated by numbers; the centre of mass off the reference point."""
+    p = replace(mecanum(), x=0.04, y=-0.03)
+
+    def kinetic(eta):
+        v_x, v_y, turn = eta
+        speeds = SIDE @ [v_x, v_y, (LX + LY) * turn] / RADIUS
+        body = p.mass * ((v_x - p.y * turn) ** 2 + (v_y + p.x * turn) ** 2) + p.inertia * turn**2
+        return (body + WHEEL * (speeds**2).sum()) / 2
+
+    h, unit = 1e-3, np.eye(3)
+    curved = [[(kinetic(h * (a + b)) - kinetic(h * (a - b))) / (2 * h**2) for b in unit] for a in unit]
+    assert by_name(dynamics(p))["M_bar"].values == pytest.approx(np.array(curved), rel=1e-8, abs=1e-8)
+    assert figures(dynamics(p), AT)["T"] == pytest.approx(kinetic(AT.eta), rel=1e-12)
+
+
+def refused(d, at=AT):
+    known, found = figures(d, at), []
+    for number, e in PLATFORM.items():
+        try:
+            numbers_of(e, known)
+        except InputError as error:
+            assert str(error).startswith(f"equation ({number}) is written for four wheels")
+            found.append(number)
+    return sorted(found)
+
+
+def test_equations_that_are_written_for_the_papers_robot_are_refused_for_another():
+    """The mass matrix that (38), (41), (42), (46) have is diagonal; (33), (36), (40), (55), (56) have four wheels."""
+    assert refused(dynamics(mecanum())) == []
+    assert refused(dynamics(replace(mecanum(), x=0.04))) == [38, 41, 42, 46]
+    three = Platform(wheels=tuple(omni_three(0.05, 0.2)), mass=12.0, inertia=0.4)
+    assert refused(dynamics(three)) == [33, 36, 40, 55, 56]
+    ahead = AT._replace(eta=np.array([0.9, 0.0, 0.8]), eta_dot=np.array([0.5, 0.0, 0.6]))
+    assert refused(dynamics(differential()), ahead) == [33, 36, 40, 55, 56]
+    assert by_name(dynamics(three))["K_plus"].equations == (54,)
+    assert by_name(dynamics(differential()))["mobility"].values[:, 0].tolist() == [2, 2, 0]
+
+
+def test_forces_are_those_of_their_causes():
+    """By hand: m (v̇_x − θ̇ v_y) and m (v̇_y + θ̇ v_x) of the body, the wheels' inertia, the weight on the slope."""
+    ground = Ground(slope=0.1, uphill=0.4, gravity=10.0)
+    _, found = at_instant(dynamics(mecanum()), AT._replace(ground=ground))
+    force, torque = found.values[:, :3], found.values[:, 3:]
+    assert force[-1] == pytest.approx(force[:-1].sum(axis=0), rel=1e-12)
+    wheels = 4 * WHEEL / RADIUS**2
+    assert force[0] == pytest.approx([(MASS + wheels) * 0.5, -(MASS + wheels) * 0.3, 0.6 * 2.6475], rel=1e-4)
+    assert force[1] == pytest.approx([-MASS * 0.8 * 0.35, MASS * 0.8 * 0.9, 0.0], rel=1e-12)
+    assert force[2] == pytest.approx([MASS * 10.0 * math.sin(0.1), 0.0, 0.0], abs=1e-9)  # it faces uphill
+    assert torque @ SIDE * [1, 1, LX + LY] / RADIUS == pytest.approx(force, rel=1e-9, abs=1e-9)  # Eᵀ τ
+
+
+def test_the_instant_is_that_of_the_largest_torque_straight_ahead():
+    """1.5 m/s in 2 s, up a slope: the end of the acceleration, with M̄ of the level and the weight by hand."""
+    layout = "platform: {layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}, inertia: 2 kg*m^2}\n"
+    spec = read_spec(YamlSource(VEHICLE % 3 + layout, "a.yaml"))
+    found = hardest_instant(spec)
+    assert found.instant.eta == pytest.approx([1.5, 0.0, 0.0]) and found.instant.eta_dot == pytest.approx(
+        [0.75, 0.0, 0.0]
+    )
+    assert (found.time, found.wheel) == (2.0, 1)
+    force = at_instant(found.dynamics, found.instant)[1].values[:, 0]
+    slope, weight = math.radians(3), 45 * 9.80665
+    by_hand = [(45 + 4 * WHEEL / RADIUS**2) * 0.75, 0.0, weight * math.sin(slope), 0.02 * weight * math.cos(slope)]
+    assert force == pytest.approx([*by_hand, sum(by_hand)], rel=1e-9)
+    cycle = load_cycle(spec)
+    assert sum(by_hand) * RADIUS / 4 == pytest.approx(np.abs(cycle.torque).max(), rel=1e-9)
+
+
+def test_units_of_entries_are_those_of_rows_over_columns():
+    ureg = registry()
+    for (over, under), unit in _OF_ITS.items():
+        found = ureg.Quantity(1.0, over) / ureg.Quantity(1.0, under)
+        assert found.to("" if unit == "1" else unit).magnitude == pytest.approx(1.0, rel=1e-12), (over, under)
