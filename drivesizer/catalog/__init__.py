@@ -16,8 +16,18 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from drivesizer.catalog.compiled import recall, store
+from drivesizer.catalog.identities import DERIVED, IDENTITIES
 from drivesizer.catalog.joining import joined
-from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Stepper
+from drivesizer.catalog.more_parts import (
+    Actuator,
+    Battery,
+    Belt,
+    Brake,
+    BrakeResistor,
+    PowerSupply,
+    Pulley,
+    Stepper,
+)
 from drivesizer.catalog.parts import (
     DIRECT,
     EDGES,
@@ -31,7 +41,6 @@ from drivesizer.catalog.parts import (
     lines,
     one_of,
 )
-from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
@@ -148,7 +157,8 @@ def _key(raw: bytes) -> str:
 
 @functools.cache
 def _schema() -> bytes:
-    return repr(([columns_of(section) for section in PARTS], RANGES, sorted(MAY_BE_ZERO), AT_MOST)).encode()
+    schema = [columns_of(section) for section in PARTS]
+    return repr((schema, RANGES, sorted(MAY_BE_ZERO), AT_MOST, IDENTITIES, DERIVED)).encode()
 
 
 def _one(path: Path, raw: bytes, key: str) -> Catalog:

@@ -18,6 +18,7 @@ from drivesizer.catalog.columns import DATA, Column
 from drivesizer.catalog.discharge_reading import read_discharges
 from drivesizer.catalog.discharges import DISCHARGES
 from drivesizer.catalog.field_reader import Reader, did_you_mean
+from drivesizer.catalog.identities import derived
 from drivesizer.catalog.maker_tolerances import TOLERANCES
 from drivesizer.catalog.maker_tolerances_reading import read_maker_tolerances
 from drivesizer.catalog.no_gearhead import NO_GEARHEAD_SOURCE, with_no_gearhead
@@ -87,6 +88,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     maker = reader.plain_text(data["manufacturer"], ("manufacturer",))
     tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
     _at_temperature(reader, data.get(DATA), tables)
+    reader.notes += derived(tables)
     families = {part: _names(tables, section) for part, section in (("motor", "motors"), ("gearhead", "gearheads"))}
     tolerances = read_maker_tolerances(reader, data.get(TOLERANCES), maker, families)
     tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))

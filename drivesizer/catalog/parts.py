@@ -18,8 +18,17 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog.columns import Column, columns, figure, text
-from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Screw, Stepper
-from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
+from drivesizer.catalog.more_parts import (
+    Actuator,
+    Battery,
+    Belt,
+    Brake,
+    BrakeResistor,
+    PowerSupply,
+    Pulley,
+    Screw,
+    Stepper,
+)
 from drivesizer.files.frozen import dataclass
 
 __all__ = [

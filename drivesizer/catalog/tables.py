@@ -12,10 +12,19 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
 from drivesizer.catalog.maker_tolerances import MakerTolerance
-from drivesizer.catalog.more_parts import Actuator, Battery, Belt, Brake, Pulley, Screw, Stepper
+from drivesizer.catalog.more_parts import (
+    Actuator,
+    Battery,
+    Belt,
+    Brake,
+    BrakeResistor,
+    PowerSupply,
+    Pulley,
+    Screw,
+    Stepper,
+)
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
-from drivesizer.catalog.supply_parts import BrakeResistor, PowerSupply
 from drivesizer.files.frozen import dataclass
 
 __all__ = [
@@ -60,6 +69,7 @@ class Note(NamedTuple):
     source: str = ""  # the document
     exclude: bool = False
     accepted: bool = False
+    derived: bool = False  # by the reader, from other figures of the part
 
 
 class Pairs(NamedTuple):

@@ -182,15 +182,15 @@ def nominal_friction(motor: Any) -> tuple[Array, Array]:
 def friction(motor: Any, dry: Any = 1.0) -> tuple[Array, Array]:
     r"""Friction torque of motors at any speed [N*m], and per speed of theirs [N*m*s/rad].
 
-    The catalogue's own, where it has both. Else :math:`k_t I_0`, the torque lost at the no-load speed :math:`w_0`, of
-    which the share s is dry:
+    The catalogue's own, where it has both; where it has one, the other is what :math:`k_t I_0` leaves, the torque lost
+    at the no-load speed :math:`w_0`. Where it has neither, the share s of that is dry:
 
     .. math:: M_c = s\, k_t I_0, \qquad b = (1 - s)\, k_t I_0 / w_0
 
-    s is 1 of a brushed motor. Of a brushless one it is that of bearings and hysteresis, :data:`DRY_SHARE`: 0.37 without
-    slots, the median of 70 Faulhaber motors that print both (5-95 %: 0.14 to 0.55); 0.55 otherwise, where cogging and
-    the iron's hysteresis come to it: measured 0.80 (REV NEO), 0.57 to 0.68 (NEO 550), 0.75 and more (Falcon 500), 0.5
-    to 0.7 (ODrive D5065, by the voltage), 0.14 to 0.7 (RI50), 0.13 (U8).
+    s is 1 of a brushed motor, and where :math:`w_0` is unknown. Of a brushless one it is that of bearings and
+    hysteresis, :data:`DRY_SHARE`: 0.37 without slots, the median of 70 Faulhaber motors that print both (5-95 %: 0.14
+    to 0.55); 0.55 otherwise, where cogging and the iron's hysteresis come to it: measured 0.80 (REV NEO), 0.57 to 0.68
+    (NEO 550), 0.75 and more (Falcon 500), 0.5 to 0.7 (ODrive D5065, by the voltage), 0.14 to 0.7 (RI50), 0.13 (U8).
 
     Parameters
     ----------
@@ -206,11 +206,12 @@ def friction(motor: Any, dry: Any = 1.0) -> tuple[Array, Array]:
     """
     loss = motor["torque_constant"] * motor["no_load_current"]
     share = np.where(motor["winding"] == SLOTLESS, DRY_SHARE[SLOTLESS], DRY_SHARE[""]) * dry
-    share = np.where(motor["kind"] == "brushed", 1.0, np.minimum(share, 1.0))
-    printed = ~np.isnan(motor["friction_torque"]) & ~np.isnan(motor["viscous_friction"])
-    viscous = np.where(share < 1.0, (1.0 - share) * loss / motor["no_load_speed"], 0.0)
-    coulomb = np.where(printed, motor["friction_torque"], share * loss)
-    return coulomb, np.where(printed, motor["viscous_friction"], viscous)
+    coulomb, viscous, w_0 = motor["friction_torque"], motor["viscous_friction"], motor["no_load_speed"]
+    share = np.where((motor["kind"] == "brushed") | np.isnan(w_0), 1.0, np.minimum(share, 1.0))
+    left = np.where(np.isnan(viscous), share * loss, np.maximum(loss - viscous * w_0, 0.0))
+    rest = np.where(share < 1.0, (1.0 - share) * loss / w_0, 0.0)
+    rest = np.where(np.isnan(coulomb), rest, np.maximum(loss - coulomb, 0.0) / w_0)
+    return np.where(np.isnan(coulomb), left, coulomb), np.where(np.isnan(viscous), rest, viscous)
 
 
 @once_per_part

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.query import Hit
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
+from drivesizer.physics.motor_demand import friction
 from drivesizer.physics.overload import State, cold
 from drivesizer.physics.thermal import resistance_at
 from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts
 from drivesizer.prediction.set_at_voltage import SetAtVoltage, at_rest, hottest_phase, set_at_voltage
 from drivesizer.prediction.warming import Heating, in_the_long_run, over_time, time_to_limit
+from drivesizer.results.figures_behind_checks import in_words
 from drivesizer.results.prediction import Band, Conditions, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show
 
@@ -81,7 +83,7 @@ work_time_warm | to the limit, from warm | time | s | running heat iron limit wa
 _HEAT = ("thermal_resistance_winding", "thermal_resistance_housing", "winding_time_constant", "motor_time_constant")
 _SEVERAL = {  # kinds of needs, by one word
     "running": "winding friction gear load voltage", "holding": "winding friction gear load",
-    "moving": "winding friction gear inertia voltage", "stalling": "winding voltage peak",
+    "moving": "winding friction inertia voltage", "stalling": "winding voltage peak",
 }  # fmt: skip
 _NEEDS: dict[str, tuple[tuple[str, str], ...]] = {  # part and figure, by kind of need
     "winding": (("motor", "resistance"), ("motor", "torque_constant")),
@@ -183,8 +185,9 @@ def _mechanical(one: SetAtVoltage, given: Conditions) -> dict[str, Array]:
     speed, current = one.running(given.load, ambient)
     power = given.load * speed / one.ratio
     drawn = one.source_power(given.voltage, given.resistance, current)
-    driving = one.inertia + given.inertia / (one.ratio**2 * one.efficiency)
-    driven = one.inertia + given.inertia * one.efficiency / one.ratio**2
+    e = one.efficiency if given.inertia else 1.0  # that of the gear has no say without a load
+    driving = one.inertia + given.inertia / (one.ratio**2 * e)
+    driven = one.inertia + given.inertia * e / one.ratio**2
     stepped = (winding, one.voltage, one.coulomb, one.viscous, driving)
     coasted = (driven, one.coulomb, one.viscous, free)
     return {
@@ -301,15 +304,18 @@ def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str
     """Names of unknown figures among those that a prediction rests on."""
     figures: dict[str, Any] = {"motor": parts.motor, "gearhead": parts.gearhead, "controller": parts.controller}
     brushless = parts.motor["kind"][0] != "brushed"
+    rubs = not np.isnan([x[0] for x in friction(parts.motor)]).any()
+    if "moving" in needs and given.inertia:  # else there is no load whose torque the gear passes on
+        needs += " gear"
     for need in " ".join(_SEVERAL.get(need, need) for need in needs.split()).split():
-        if need == "iron" and not brushless:
+        if (need == "iron" and not brushless) or (need == "friction" and rubs):
             continue
         for role, name in _NEEDS.get(need, ()):
             if name == "no_load_speed" and not brushless:
                 continue
             value = nan if figures[role] is None else figures[role][name][0]
             if figures[role] is not None and (np.isnan(value) or (need == "heat" and not value > 0.0)):
-                yield f"{role} {name.replace('_', ' ')}"
+                yield in_words(role, name, bool(figures[role]["inside"][0]))
         if need in _CONDITIONS and isnan(getattr(given, _CONDITIONS[need][0])):
             yield _CONDITIONS[need][1]
 

@@ -66,8 +66,9 @@ class SetAtVoltage(NamedTuple):
         return np.asarray(source * (at_bus + ((stage.loss - self.duty * drop) * current + stage.standby) / sagged))
 
     def motor_torque(self, torque_out: Any) -> Array:
-        """Torque at the motor that drives one at the output, dry friction included [N*m]."""
-        return np.asarray(torque_out / (self.ratio * self.efficiency) + self.coulomb)
+        """Torque at the motor that drives one at the output, dry friction included [N*m]; none needs no efficiency."""
+        driving = 0.0 if np.all(torque_out == 0.0) else torque_out / (self.ratio * self.efficiency)
+        return np.asarray(driving + self.coulomb)
 
     def running(self, torque_out: Any, temperature: Any) -> tuple[Array, Array]:
         """Speed of the motor [rad/s] and current [A] under a torque at the output; stalled where that is too much."""

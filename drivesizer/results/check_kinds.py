@@ -13,7 +13,7 @@ from __future__ import annotations
 from drivesizer.files.frozen import dataclass
 
 __all__ = [
-    "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "CheckKind",
+    "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "EMF", "CheckKind",
     "refuse_undeclared",
 ]  # fmt: skip
 
@@ -49,8 +49,8 @@ _WARM = (*_HOT, "motor.winding_time_constant", "motor.motor_time_constant")  # a
 _LIFE = (  # of a gear
     *_RATIO, "gearhead.rated_life", "gearhead.rated_speed", "gearhead.continuous_torque", "gearhead.life_exponent",
 )  # fmt: skip
-_EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
-_DRAWN = (*_WARM, *_EMF)
+EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
+_DRAWN = (*_WARM, *EMF)
 _FED = (*_DRAWN, "controller.voltage_drop", "controller.max_efficiency")  # what hangs on the power out of the supply
 _CHAIN = (*_RATIO, "gearhead.efficiency", *_ROTOR)  # of the paper's torque at the motor
 _BY_CURRENT = (*_CHAIN, "motor.torque_constant", "motor.no_load_current")  # of the paper's current

@@ -12,13 +12,14 @@ from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.tables import ESTIMATED
+from drivesizer.catalog.view.search_view import printed_field
 from drivesizer.results.check import in_a_sentence
-from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.check_kinds import CHECKS, EMF
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check
 from drivesizer.units import show
 
-__all__ = ["marked_figures", "rests_on", "unknown_figures"]
+__all__ = ["in_words", "marked_figures", "missing_figures", "rests_on", "unknown_figures"]
 
 _DERATING = ("full_current_ambient", "derating_slope", "ambient_max")
 _MODEL = ("holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", "pull_out_share")
@@ -98,18 +99,38 @@ def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
         part = getattr(drive_set, role)
         if part is None:
             lacking.append(f"any {role}")
-        elif _is_unknown(getattr(part, field)):
-            lacking.append(_named(role, field))
+        elif name not in EMF and _is_unknown(getattr(part, field)):
+            lacking.append(in_words(role, field, bool(part.inside)))
     return list(dict.fromkeys(lacking))
 
 
-def _named(role: str, field: str) -> str:
-    """A figure in words.
+def in_words(role: str, field: str, inside: bool = False) -> str:
+    """A figure in words; of a part inside an actuator the one that is printed of that.
 
-    >>> _named("motor", "motor_time_constant"), _named("gearhead", "max_radial_load")
-    ('motor time constant', 'gearhead max radial load')
+    Parameters
+    ----------
+    role, field
+        Of the figure.
+    inside
+        Whether the part is inside an actuator.
+
+    Returns
+    -------
+    str
+        Role and field.
+
+    >>> in_words("motor", "motor_time_constant"), in_words("gearhead", "continuous_torque", inside=True)
+    ('motor time constant', 'actuator nominal torque')
     """
+    if inside:
+        role, field = "actuator", printed_field(role, field)
     return f"{role} {field.removeprefix(f'{role}_').replace('_', ' ')}"
+
+
+def missing_figures(drive_set: DriveSet) -> list[str]:
+    """The parts, and figures of parts, that the unknown checks of a drive lack, each once."""
+    unknown = (check for check in drive_set.deciding if check.status == "unknown")
+    return list(dict.fromkeys(name for check in unknown for name in _lacking(check, drive_set)))
 
 
 def _is_unknown(value: Any) -> bool:
@@ -156,5 +177,5 @@ def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
         if mark in ("derived", "recalled", ESTIMATED):
             column = columns_of(section)[field]
             value = show(getattr(part, field), column.unit, column.kind, 3 if mark == ESTIMATED else 6)
-            found.append([_named(role, field), value, mark, "; ".join(dict.fromkeys(titles))])
+            found.append([in_words(role, field), value, mark, "; ".join(dict.fromkeys(titles))])
     return found

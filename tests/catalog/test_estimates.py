@@ -16,11 +16,12 @@ from drivesizer.catalog.estimates import of_catalog
 from drivesizer.catalog.estimates.estimate import estimates, estimates_of, kept, written
 from drivesizer.catalog.estimates.fit import fit, fits, left_out, widening
 from drivesizer.catalog.estimates.laws import LAWS, Law, column, constructions_of, members_of
+from drivesizer.catalog.identities import as_printed
 
 
 @pytest.fixture(scope="module")
 def everything() -> Catalog:
-    return load(list(shipped()))
+    return as_printed(load(list(shipped())))
 
 
 def test_the_kept_laws_are_what_the_catalogues_give(everything):

@@ -120,7 +120,7 @@ def test_what_is_unknown_is_named():
     """goBILDA prints no nominal current, and so nothing of what the winding is permitted."""
     found = of(hit("5203-2402-0139", "actuators", "gobilda"), load=1.0)
     one = found.figure("stall_time_cold")
-    assert isnan(one.band.nominal) and "motor max winding temperature" in one.missing
+    assert isnan(one.band.nominal) and "actuator max winding temperature" in one.missing
     assert not any(isnan(f.band.nominal) and not f.missing for f in found.figures)
     servo = of(hit("XL330-M288-T 5 V", "actuators", "robotis"))
     assert nominal(servo, "stall_current") == pytest.approx(1.47, rel=0.01)  # as printed

@@ -40,6 +40,7 @@ _MOTOR = 0.4  # of an actuator's mass
 _HOTTEST = 453.15  # K, thermal class 180 (H) of IEC 60085
 _R_TH = ("thermal_resistance_winding", "thermal_resistance_housing")
 _TAU = ("winding_time_constant", "motor_time_constant")
+_ANY_RATIO = "mechanical time constant of 47 brushed actuators, which no ratio changes"
 _CONVECTION = "natural convection, 10 W/m^2 K over the case"
 _WINDING, _HOUSING = "a winding like that of motors, 0.4 of the mass", "heat capacity per mass of motors"
 _PULL_OUT = "7 printed curves of 5 steppers against their ideal two-phase model"
@@ -65,6 +66,7 @@ ASSUMED: tuple[Fit, ...] = (
     _law("brushless", "winding_time_constant", 25.0 * _MOTOR, {_R_TH[0]: 1.0, "mass": 1.0}, _WINDING),
     _law("brushed", "motor_time_constant", 390.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
     _law("brushless", "motor_time_constant", 500.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
+    _law("brushed", "output_inertia", 0.011, {"output_constant": 1.0}, _ANY_RATIO, 4.0),
     _law("", "mass", 0.02, {}, "a motor encoder, 8 to 50 g", 2.5, "encoders"),
     _law("", "mass", 0.045, {}, "a controller from bare module to housed, 7 to 290 g", 6.5, "controllers"),
     _law("", "pull_out_share", PULL_OUT_SHARE[0], {}, _PULL_OUT, PULL_OUT_SHARE[1], "steppers"),

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.estimates.laws import LAWS, Law, column, constructions_of, families_of, members_of
+from drivesizer.catalog.identities import as_printed
 from drivesizer.catalog.tables import Catalog, Table
 
 __all__ = ["Fit", "Peers", "fit", "fits", "left_out", "widening"]
@@ -72,7 +73,8 @@ def fits(catalog: Catalog) -> list[Fit]:
     list
         In the order in which the laws are declared.
     """
-    return [found for law in LAWS if (found := fit(law, catalog.table(law.section))) is not None]
+    printed = as_printed(catalog)
+    return [found for law in LAWS if (found := fit(law, printed.table(law.section))) is not None]
 
 
 def fit(law: Law, table: Table[Any]) -> Fit | None:

@@ -89,6 +89,9 @@ _DERIVED: dict[str, Callable[[Table[Any]], NDArray[np.float64]]] = {
     "motor_constant": lambda table: _torque_constant(table) ** 2 / table["resistance"],  # k_m^2 [N^2*m^2/W]
     "torque_at_rotor": lambda table: table["nominal_torque"] / table["ratio"],
     "inertia_at_rotor": lambda table: _known(table["rotor_inertia"], table["output_inertia"] / table["ratio"] ** 2),
+    "output_constant": lambda table: np.where(  # k_t k_e / R at the output, of actuators whose ratio is unknown
+        np.isnan(table["ratio"]), table["torque_constant"] ** 2 / (table["efficiency"] * table["resistance"]), np.nan
+    ),
     "ratio_per_stage": lambda table: table["ratio"] ** (1.0 / _stages(table)),
     "loss_per_stage": lambda table: 1.0 - table["efficiency"] ** (1.0 / _stages(table)),
     "loss": lambda table: 1.0 - _known(table["efficiency"], 1.0 / (1.0 + table["load_friction"])),
@@ -120,7 +123,7 @@ _MOST = 0.9  # of the power that a stage loses
 
 # the column that such a figure gives, and how; those that no drive is sized by are left out
 _GIVES: dict[str, tuple[str, Callable[[Table[Any], NDArray[np.float64]], NDArray[np.float64]]]] = {
-    "inertia_at_rotor": ("rotor_inertia", lambda table, inertia: inertia),
+    "inertia_at_rotor": ("rotor_inertia", lambda table, inertia: np.where(np.isnan(table["ratio"]), np.nan, inertia)),
     "friction": ("no_load_current", lambda table, torque: torque / _torque_constant(table)),
     "loss": ("efficiency", lambda table, loss: 1.0 - np.minimum(loss, _MOST)),
     "loss_per_stage": ("efficiency", lambda table, loss: (1.0 - np.minimum(loss, _MOST)) ** _stages(table)),

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.columns import Column
+from drivesizer.catalog.identities import as_printed
 from drivesizer.catalog.laws.discharge import odd_discharges
 from drivesizer.catalog.laws.law import SLACK, Law, Numbers, decimal_places, half_last_digit
 from drivesizer.catalog.laws.parts import LAWS
@@ -109,7 +110,7 @@ def check(catalog: Catalog) -> list[Finding]:
     their findings are accepted for the reason of their exclusion. For several catalogues loaded as one a finding names
     all the files: check each by itself (:func:`check_file`).
     """
-    found: list[Finding] = []
+    catalog, found = as_printed(catalog), list[Finding]()
     for section in PARTS:
         table, notes = catalog.table(section), _notes_by_part(catalog, section)
         here = [f for law in LAWS if law.section == section for f in _broken(catalog, table, law)]

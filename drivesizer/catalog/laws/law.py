@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.identities import IDENTITIES, solved
 from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import Table
 from drivesizer.files.frozen import dataclass
@@ -26,8 +27,8 @@ __all__ = [
 
 Numbers = NDArray[np.float64]
 Side = Callable[[Table[Any]], Any]
-# name, meaning, figure, relation, expected, other figures, allowance, reason
-Formula = tuple[str, str, str, str, Side, tuple[str, ...], float, str]
+# name, meaning, figure, relation, expected (None: by the identity of that name), other figures, allowance, reason
+Formula = tuple[str, str, str, str, Side | None, tuple[str, ...], float, str]
 # section, name, figure, expected, least and most share of it, other figures, reason
 Band = tuple[str, str, str, Side, float, float, tuple[str, ...], str]
 # section, figure, side, largest multiple of the median of similar parts, reason
@@ -249,8 +250,14 @@ def formulas(section: str, rows: Iterable[Formula], source: str) -> Iterator[Law
         One for each row.
     """
     for name, meaning, figure, relation, expected, fields, allowance, reason in rows:
-        yield Law(section=section, name=name, meaning=meaning, figure=figure, relation=relation, expected=expected,
+        side = expected or _by_identity(section, name, figure)
+        yield Law(section=section, name=name, meaning=meaning, figure=figure, relation=relation, expected=side,
                   fields=fields, allowance=allowance, reason=reason, source=source)  # fmt: skip
+
+
+def _by_identity(section: str, name: str, figure: str) -> Side:
+    equation = IDENTITIES[section][name]
+    return lambda table: solved(equation, table.columns, figure)
 
 
 def orders(rows: dict[str, tuple[str, ...]]) -> Iterator[Law]:

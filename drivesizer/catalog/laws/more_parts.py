@@ -58,9 +58,9 @@ _IDLE = ("nominal_voltage", "ratio", "motor_torque_constant")
 
 _ACTUATOR_LAWS: list[Formula] = [
     ("stall current", "I_A = V / R", "stall_current", "=",
-     lambda a: a["nominal_voltage"] / a["resistance"], ("nominal_voltage", "resistance"), 0.0, ROUNDED),
+     None, ("nominal_voltage", "resistance"), 0.0, ROUNDED),
     ("stall torque", "M_H = i eta k_m (I_A - I_0)", "stall_torque", "=",
-     lambda a: _at_output(a) * (a["stall_current"] - a["no_load_current"]),
+     None,
      (*_GEARED, "stall_current"), 0.02, "the rounding of I_0, which is little; efficiencies are worked out of it"),
     ("stall torque without friction", "not above i eta k_m I_A", "stall_torque", "<=",
      lambda a: _at_output(a) * a["stall_current"], (*_GEARED, "stall_current"), 0.02,

@@ -30,6 +30,7 @@ __all__ = [
 ]
 
 _PER_STAGE = 4.0  # ratio of a pair of spur gears, where the number of stages is unknown
+_PAIRS = 4.0  # of a spur gear whose ratio is unknown
 
 CLASSES = {
     ("motor", "resistance"): "Motor resistance",
@@ -121,7 +122,7 @@ def losses_from_stall(part: str, efficiency: float, ratio: float, stages: float)
     efficiency, ratio
         Of the gear [1].
     stages
-        NaN unknown: by the ratio [1].
+        NaN unknown: by the ratio, and four where that is unknown too [1].
 
     Returns
     -------
@@ -131,7 +132,9 @@ def losses_from_stall(part: str, efficiency: float, ratio: float, stages: float)
     one = _default()["from_stall"]["efficiency"]
     usual = share(one["tolerance"])
     assert usual is not None
-    pairs = stages if stages > 0.0 else max(1.0, round(np.log(ratio) / np.log(_PER_STAGE)))
+    pairs = (
+        stages if stages > 0.0 else _PAIRS if np.isnan(ratio) else max(1.0, round(np.log(ratio) / np.log(_PER_STAGE)))
+    )
     plastic = (float(one["per_stage"]) ** -pairs - 1.0) / (1.0 / efficiency - 1.0)
     text = f"{usual.low - 1.0:.0%}..{max(usual.high, plastic) - 1.0:.0%}".replace("%", " %")
     return class_of("gearhead", "efficiency", text, one["why"], part)

@@ -10,6 +10,8 @@ and controller become rows of their own. With the ratio i and the gear's efficie
 Mass, price and size are the motor's, those of the other parts 0. The maker rates the actuator as a unit: the gearhead
 inside has the actuator's torques and no power limit of its own, and the controller inside supplies the current with
 which the actuator was measured. Where no permissible speed is printed, the no-load speed at nominal voltage is used.
+Of an actuator whose ratio is unknown the motor is the one that its output feels, behind a gear of 1:1: torque, speed
+and heat need no ratio, only figures that are printed for the motor inside say nothing then.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ from drivesizer.catalog.view.completing import ENDS, MIDDLE, completed
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.physics.back_emf import ELECTRONICS
 
-__all__ = ["CLAMPING_HUB", "search_view", "split_actuators", "with_clamping_hubs", "with_direct_drive"]
+__all__ = ["CLAMPING_HUB", "printed_field", "search_view", "split_actuators", "with_clamping_hubs", "with_direct_drive"]
 
 CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
 _THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
@@ -43,7 +45,38 @@ _MOTOR = (
     "motor_time_constant", "max_winding_temperature", "ambient_min", "ambient_max", "diameter", "length", "mass",
     "price",
 )  # fmt: skip
-_GEARHEAD = ("reduction", "ratio", "stages", "direction", "backlash", "max_radial_load", "max_axial_load")
+_GEARHEAD = ("reduction", "stages", "direction", "backlash", "max_radial_load", "max_axial_load")
+
+
+_PRINTED_AS = {  # fields of an actuator that become others of the parts inside
+    ("motor", "torque_constant"): "torque_constant", ("motor", "friction_torque"): "coulomb_friction",
+    ("motor", "back_emf_constant"): "motor_back_emf_constant",
+    ("gearhead", "continuous_torque"): "nominal_torque", ("gearhead", "intermittent_torque"): "peak_torque",
+    ("gearhead", "continuous_input_speed"): "max_speed", ("gearhead", "intermittent_input_speed"): "max_speed",
+    ("gearhead", "temperature_min"): "ambient_min", ("gearhead", "temperature_max"): "ambient_max",
+    ("encoder", "counts_per_turn"): "steps_per_turn", ("controller", "continuous_current"): "nominal_current",
+}  # fmt: skip
+
+
+def printed_field(role: str, field: str) -> str:
+    """The field of an actuator's row that gives a figure of a part inside.
+
+    Parameters
+    ----------
+    role
+        Of the part: motor, gearhead, encoder, controller.
+    field
+        The figure's name there.
+
+    Returns
+    -------
+    str
+        Name of a column of actuators.
+
+    >>> printed_field("gearhead", "continuous_torque"), printed_field("motor", "resistance")
+    ('nominal_torque', 'resistance')
+    """
+    return _PRINTED_AS.get((role, field), field)
 
 
 class _Inside(NamedTuple):
@@ -130,22 +163,31 @@ def _paired(pairs: Pairs, actuators: Table[Any], of: NDArray[np.int64], motors: 
 
 
 def _motor(actuators: Table[Any]) -> _Inside:
-    i, e, loaded = actuators["ratio"], _efficiency(actuators), _loaded_efficiency(actuators)
-    own = actuators["motor_torque_constant"]
+    i, e, loaded = _ratio(actuators), _efficiency(actuators), _loaded_efficiency(actuators)
+    own = actuators["motor_torque_constant"] * _inner(actuators)
     k_t = np.where(np.isnan(own), actuators["torque_constant"] / (i * e), own)
     figures: Columns = {name: actuators[name] for name in _MOTOR}
     figures |= {name: i * actuators[name] for name in ("no_load_speed", "nominal_speed")}
     figures |= {name: actuators[name] / (i * loaded) for name in ("nominal_torque", "stall_torque")}
     figures["max_speed"] = i * _top_speed(actuators)
     figures["torque_constant"] = k_t
-    figures["back_emf_constant"] = actuators["motor_back_emf_constant"]
+    figures["back_emf_constant"] = actuators["motor_back_emf_constant"] * _inner(actuators)
     figures["friction_torque"] = actuators["coulomb_friction"] / i
     figures["viscous_friction"] = actuators["viscous_friction"] / i**2
     figures["commutation"] = np.where(actuators["controller"] != "", ELECTRONICS, "")
-    figures["rotor_inertia"] = np.where(
-        np.isnan(actuators["rotor_inertia"]), actuators["output_inertia"] / i**2, actuators["rotor_inertia"]
-    )
+    inertia = actuators["rotor_inertia"] * _inner(actuators)
+    figures["rotor_inertia"] = np.where(np.isnan(inertia), actuators["output_inertia"] / i**2, inertia)
     return _Inside(np.arange(len(actuators)), figures)
+
+
+def _ratio(actuators: Table[Any]) -> NDArray[np.float64]:
+    """Ratio of the gear inside; 1 where it is unknown, with all figures as the output feels them."""
+    return np.where(np.isnan(actuators["ratio"]), 1.0, actuators["ratio"])
+
+
+def _inner(actuators: Table[Any]) -> NDArray[np.float64]:
+    """1 where figures of the motor inside can be used; NaN where no ratio brings them to the output."""
+    return np.where(np.isnan(actuators["ratio"]), np.nan, 1.0)
 
 
 def _efficiency(actuators: Table[Any]) -> NDArray[np.float64]:
@@ -169,12 +211,13 @@ def _top_speed(actuators: Table[Any]) -> NDArray[np.float64]:
 
 
 def _gearhead(actuators: Table[Any]) -> _Inside:
-    speed = actuators["ratio"] * _top_speed(actuators)
+    speed = _ratio(actuators) * _top_speed(actuators)
     # Size, mass, price and inertia are counted with the motor.
     own = dict.fromkeys(("inertia", "diameter", "length", "mass", "price"), 0.0)
     free = dict.fromkeys(("continuous_power", "intermittent_power"), np.inf)
     figures: dict[str, Any] = {name: actuators[name] for name in _GEARHEAD}
     return _Inside(np.arange(len(actuators)), figures | own | free | {
+        "ratio": _ratio(actuators),
         "kind": actuators["gearing"],
         "efficiency": _loaded_efficiency(actuators),
         "continuous_torque": actuators["nominal_torque"],
@@ -191,7 +234,7 @@ def _encoder(actuators: Table[Any]) -> _Inside:
     free = dict.fromkeys(("max_frequency", "max_speed", "max_mechanical_speed"), np.inf)
     own = dict.fromkeys(("inertia", "diameter", "length", "added_length", "mass", "price"), 0.0)
     figures: dict[str, Any] = {
-        "counts_per_turn": actuators["steps_per_turn"] / (EDGES * actuators["ratio"]),
+        "counts_per_turn": actuators["steps_per_turn"] / (EDGES * _ratio(actuators)),
         "kind": "integrated",
     }
     return _Inside(np.flatnonzero(~np.isnan(actuators["steps_per_turn"])), figures | free | own)

@@ -18,6 +18,7 @@ from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.energy import EnergyBudget
 from drivesizer.results.estimated import EstimatedFigure
+from drivesizer.results.figures_behind_checks import missing_figures
 from drivesizer.results.mass import MassRow
 from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.requirement import Requirement
@@ -175,6 +176,7 @@ def drive_set(found: DriveSet) -> schema.Set:
         "reliability": reliability(found.reliability),
         "pieces": [_piece(one) for one in found.pieces],
         "estimated": [_estimate(one) for one in found.estimated],
+        "missing": missing_figures(found),
         "probability": number(found.probability),
     }
 

@@ -142,6 +142,7 @@ Set = TypedDict("Set", {
     "changes": list[Relaxation],
     "reliability": Reliability | None, "pieces": list[Piece],
     "estimated": Annotated[list[Estimate], Field(description="that no data sheet gives; 5th to 95th percentile")],
+    "missing": Annotated[list[str], Field(description="figures and parts that unknown checks lack")],
     "probability": Annotated[Number, Field(description="that no check fails; null where estimates leave none open")],
 })  # fmt: skip
 Assumption = TypedDict("Assumption", {"name": str, "tolerance": str, "source": str})

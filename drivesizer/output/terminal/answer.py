@@ -169,6 +169,7 @@ def _undecided(best: DriveSet, result: SizingResult) -> Iterator[Text]:
         more = f" and {len(unknown) - _NAMED} more (--checks)" if len(unknown) > _NAMED + 1 else ""
         names = "; ".join(check.title for check in unknown[: _NAMED if more else None])
         yield Text(f"unknown: {names}{more}", style=STYLE["unknown"])
+    yield from tables.missing(best)
 
 
 def _deciding(braking: BrakingBudget) -> str:

@@ -262,6 +262,8 @@ def explained(pair: Explanation, catalog: Catalog) -> None:
         if found.requirements:
             console.print(tables.requirements(found.requirements, "Requirements at the motor"))
         _checks(console, found)
+        for line in tables.missing(found):
+            console.print(line)
         _beside(console, found)
         machine(console, found)
         _changes(console, found)

@@ -17,6 +17,7 @@ from drivesizer.catalog import Catalog, columns_of
 from drivesizer.output.figure_confidence import LESS, confidences, not_quoted
 from drivesizer.output.probability import about
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
+from drivesizer.results.figures_behind_checks import missing_figures
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.robot import AS_SPECIFIED
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
 
 __all__ = [
-    "MARK", "STYLE", "bare", "checks", "console", "gains", "heading", "loose", "objective", "parts", "percent", "plain",
-    "requirements", "width_of",
+    "MARK", "STYLE", "bare", "checks", "console", "gains", "heading", "loose", "missing", "objective", "parts",
+    "percent", "plain", "requirements", "width_of",
 ]  # fmt: skip
 
 _WIDTH = 80  # characters where a terminal does not say
@@ -191,6 +192,12 @@ def hanging(found: DriveSet) -> list[str]:
         for check in found.deciding
         if check.status == "open"
     ]
+
+
+def missing(found: DriveSet) -> list[Text]:
+    """A line with what the unknown checks of a drive lack; none without."""
+    names = missing_figures(found)
+    return [Text(f"missing: {', '.join(names)}", style=STYLE["unknown"])] if names else []
 
 
 def plain(check: Check, figure: float) -> str:

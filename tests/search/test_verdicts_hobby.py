@@ -1,0 +1,267 @@
+"""Motors of shops: by voltage, stall and no load alone. What follows from these figures is not unknown, and what lacks
+is named by every command."""
+
+from __future__ import annotations
+
+import json
+import random
+from math import isnan, nan, pi
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drivesizer.catalog import load
+from drivesizer.catalog.identities import DERIVED, IDENTITIES, derived, solved
+from drivesizer.catalog.laws.check import check_file
+from drivesizer.catalog.query import Hit
+from drivesizer.catalog.tables import Table, empty
+from drivesizer.cli import app
+from drivesizer.physics.motor_demand import friction
+from drivesizer.prediction.predict import completed, predict
+from drivesizer.results.prediction import Conditions
+from drivesizer.sizing import size
+from drivesizer.spec.robot import load_spec
+
+VEX = """catalog: 1
+manufacturer: VEX EDR
+sources:
+  shop: {document: "shop page of the two-wire motor 393", date: "2015-01", confidence: secondary}
+actuators:
+  - family: "393"
+    source: shop
+    common: {kind: brushed, gearing: spur}
+    columns: [part, nominal_voltage (V), no_load_speed (rpm), no_load_current (A), stall_torque (N*m),
+      stall_current (A), mass (g)]
+    rows:
+      - [VEX393, 7.2, 100, 0.37, 1.67, 4.8, 87]
+"""
+M550 = """catalog: 1
+manufacturer: Anymaker
+sources:
+  shop: {document: "shop page", date: "2015-01", confidence: secondary}
+motors:
+  - family: "550"
+    source: shop
+    common: {kind: brushed}
+    columns: [part, nominal_voltage (V), no_load_speed (rpm), no_load_current (A), stall_torque (N*m),
+      stall_current (A), mass (g)]
+    rows:
+      - [M550, 12, 19300, 1.4, 0.498, 85, 218]
+compatibility:
+  motor_gearhead:
+    - {source: shop, motors: ["550"], gearheads: [direct]}
+"""
+LIFT = """name: lift of a school robot
+load: {kind: arm, mass: 11 lb, length: 14 in, start_angle: -45 deg, motors: 2}
+motion:
+  profile: trapezoid
+  speed: 20 deg/s
+  acceleration_time: 0.3 s
+  cruise_time: 4.2 s
+  rest_time: 5 s
+  there_and_back: true
+transmission:
+  - kind: gearhead
+  - {kind: gear, ratio: 15, efficiency: 90 %}
+supply: {nominal: 7.2 V, accepts: all}
+select: {catalogs: [vex393.yaml], objective: mass}
+"""
+FEW = """catalog: 1
+manufacturer: Anymaker
+sources: {shop: {document: "shop page", confidence: secondary}}
+motors:
+- family: K
+  source: shop
+  common: {kind: brushed}
+  columns: [part, torque_constant (mN*m/A), resistance (ohm), no_load_current (A)]
+  rows: [[KRI, 20, 0.5, 0.3]]
+- family: B
+  source: shop
+  common: {kind: brushless}
+  columns: [part, torque_constant (mN*m/A), resistance (ohm), no_load_current (A)]
+  rows: [[KRI brushless, 20, 0.5, 0.3]]
+gearheads:
+- family: G
+  source: shop
+  common: {kind: planetary}
+  columns: [part, ratio]
+  rows: [[G9, 9]]
+compatibility:
+  motor_gearhead:
+  - {source: shop, motors: [K, B], gearheads: [G, direct]}
+"""
+RPM = 2 * pi / 60
+BENCH = Conditions(
+    voltage=nan, ambient=298.15, load=nan, hold=nan, inertia=0.0, duration=60.0, warm=nan, resistance=0.0
+)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    files = {"vex393.yaml": VEX, "m550.yaml": M550, "few.yaml": FEW, "lift.yaml": LIFT}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def hit(name, section, part):
+    catalog = load([f"{name}.yaml"])
+    return Hit(name, catalog, section, catalog.table(section).rows[part])
+
+
+def of(motor, gearhead=None, **given):
+    return predict(motor, gearhead, None, completed(BENCH._replace(**given), motor, gearhead))
+
+
+# --- figures that follow ---------------------------------------------------------------------------------------------
+
+
+def test_a_motor_by_stall_and_no_load_has_its_constants(here):
+    """By hand: R = 12 V / 85 A = 0.1412 ohm, k_t = 0.498 N*m / 85 A = 5.859 mN*m/A."""
+    motor = hit("m550", "motors", "M550")
+    assert motor["resistance"] == pytest.approx(0.141176, rel=1e-5)
+    assert motor["torque_constant"] == pytest.approx(5.85882e-3, rel=1e-5)
+    sure = motor.catalog.confidence("motors", motor.row)
+    assert sure["torque_constant"] == sure["resistance"] == "derived" and sure["stall_torque"] == "secondary"
+    (said,) = (n.text for n in motor.catalog.notes_on("motors", "M550") if n.fields == ("torque_constant",))
+    assert "stall_torque = torque_constant * stall_current" in said and "I_0 not taken off" in said
+    found = of(motor)
+    assert found.figure("free_speed").band.nominal == pytest.approx(19300 * RPM, rel=0.005)
+    assert found.figure("no_load_current").band.nominal == pytest.approx(1.4, rel=0.005)
+    assert not {"motor resistance", "motor torque constant"} & {name for one in found.figures for name in one.missing}
+
+
+def test_a_gearmotor_of_unknown_ratio_lies_on_its_printed_line(here):
+    """Speed and current over torque are straight between the two printed points, whatever is inside."""
+    motor = hit("vex393", "actuators", "VEX393")
+    assert isnan(motor["ratio"])
+    for torque in (0.0, 0.4, 1.1):
+        found, share = of(motor, load=torque), torque / 1.67
+        assert found.figure("load_speed").band.nominal == pytest.approx((1 - share) * 100 * RPM, rel=1e-6)
+        assert found.figure("load_current").band.nominal == pytest.approx(0.37 + share * (4.8 - 0.37), rel=1e-6)
+    assert found.figure("stall_torque").band.nominal == pytest.approx(1.67, rel=1e-6)
+    assert found.figure("stall_current").band.nominal == pytest.approx(4.8, rel=1e-6)
+
+
+def test_a_school_robots_lift_is_judged(here):
+    """By hand: 0.644 N*m of 1.67 take 0.37 + 0.644/1.67 (4.8 - 0.37) A; 20 deg/s behind 15:1 are 50 of 100 rpm."""
+    (best,) = size(load_spec(here / "lift.yaml")).sets
+    checks = {check.name: check for check in best.checks}
+    assert checks["motor_speed"].status == "pass" and checks["motor_speed"].demand == pytest.approx(50 * RPM)
+    peak = checks["gearhead_intermittent_torque"].demand
+    assert checks["controller_peak_current"].demand == pytest.approx(0.37 + peak / 1.67 * 4.43, rel=1e-6)
+    assert not isnan(checks["supply_voltage"].demand)
+
+
+@pytest.mark.parametrize("maker", ["andymark", "banebots", "ctre", "vex"])
+def test_motors_that_were_worked_out_by_hand_come_out_alike(maker):
+    """The shipped rows of FRC motors have V / I_stall and M_stall / I_stall to four digits."""
+    table = load([maker]).motors
+    by_hand = ~np.isnan(table["stall_torque"] + table["torque_constant"]) & (table["commutation"] == "")
+    by_hand &= np.abs(table["resistance"] * table["stall_current"] / table["nominal_voltage"] - 1) < 1e-3
+    assert_alike(table, by_hand, ("resistance", "torque_constant"), 6e-4)
+
+
+@pytest.mark.parametrize("maker", ["pololu", "dfrobot", "gobilda"])
+def test_gearmotors_that_were_worked_out_by_hand_come_out_alike(maker):
+    table = load([maker]).actuators
+    by_hand = ~np.isnan(table["stall_torque"] + table["no_load_current"])
+    assert_alike(table, by_hand, ("resistance", "motor_torque_constant", "efficiency"), 2e-3)
+
+
+def assert_alike(table, rows, figures, rel):
+    """Figures that are taken away come back as they were."""
+    some = table.taken(np.flatnonzero(rows))
+    columns = {name: values.copy() for name, values in some.columns.items()}
+    for name in (*figures, "torque_constant"):
+        columns[name][:] = nan
+    bare = Table(some.section, columns, some.source, some.excluded)
+    derived({section: empty(section) for section in ("motors", "actuators")} | {some.section: bare})
+    assert len(some) >= 2
+    for name in figures:
+        np.testing.assert_allclose(columns[name], some[name], rtol=rel)
+
+
+@pytest.mark.parametrize("one", DERIVED, ids=lambda one: f"{one.section} {one.figure} {one.identity}")
+def test_what_is_solved_fulfils_its_identity(one):
+    """Random figures; the solved one put back gives the same other figure."""
+    draw = random.Random(7)
+    equation = IDENTITIES[one.section][one.identity]
+    figures = {name: draw.uniform(0.2, 0.9) for name in columns_in(equation)} | {"back_emf_constant": nan}
+    found = solved(equation, figures, one.figure)
+    whole = figures | {one.figure: float(found)}
+    for name in columns_in(equation) - {one.figure, "back_emf_constant"}:
+        if (one.identity, name) not in {("speed-torque gradient", "torque_constant"),
+                                        ("mechanical time constant", "torque_constant")}:  # fmt: skip
+            assert solved(equation, whole, name) == pytest.approx(whole[name], rel=1e-9)
+
+
+def columns_in(equation):
+    names = {name for name in equation.replace("(", " ").replace(")", " ").split() if name[0].isalpha()}
+    return (names - {"k_e"}) | ({"torque_constant"} if "k_e" in names else set())
+
+
+def test_the_check_takes_what_is_printed_alone(here):
+    """A figure that was derived contradicts nothing, and is no twin's."""
+    assert [finding for finding in check_file("m550.yaml") if finding.unexplained] == []
+    text = M550.replace("19300", "9300").replace("[part,", "[part, torque_constant (mN*m/A),")
+    (here / "odd.yaml").write_text(text.replace("M550, 12", "M550, 5.86, 12"), encoding="utf-8")
+    odd = [finding for finding in check_file("odd.yaml") if finding.identity.startswith("no-load speed")]
+    assert odd == []  # its resistance is not printed
+
+
+def test_a_friction_that_stands_alone_counts():
+    """k_t I_0 = 6 mN*m at 586.4 rad/s, 2e-6 N*m*s/rad of it viscous: 4.827 mN*m are dry."""
+    motor = {"torque_constant": 0.02, "no_load_current": 0.3, "no_load_speed": 586.4, "kind": "brushed", "winding": "",
+             "friction_torque": nan, "viscous_friction": 2e-6}  # fmt: skip
+    coulomb, viscous = friction(motor)
+    assert (float(coulomb), float(viscous)) == pytest.approx((4.8272e-3, 2e-6))
+    coulomb, viscous = friction(motor | {"friction_torque": 4.8272e-3, "viscous_friction": nan})
+    assert (float(coulomb), float(viscous)) == pytest.approx((4.8272e-3, 2e-6))
+    coulomb, viscous = friction(motor | {"no_load_current": nan})
+    assert isnan(coulomb) and viscous == 2e-6  # what is dry of it nobody knows: not none
+
+
+# --- what lacks is named ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("part", ["KRI", "KRI brushless"])
+def test_a_free_speed_needs_neither_a_nominal_point_nor_an_efficiency(here, part):
+    """(12 V - 0.5 ohm 0.3 A) / (20 mN*m/A) / 9 = 65.83 rad/s."""
+    found = of(hit("few", "motors", part), hit("few", "gearheads", "G9"), voltage=12.0)
+    assert found.figure("free_speed").band.nominal == pytest.approx(65.833, rel=1e-4)
+    assert found.figure("no_load_current").band.nominal == pytest.approx(0.3)
+    assert found.figure("stall_torque").missing == ("gearhead efficiency",)
+    assert "gearhead efficiency" not in found.figure("step_time_63").missing
+
+
+def test_whatever_lacks_is_named(here):
+    """Of a motor from whose row figures are struck at random, every unknown figure says what it lacks."""
+    draw = random.Random(3)
+    catalog = load(["maxon"])
+    full = catalog.motors.rows["DCX22S01EBKL598"]
+    names = [name for name, values in catalog.motors.columns.items() if values.dtype.kind == "f"]
+    for _ in range(20):
+        columns = {name: values[full : full + 1].copy() for name, values in catalog.motors.columns.items()}
+        for name in draw.sample(names, 12):
+            columns[name][:] = nan
+        table = Table("motors", columns, catalog.motors.source[full : full + 1], np.zeros(1, bool))
+        one = Hit("maxon", catalog.with_tables({"motors": table}, {}), "motors", 0)
+        for figure in of(one).figures:
+            assert isnan(figure.band.nominal) == bool(figure.missing), figure
+
+
+def test_three_commands_name_the_same(here):
+    run = CliRunner().invoke
+    sized = run(app, ["size", "lift.yaml"]).output
+    told = " ".join(sized.partition("missing:")[2].split())
+    assert told.startswith("actuator nominal torque, actuator peak torque") and "any controller" in told
+    assert "back emf" not in told and "ratio" not in told  # they lack nowhere
+    explained = run(app, ["explain", "lift.yaml", "--motor", "VEX393"]).output
+    assert "missing: actuator nominal torque" in " ".join(explained.split())
+    listed = json.loads(run(app, ["size", "lift.yaml", "--json"]).output)["sets"][0]["missing"]
+    assert {"actuator nominal torque", "actuator max winding temperature", "any controller"} <= set(listed)
+    bench = run(app, ["predict", "VEX393", "--catalog", "vex393.yaml"]).output
+    assert "missing: actuator max winding temperature" in " ".join(bench.split())
