@@ -213,5 +213,5 @@ def as_printed(catalog: Catalog) -> Catalog:
             columns[name][np.isin(table["part"], note.parts)] = np.nan
     if not tables:
         return catalog
-    printed = {name: replace(catalog.table(name), columns=columns) for name, columns in tables.items()}
+    printed: dict[str, Any] = {name: replace(catalog.table(name), columns=found) for name, found in tables.items()}
     return replace(catalog, **printed, notes=tuple(note for note in catalog.notes if not note.derived))

@@ -14,6 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, load
+from drivesizer.catalog.identities import as_printed
 
 TURN = 2 * math.pi
 RPM = TURN / 60  # rad/s
@@ -31,7 +32,7 @@ def name(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture(scope="module")
 def one(name: str) -> Catalog:
-    return load([name])
+    return as_printed(load([name]))
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +47,7 @@ def tmotor() -> Catalog:
 
 @pytest.fixture(scope="module")
 def pittman() -> Catalog:
-    return load(["pittman"])
+    return as_printed(load(["pittman"]))
 
 
 def _parts(catalog: Catalog, mask: NDArray[np.bool_]) -> set[str]:

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Motor, Table, load
+from drivesizer.catalog.identities import as_printed
 
 RPM = math.pi / 30  # rad/s
 INERTIA_KNOWN = {"22GPT": 32, "32GPT": 32, "42GPT": 31}
@@ -17,7 +18,7 @@ NO_EFFICIENCY = {"03A", "06A", "08/3", "12/5", "15/8", "16/8", "22/5"}
 
 @pytest.fixture(scope="module")
 def faulhaber() -> Catalog:
-    return load(["faulhaber"])
+    return as_printed(load(["faulhaber"]))
 
 
 @pytest.fixture(scope="module")
