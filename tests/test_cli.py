@@ -12,7 +12,7 @@ from rich.cells import cell_len
 from drivesizer import cli
 from drivesizer.commands import common
 
-EXAMPLE, PLATFORM = (f"{ROOT}/examples/{name}.yaml" for name in ("sps_robot", "sps_platform"))
+ARM, PLATFORM = (f"{ROOT}/examples/{name}.yaml" for name in ("cords_arm", "sps_platform"))
 
 
 @pytest.fixture
@@ -132,8 +132,8 @@ def test_nothing_fits_is_status_1(run, example_text, tmp_path):
         (["explain", "EXAMPLE", "--motor", "nix", "--gearhead", "406764"], "in no catalogue"),
         (["equations", "60"], "1 to 59"),
         (["equations", "0"], "1 to 59"),
-        (["equations", "33", EXAMPLE], "sps_robot.yaml: no section platform; expected one"),
-        (["equations", "4", EXAMPLE], "sps_robot.yaml: equation (4) is no step of the derivation"),
+        (["equations", "33", ARM], "cords_arm.yaml: no section platform; expected one"),
+        (["equations", "4", "EXAMPLE"], "sps_robot.yaml: equation (4) is no step of the derivation"),
         (["equations", "1", PLATFORM], "sps_platform.yaml: the paper treats a wheeled_vehicle without wind"),
         (["equations", "33", "nothing.yaml"], "nothing.yaml: cannot be read"),
         (["equations", "60", "nothing.yaml"], "1 to 59"),

@@ -277,8 +277,8 @@ def wheel_table(d: Dynamics) -> Numbers:
     turns = [unit == "rad" for unit in columns.values()]
     values[:, turns] = np.pi - (np.pi - values[:, turns]) % (2.0 * np.pi)
     rows = [f"wheel {i + 1}" for i in range(len(values))]
-    return _numbers("wheels", "Places, angles, radii and inertias of the wheels", rows, [*map(symbol, columns)], values,
-                    [[*columns.values()]] * len(rows))  # fmt: skip
+    meaning, units = "Wheels as in the paper's Table 1, with radii and inertias", [[*columns.values()]] * len(rows)
+    return _numbers("wheels", meaning, rows, [*map(symbol, columns)], values, units)
 
 
 def mobility(d: Dynamics) -> Numbers:
