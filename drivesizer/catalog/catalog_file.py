@@ -49,7 +49,7 @@ _TOP = {
 }
 _HOLDS = ("motors", "actuators")  # whose figures hold at a temperature
 _TABLE = {"family", "source", "common", "columns", "rows", "notes"}
-_NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted"}
+_NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted", "rule"}
 _SOURCE = {"document", "date", "confidence", "url"}
 _NOT_A_COLUMN = {
     "family": "family stands at the head of its table",
@@ -323,9 +323,9 @@ def _read_notes(
         if "source" in note:
             reader.source_number(note["source"], (*at, "source"))
         texts = {key: reader.plain_text(note.get(key), (*at, key)) for key in ("text", "confidence", "source")}
-        for key in ("exclude", "accepted"):
+        for key in ("exclude", "accepted", "rule"):
             reader.flag(note.get(key, False), (*at, key))
-        flags = {key: note.get(key, False) for key in ("exclude", "accepted")}
+        flags = {key: note.get(key, False) for key in ("exclude", "accepted", "rule")}
         if texts["source"]:
             texts["source"] = reader.sources[texts["source"]].document
         values: dict[str, Any] = texts | flags

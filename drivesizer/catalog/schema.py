@@ -34,7 +34,8 @@ _NOTE = {
     "properties": {"text": {"type": "string"}, "parts": _NAMES | {"description": "all of the table where not given"},
      "fields": _NAMES | {"description": "the whole row where not given"}, "confidence": _CONFIDENCE,
      "source": {"type": "string"}, "exclude": {"type": "boolean", "description": "leave these parts out of the search"},
-     "accepted": {"type": "boolean", "description": "findings of `catalog check` on these fields are accepted"}},
+     "accepted": {"type": "boolean", "description": "findings of `catalog check` on these fields are accepted"},
+     "rule": {"type": "boolean", "description": "these figures are a rule of thumb and no maker's limits"}},
     "required": ["text"],
     "additionalProperties": False,
 }  # fmt: skip

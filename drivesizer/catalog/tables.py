@@ -70,6 +70,7 @@ class Note(NamedTuple):
     exclude: bool = False
     accepted: bool = False
     derived: bool = False  # by the reader, from other figures of the part
+    rule: bool = False  # of figures by a rule of thumb, which are no maker's limits
 
 
 class Pairs(NamedTuple):
@@ -232,6 +233,12 @@ class Catalog:
     def notes_on(self, section: str, part: str) -> list[Note]:
         """The catalogue's notes on a part."""
         return [note for note in self.notes if note.section == section and part in note.parts]
+
+    def by_rule(self, section: str, name: str) -> NDArray[np.int64]:
+        """Rows of the parts of which a figure is a rule of thumb."""
+        notes = (note for note in self.notes if note.rule and note.section == section and name in note.fields)
+        rows = self.table(section).rows
+        return np.array(sorted({rows[part] for note in notes for part in note.parts if part in rows}), np.int64)
 
     def confidence(self, section: str, row: int) -> dict[str, str]:
         """Confidence of each known figure of a part: that of its row, changed by the notes on it; or estimated."""

@@ -171,8 +171,8 @@ class CheckColumn:
     def _lacking(self, index: int | tuple[()]) -> str:
         if self.bounded is not None and self.bounded[index]:
             return self.at_best
-        open_ = not (self.passed[index] or self.failed[index] or isnan(self.limit[index]))
-        return self.undecided if open_ else ""
+        decided = self.passed[index] or self.failed[index] or (self.opened is not None and self.opened[index])
+        return "" if decided or isnan(self.limit[index]) else self.undecided
 
     def on(self, rows: NDArray[np.int64] | slice) -> CheckColumn:
         """The same check of some of the candidates."""

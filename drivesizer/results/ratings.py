@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.products import once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
+from drivesizer.results.estimated import EstimatedFigure
 
 __all__ = [
     "continuous_speed_limit",
@@ -19,6 +21,7 @@ __all__ = [
     "nominal_current_limit",
     "nominal_torque_limit",
     "short_limit",
+    "unless_printed",
     "unstated_temperature",
 ]
 
@@ -192,6 +195,27 @@ def _rated(
         for share in (current_derating, derating_at_most)
     )
     return at_most(name, rms, limit, most=most, needed=needed, at_best=_COLDER)
+
+
+def unless_printed(column: CheckColumn, figure: str, estimated: Iterable[EstimatedFigure]) -> CheckColumn:
+    """A check of one drive that fails no limit which the maker of its actuator does not print.
+
+    Parameters
+    ----------
+    column
+        Of single figures.
+    figure
+        Of the actuator, which is the limit.
+    estimated
+        Figures of the drive that are not printed.
+
+    Returns
+    -------
+    CheckColumn
+        It fails above the highest that the figure may be.
+    """
+    most = [one.high for one in estimated if (one.part, one.figure) == ("actuator", figure)]
+    return replace(column, failed=column.failed & (column.demand > most[0])) if most else column
 
 
 def unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:

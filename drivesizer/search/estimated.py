@@ -111,7 +111,8 @@ def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], floa
     controller, brake = evaluation.controller[[index]], evaluation.brake[[index]]
     one = evaluation.candidates.on(np.array([index]))._replace(controller=controller, brake=brake)
     probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
-    open_ = {name: (probable[name], _turning(turning.get(name))) for name in names}
+    own = bool(evaluation.catalog.motors["inside"][evaluation.candidates.motor[index]])
+    open_ = {name: (probable[name], _turning(turning.get(name), own)) for name in names}
     return tuple(_with(check, *open_[check.name]) if check.name in names else check for check in checks), probable[""]
 
 
@@ -129,7 +130,15 @@ def _with(check: Check, probability: float, note: str) -> Check:
     return replace(check, probability=probability, note="; ".join(text for text in (note, check.note) if text))
 
 
-def _turning(turn: Turn | None) -> str:
+# figures of an actuator's parts that are the actuator's own at its output, as its maker names them
+_OF_ACTUATORS = {
+    ("gearheads", "continuous_torque"): "nominal_torque",
+    ("gearheads", "intermittent_torque"): "peak_torque",
+    ("motors", "nominal_current"): "nominal_current",
+}  # fmt: skip
+
+
+def _turning(turn: Turn | None, actuator: bool) -> str:
     """A sentence on where a check turns."""
     if turn is None:
         return "hangs on several estimated figures together"
@@ -137,4 +146,7 @@ def _turning(turn: Turn | None) -> str:
     column = columns_of(section)[name]
     side = "at most" if turn.passes_below else "at least"
     value = show(turn.value, column.unit, column.kind, 2)
+    if actuator and turn.figure in _OF_ACTUATORS:
+        figure = _OF_ACTUATORS[turn.figure].replace("_", " ")
+        return f"passes with a {figure} of {side} {value}; the maker prints none as a limit"
     return f"passes with a {_PART[section]} {name.replace('_', ' ')} of {side} {value}, which is estimated"

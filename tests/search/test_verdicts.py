@@ -125,6 +125,55 @@ def test_no_hopeless_drive_comes_first():
     hold(none, {"wheel": (WHEEL % 25,), "joint": (JOINT,), "arm": (ARM % 0.503,)})
 
 
+# --- a limit that no maker prints fails nothing below the stall -----------------------------------------------------
+
+# 3 lb at 4 in: 1.36 N*m level; 10 lb: 4.52 N*m. Pololu prints 2.648 N*m at stall, and advises a quarter of its current
+LIFTER = """
+name: lifter of a fighting robot
+load: {kind: arm, mass: %s lb, length: 4 in, start_angle: 0 deg}
+motion: {profile: move, distance: 80 deg, time: 0.8 s, rest_time: 20 s, there_and_back: true}
+transmission: [{kind: gearhead}]
+supply: {nominal: 12 V, accepts: all}
+select: {catalogs: [pololu, basicmicro], estimates: "%s"}
+"""
+# 0.4 kg at 0.3 m: 1.18 N*m of 3.8 at stall; a fifth of that is 0.76 N*m
+SERVO = """
+name: arm
+load: {kind: arm, mass: %s kg, length: 300 mm, start_angle: -60 deg}
+motion: {profile: move, distance: 120 deg, time: 2 s, rest_time: 1 s, there_and_back: true}
+transmission: [{kind: gearhead}]
+supply: {nominal: 12 V, accepts: all}
+select: {catalogs: [robotis], estimates: "%s"}
+"""
+_LASTING, _SHORT, _VOLTS = "gearhead_continuous_torque", "gearhead_intermittent_torque", "supply_voltage"
+_POLOLU, _SERVO = "37D 70:1 12 V", "XM430-W350 12 V"
+RULES = {
+    "lifter": (LIFTER % (3, "on"), _POLOLU, {_LASTING: "open", _SHORT: "open"}),
+    "lifter by data sheets": (LIFTER % (3, "off"), _POLOLU, {_LASTING: "unknown", _SHORT: "unknown"}),
+    "heavy": (LIFTER % (10, "on"), _POLOLU, {_SHORT: "fail", _VOLTS: "fail"}),
+    "heavy by data sheets": (LIFTER % (10, "off"), _POLOLU, {_VOLTS: "fail"}),
+    # continuous loads of 10 kg cm are a limit that Pololu prints of the 37D: 1.36 N*m is above
+    "at its limit": (LIFTER % (3, "on"), "37D 150:1 12 V", {_LASTING: "fail"}),
+    "servo": (SERVO % (0.4, "on"), _SERVO, {_LASTING: "open"}),
+    "servo by data sheets": (SERVO % (0.4, "off"), _SERVO, {_LASTING: "unknown", "motor_nominal_current": "unknown"}),
+    "heavy servo": (SERVO % (3.0, "on"), _SERVO, {_LASTING: "fail", _SHORT: "fail"}),
+}
+
+
+def test_a_rule_of_thumb_fails_no_drive():
+    def judged(text: str, part: str, expected: dict[str, str]) -> None:
+        drive = explain(spec_of(text), part)[0]
+        found = {check.name: check for check in drive.checks}
+        assert {name: found[name].status for name in expected} == expected
+        if "fail" not in expected.values():
+            assert drive.status in ("open", "unknown")
+        for check in drive.checks:
+            if check.status == "open" and check.name in expected:
+                assert "the maker prints none as a limit" in check.note or "several" in check.note
+
+    hold(judged, RULES)
+
+
 # --- what is demanded at rest counts ---------------------------------------------------------------------------------
 
 BATTERY = """

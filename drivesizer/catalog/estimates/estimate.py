@@ -1,6 +1,7 @@
 """Estimates of what a data sheet leaves out, each with its band and its law.
 
-A figure that is printed always wins. What decides a limit (largest speed, torque, temperature) is not estimated.
+A figure that is printed always wins. What decides a limit (largest speed, torque, temperature) is not estimated from
+peers; the peak torque of an actuator that prints none lies between two figures of its own.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.assumed import ASSUMED, by_rating
+from drivesizer.catalog.estimates.assumed import ASSUMED, by_rating, by_stall
 from drivesizer.catalog.estimates.fit import Fit, Peers, widening
 from drivesizer.catalog.estimates.laws import Law, column, constructions_of, given_column, members_of
 from drivesizer.catalog.tables import Estimates, Table
@@ -82,7 +83,7 @@ def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estima
             name, found_of = _of_column(table, figure, one)
             found |= {name: found_of} if len(found_of.rows) else {}
             terms[figure] = _completed(_printed(table, figure), one)
-    return by_rating(table, found)
+    return by_stall(table, by_rating(table, found))
 
 
 def _of_column(table: Table[Any], figure: str, one: Estimates) -> tuple[str, Estimates]:

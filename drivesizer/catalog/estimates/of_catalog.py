@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.estimates.assumed import by_rule
 from drivesizer.catalog.estimates.estimate import estimates
 from drivesizer.catalog.estimates.laws import LAWS
 from drivesizer.catalog.tables import Catalog, Estimates
@@ -43,12 +44,18 @@ def estimates_kept(catalog: Catalog) -> Found:
     path = folder() / f"estimates {digest_of(*map(str.encode, catalog.digests))[:8]}-{_key(catalog)}.npz"
     arrays = arrays_kept(path)
     if arrays is not None and (known := _unpacked(arrays)) is not None:
-        return known
+        return _with_rules(catalog, known)
     every = {section: estimates(catalog.table(section)) for section in _SECTIONS}
     found = {section: figures for section, figures in every.items() if figures}
     with suppress(OSError):  # a folder without write access was reported when the catalogue was not kept
         keep(path, _written(found))
-    return found
+    return _with_rules(catalog, found)
+
+
+def _with_rules(catalog: Catalog, found: Found) -> Found:
+    """The estimates, and the figures of actuators that are a rule of thumb."""
+    rules = by_rule(catalog)
+    return found | {"actuators": found.get("actuators", {}) | rules} if rules else found
 
 
 def _key(catalog: Catalog) -> str:

@@ -22,7 +22,7 @@ MIDDLE: End = "middle"
 ENDS: tuple[End, End] = ("favourable", "unfavourable")
 _HARDER_WHEN_LOW = {  # of which kind of parts; "": of all. A brushless motor's temperature goes with its resistances
     "winding_time_constant": "", "motor_time_constant": "", "efficiency": "", "max_winding_temperature": "brushed",
-    "pull_out_share": "", "start_speed": "",
+    "pull_out_share": "", "start_speed": "", "nominal_torque": "", "nominal_current": "", "peak_torque": "",
 }  # fmt: skip
 
 

@@ -101,13 +101,25 @@ def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
     Catalog
         With the estimates at the middle of their bands; with them at the ends as ``ends``.
     """
-    if catalog.ends or not estimates:
-        return _viewed(catalog)
+    if catalog.ends:
+        return catalog
+    if not estimates:
+        return _viewed(_without_rules(catalog))
     found = replace(catalog, estimates=estimates_kept(catalog))
     if not found.estimates:
         return _viewed(catalog)
     middle, *ends = (_viewed(found.with_tables(completed(found, end), {})) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
+
+
+def _without_rules(catalog: Catalog) -> Catalog:
+    """The catalogue with figures unknown that are a rule of thumb."""
+    columns = dict(catalog.actuators.columns)
+    for name in ("nominal_torque", "nominal_current"):
+        if len(rows := catalog.by_rule("actuators", name)):
+            columns[name] = columns[name].copy()
+            columns[name][rows] = np.nan
+    return catalog.with_tables({"actuators": replace(catalog.actuators, columns=columns)}, {})
 
 
 def _viewed(catalog: Catalog) -> Catalog:
@@ -221,7 +233,7 @@ def _gearhead(actuators: Table[Any]) -> _Inside:
         "kind": actuators["gearing"],
         "efficiency": _loaded_efficiency(actuators),
         "continuous_torque": actuators["nominal_torque"],
-        "intermittent_torque": np.fmax(actuators["peak_torque"], actuators["nominal_torque"]),
+        "intermittent_torque": np.maximum(actuators["peak_torque"], np.nan_to_num(actuators["nominal_torque"])),
         "continuous_input_speed": speed,
         "intermittent_input_speed": speed,
         "temperature_min": actuators["ambient_min"],

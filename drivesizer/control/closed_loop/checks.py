@@ -35,7 +35,12 @@ from drivesizer.physics.thermal import (
 )
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
 from drivesizer.results.losses import voltage_assumption
-from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit
+from drivesizer.results.ratings import (
+    continuous_speed_limit,
+    controller_current,
+    nominal_current_limit,
+    unless_printed,
+)
 from drivesizer.results.sizing import Check
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 
@@ -217,8 +222,11 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
     """The motor's RMS current, and the winding's highest temperature in the periodic steady state."""
     figures, ambient = by_name(case.drive_set.motor), case.spec.environment.ambient
     limit = figures["max_winding_temperature"]
+    rms_current = _most(
+        case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient, motor_needed(case.spec, 0.0))
+    )
     yield _check(
-        _most(case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient, motor_needed(case.spec, 0.0))),
+        unless_printed(rms_current, "nominal_current", case.drive_set.estimated),
         note="the nominal current in this ambient" if ambient != rated_ambient(figures) else "",
     )
     winding, note = _winding(case)
@@ -251,7 +259,12 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
     gearhead, speed, when = case.drive_set.gearhead, case.figure("speed"), case.figure("speed_time")
 
     def torque(x: float) -> CheckColumn:
-        return at_most("gearhead_continuous_torque", x, gearhead.continuous_torque)
+        found = at_most("gearhead_continuous_torque", x, gearhead.continuous_torque)
+        return unless_printed(found, "nominal_torque", case.drive_set.estimated)
+
+    def peak(x: float) -> CheckColumn:
+        found = at_most("gearhead_intermittent_torque", x, gearhead.intermittent_torque)
+        return unless_printed(found, "peak_torque", case.drive_set.estimated)
 
     if case.profile.top_speed:
         yield _check(
@@ -259,10 +272,7 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
         )
     else:
         yield _check(torque(_held_torque(case)), note="of the load at rest")
-    yield _check(
-        _most(case, "gear_torque", lambda x: at_most("gearhead_intermittent_torque", x, gearhead.intermittent_torque)),
-        case.figure("gear_torque_time"),
-    )
+    yield _check(_most(case, "gear_torque", peak), case.figure("gear_torque_time"))
     mean, sustained = _lasting(case.profile)
     yield _check(
         continuous_speed_limit(by_name(gearhead), mean, sustained, case.train.motor_per_speed),
