@@ -69,6 +69,7 @@ def test_makers_of_servo_gearboxes_limit_the_mean_or_what_lasts_for_20_minutes()
     gearheads = {
         "manufacturer": np.array(["Wittenstein", "maxon", "somebody"]),
         "continuous_input_speed": np.full(3, 10.0),
+        "intermittent_input_speed": np.full(3, 12.0),
     }
     assert continuous_speed_limit(gearheads, 2.0, 8.0, 3.0).demand.tolist() == [6.0, 24.0, 24.0]
 
