@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivesizer.physics.products import once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
-from drivesizer.results.estimated import EstimatedFigure
+from drivesizer.results.drive_set import DriveParts, DriveSet
 
 __all__ = [
     "continuous_speed_limit",
@@ -197,7 +197,7 @@ def _rated(
     return at_most(name, rms, limit, most=most, needed=needed, at_best=_COLDER)
 
 
-def unless_printed(column: CheckColumn, figure: str, estimated: Iterable[EstimatedFigure]) -> CheckColumn:
+def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> CheckColumn:
     """A check of one drive that fails no limit which the maker of its actuator does not print.
 
     Parameters
@@ -206,14 +206,15 @@ def unless_printed(column: CheckColumn, figure: str, estimated: Iterable[Estimat
         Of single figures.
     figure
         Of the actuator, which is the limit.
-    estimated
-        Figures of the drive that are not printed.
+    drive
+        It; parts alone are a sample, whose figures are as they are.
 
     Returns
     -------
     CheckColumn
         It fails above the highest that the figure may be.
     """
+    estimated = drive.estimated if isinstance(drive, DriveSet) else ()
     most = [one.high for one in estimated if (one.part, one.figure) == ("actuator", figure)]
     return replace(column, failed=column.failed & (column.demand > most[0])) if most else column
 

@@ -185,18 +185,13 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
             between(*(at_most("controller_i2t", x, 1.0) for x in (share, share * case.allowance("i2t_share")))),
             note="highest state: at 100 % the controller limits to the continuous current",
         )
-    yield _check(
-        _most(
-            case,
-            "rms_current",
-            lambda x: at_most(
-                "controller_continuous_current",
-                x,
-                _lasting_current(case),
-                needed=controller_needed(case.spec, 0.0),
-            ),
-        )
-    )
+    needed = controller_needed(case.spec, 0.0)
+    lasting = _most(
+        case, "rms_current",
+        lambda x: at_most("controller_continuous_current", x, _lasting_current(case), needed=needed),
+    )  # fmt: skip
+    inside = _controller(case).part == (case.drive_set.actuator.part if case.drive_set.actuator else None)
+    yield _check(unless_printed(lasting, "nominal_current", case.drive_set) if inside else lasting)
     if supply.current is not None:
         yield _check(
             _resisted(case, "bus_current", lambda x: at_most("supply_current", x, supply.current), power=True),
@@ -226,7 +221,7 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
         case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient, motor_needed(case.spec, 0.0))
     )
     yield _check(
-        unless_printed(rms_current, "nominal_current", case.drive_set.estimated),
+        unless_printed(rms_current, "nominal_current", case.drive_set),
         note="the nominal current in this ambient" if ambient != rated_ambient(figures) else "",
     )
     winding, note = _winding(case)
@@ -260,11 +255,11 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
 
     def torque(x: float) -> CheckColumn:
         found = at_most("gearhead_continuous_torque", x, gearhead.continuous_torque)
-        return unless_printed(found, "nominal_torque", case.drive_set.estimated)
+        return unless_printed(found, "nominal_torque", case.drive_set)
 
     def peak(x: float) -> CheckColumn:
         found = at_most("gearhead_intermittent_torque", x, gearhead.intermittent_torque)
-        return unless_printed(found, "peak_torque", case.drive_set.estimated)
+        return unless_printed(found, "peak_torque", case.drive_set)
 
     if case.profile.top_speed:
         yield _check(

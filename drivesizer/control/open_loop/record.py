@@ -90,7 +90,7 @@ def _checks(case: OpenLoop, drive_set: DriveSet) -> Iterator[Check]:
             unless_printed(
                 at_most("gearhead_intermittent_torque", seen["gear"] / belt, gearhead.intermittent_torque),
                 "peak_torque",
-                drive_set.estimated,
+                drive_set,
             ),
             seen["gear_time"],
             "with the swings of the rotor",
