@@ -1,5 +1,6 @@
 """Equations (1)-(20): worked by hand, held to laws, refused with wrong units; and their declarations."""
 
+import dataclasses
 import inspect
 import math
 
@@ -13,6 +14,7 @@ from drivesizer import equations as eq
 from drivesizer.errors import InputError
 from drivesizer.output import formula
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
+from drivesizer.units import registry
 
 U = pint.UnitRegistry()  # a user's own registry, not ours
 EVERY = [*EQUATIONS.values(), *COMPANIONS.values()]
@@ -131,6 +133,100 @@ def test_a_wrong_dimension_is_refused_by_name(declared):
         if len(declared.terms) > 1 and any(hasattr(v, "check") and not v.unitless for v in given.values()):
             with pytest.raises(InputError, match="without a unit"):
                 declared(**given)
+
+
+def test_what_counts_no_angle_is_no_rotary_speed():
+    """1 N·m at one turn a second is 2π W; at 1 Hz it is nothing, for pint takes 1 Hz as 1 rad/s."""
+    torque = U.Quantity(1.0, "N*m")
+    for unit in ("turn/s", "revolution/s", "rpm * 60"):
+        assert eq.maximum_power_per_motor(torque, U.Quantity(f"1 {unit}")).to("W").magnitude == pytest.approx(
+            2 * math.pi
+        )
+    with pytest.raises(
+        InputError, match=r"^equation \(15\): n_nom \(.*\) must be in rad/s, e\.g\. 3000 rpm; got 1.* Hz, a unit "
+    ):
+        eq.maximum_power_per_motor(torque, U.Quantity(1.0, "Hz"))
+    with pytest.raises(InputError, match=r"got 1.* 1/s, which has no angle in it"):
+        eq.maximum_power_per_motor(torque, 1.0 / U.Quantity(1.0, "s"))
+    with pytest.raises(InputError, match=r"got 1.* J, a unit of energy"):
+        eq.maximum_power_per_motor(U.Quantity(1.0, "J"), U.Quantity(1.0, "turn/s"))
+    with pytest.raises(InputError, match="a plain number; got 90 deg, a unit of angle"):
+        eq.nominal_speed(U.Quantity(1.5, "m/s"), U.Quantity(6.0, "inch"), U.Quantity(90, "deg"))
+    by_power = U.Quantity(12.0, "W") / U.Quantity(3.0, "rad/s")  # a torque of 4 N·m
+    assert eq.maximum_power_per_motor(by_power, U.Quantity(5.0, "rad/s")).to("W").magnitude == pytest.approx(20.0)
+
+
+NO_NUMBERS = ["1.5 m/s", "", None, True, [1.5, 2.5], 1 + 2j, {}, np.array(["1.5"]), U]
+NOT_FINITE = [math.nan, -math.inf, 10**400]
+
+
+@pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
+def test_each_argument_that_is_no_figure_is_refused_in_one_line(declared):
+    """Equation, argument, what was given, what is expected; beside numbers, arrays and quantities alike."""
+    quantities = {t.name: U.Quantity(1.5, t.unit) if t.unit != "1" else 1.5 for t in declared.terms}
+    single, columns = dict.fromkeys(quantities, 1.5), dict.fromkeys(quantities, np.array([0.4, 1.7]))
+    for others in (single, columns, quantities):
+        for term in declared.terms:
+            for wrong in NO_NUMBERS + NOT_FINITE * (others is not columns):  # there NaN is unknown
+                with pytest.raises(InputError) as caught:
+                    declared(**others | {term.name: wrong})
+                line = str(caught.value)
+                assert line.startswith(f"{declared.label}: {term.name} ({term.meaning}) must be "), line
+                assert "\n" not in line and "; got " in line and len(line) < 260
+        missing = dict(list(others.items())[1:])
+        for call in (lambda m=missing: declared(**m), lambda o=others: declared(**o, other=2.0)):
+            with pytest.raises(InputError, match=rf"argument.*; expected .*{declared.terms[0].name} \["):
+                call()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
+def test_zeros_and_figures_below_zero_give_a_figure_or_one_line(declared):
+    for value in (0.0, 0, -0.7, 1e308, 5e-324):
+        for term in declared.terms:
+            plain = dict.fromkeys((t.name for t in declared.terms), 1.3) | {term.name: value}
+            united = {
+                t.name: U.Quantity(plain[t.name], t.unit) if t.unit != "1" else plain[t.name] for t in declared.terms
+            }
+            for figures in (plain, united):
+                try:
+                    found = declared(**figures)
+                except InputError as error:
+                    assert str(error).startswith(declared.label) and "\n" not in str(error)
+                    assert f"{term.name} ({term.meaning})" in str(error) or abs(value) in (1e308, 5e-324)
+                else:
+                    assert math.isfinite(getattr(found, "magnitude", found))
+
+
+def test_a_factor_of_zero_is_named():
+    with pytest.raises(
+        InputError, match=r"^equation \(1\) has no value where eta_speed \(.*\) is 0; expected more than 0$"
+    ):
+        eq.nominal_speed(1.5, 0.1524, 0.0)
+    with pytest.raises(InputError, match=r"where d \(wheel diameter\) is 0 and eta_speed"):
+        eq.nominal_speed(1.5, 0, U.Quantity(0, "percent").magnitude)
+    with pytest.raises(InputError, match=r"t_acc .* is 0 and t_nom .* is 0 and t_dec .* is 0 and t_rest .* is 0"):
+        eq.rms_torque(0, 4.0, 0, 1.0, 0, -2.0, 0, 0.0)
+    with pytest.raises(
+        InputError, match=r"^equation \(4\): z \(sinking depth\) must be in m, .* got -0\.001, below 0$"
+    ):
+        eq.rolling_resistance_coefficient(-0.001, 0.15)
+    with pytest.raises(InputError, match="of one length"):
+        eq.nominal_torque(np.ones(2), np.ones(3), 0.9)
+
+
+def test_pint_finds_the_unit_of_the_result_and_none_is_attached():
+    """A power declared as a force is found out, by pint's own error: a fault of the program, not of its user."""
+    wrong = dataclasses.replace(EQUATIONS[15], result=EQUATIONS[3].result)
+    with pytest.raises(pint.DimensionalityError):
+        wrong(U.Quantity(1.0, "N*m"), U.Quantity(60.0, "rpm"))
+
+
+def test_the_result_is_a_quantity_of_the_registry_that_was_given():
+    found = eq.maximum_power_per_motor(U.Quantity(2.0, "N*m"), registry().Quantity(30.0, "rad/s"))
+    assert (found + U.Quantity(0.04, "kW")).to("W").magnitude == pytest.approx(100.0)
+    columns = eq.nominal_torque(U.Quantity(np.array([6.0, math.nan]), "inch"), U.Quantity(9.0, "N"), 0.9)
+    assert columns[0].to("N*m").magnitude == pytest.approx(0.762) and math.isnan(columns[1].magnitude)
 
 
 @pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)

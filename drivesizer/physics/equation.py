@@ -2,7 +2,7 @@
 
 The decorator reads names, meanings and bracketed units from the docstring, so that the documented unit is the
 one that the program uses. A declared equation stays a function: with floats or arrays in SI it computes, with
-pint quantities it first checks every dimension and gives back a quantity.
+pint quantities it computes as well, and what pint makes of their units must be the declared unit of the result.
 """
 
 from __future__ import annotations
@@ -11,14 +11,16 @@ import inspect
 import re
 from collections.abc import Callable
 from dataclasses import field
+from math import inf, isfinite, nan
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, quoted
 from drivesizer.files.frozen import dataclass
-from drivesizer.units import registry
+from drivesizer.units import KINDS, kind_of_unit, noun
 
 __all__ = ["COMPANIONS", "EQUATIONS", "Equation", "Term", "Value", "equation", "terms"]
 
@@ -58,30 +60,38 @@ class Equation:
         return self.formula.__name__
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        """Compute; with pint quantities, check their dimensions first.
+        """Compute with numbers and arrays in SI, or with pint quantities in any unit of their terms.
+
+        In an array NaN is unknown, as in a column of candidates; a single figure must be finite.
 
         Raises
         ------
         InputError
-            When a quantity has the wrong dimension, or a plain number stands where a unit is needed.
+            When an argument is missing, no number, of another unit, or one at which the formula has no value.
         """
-        given_ = (*args, *kwargs.values())
-        if _PLAIN.issuperset(map(type, given_)) or not any(hasattr(value, "dimensionality") for value in given_):
-            return self.formula(*args, **kwargs)
-        given = inspect.signature(self.formula).bind(*args, **kwargs).arguments
-        units = {term.name: term for term in self.terms}
-        plain = {name: self._plain(value, units[name]) for name, value in given.items()}
-        return registry().Quantity(self.formula(**plain), self.result.unit)
-
-    def _plain(self, value: Any, term: Term) -> Any:
-        where = f"{self.label}: {term.name} ({term.meaning}) must be in {term.unit}"
-        if not hasattr(value, "dimensionality"):
-            if term.unit == "1":
-                return value
-            raise InputError(f"{where}, got {value!r} without a unit")
-        if not value.check(term.unit if term.unit != "1" else "[]"):
-            raise InputError(f"{where}, got {value.units:~C}")
-        return value.to(term.unit if term.unit != "1" else "dimensionless").magnitude
+        figures = (*args, *kwargs.values())
+        if _PLAIN.issuperset(map(type, figures)):
+            try:
+                if np.ndarray in map(type, figures):
+                    return self.formula(*args, **kwargs)
+                if all(0.0 < figure < inf for figure in figures) and isfinite(result := _single(self, *args, **kwargs)):
+                    return result
+            except (TypeError, ValueError):
+                pass  # the reason is found below
+        try:
+            given = inspect.signature(self.formula).bind(*args, **kwargs).arguments
+        except TypeError as error:
+            wanted = ", ".join(f"{term.name} [{term.unit}]" for term in self.terms)
+            raise InputError(f"{self.label}: {error}; expected {wanted}") from None
+        with_units = [value for value in given.values() if hasattr(value, "dimensionality")]
+        listed = [term for term in self.terms if term.name in given]
+        plain = {term.name: _in_si(self.label, given[term.name], term, bool(with_units)) for term in listed}
+        result = _result(self, plain)
+        if not with_units:
+            return result
+        quantity = with_units[0]._REGISTRY.Quantity  # the caller's own: the result goes with other quantities there
+        found = _single(self, **{term.name: quantity(plain[term.name], _pint(term.unit)) for term in listed})
+        return quantity(found).to(_pint(self.result.unit))
 
     @property
     def label(self) -> str:
@@ -89,7 +99,88 @@ class Equation:
         return f"equation ({self.number})" if self.number else self.title
 
 
+_NEVER_BELOW_0 = {"length", "mass", "inertia", "density", "time", "dimensionless"}
 _PLAIN = {float, int, np.float64, np.ndarray}
+
+
+def _in_si(label: str, value: Any, term: Term, with_units: bool) -> Any:
+    """An argument as a number or array in SI."""
+    kind = next(name for name, kind in KINDS.items() if kind.si == term.unit)
+
+    def refused(fault: str) -> InputError:
+        found = f"{value:~C}" if hasattr(value, "dimensionality") else value
+        got = quoted(found) if isinstance(value, str) else quoted(found)[1:-1]
+        wanted = "a plain number" if term.unit == "1" else f"in {term.unit}, e.g. {KINDS[kind].example}"
+        return InputError(f"{label}: {term.name} ({term.meaning}) must be {wanted}; got {got}{fault}")
+
+    figure = value
+    if hasattr(value, "dimensionality"):
+        fault = _misfit(value, term.unit, kind)
+        if fault is not None:
+            raise refused(fault)
+        figure = value.to(_pint(term.unit)).magnitude
+    elif with_units and term.unit != "1":
+        raise refused(" without a unit")
+    if isinstance(figure, Real) and not isinstance(figure, bool):
+        try:
+            figure = float(figure)
+        except OverflowError:
+            figure = inf
+        if not isfinite(figure):
+            raise refused(", no finite number")
+        if figure < 0.0 and kind in _NEVER_BELOW_0:
+            raise refused(", below 0")
+    elif not hasattr(figure, "__array__") or np.asarray(figure).dtype.kind not in "fiu":
+        raise refused(", no number")
+    return figure
+
+
+def _misfit(value: Any, unit: str, kind: str) -> str | None:
+    """Reason that a pint quantity is none of a term's unit; None where it is.
+
+    Kinds that share a dimension stay apart as in a spec: joules are no torque, and a rotary speed counts an angle.
+    """
+    symbol = f"{value.units:~C}"
+    other = kind_of_unit(symbol)
+    if other not in (None, kind):
+        return f", a unit of {noun(str(other))}"
+    if not value.check(_pint(unit) or "[]"):
+        return ""
+    angle = dict(value.to_root_units().unit_items()).get("radian", 0)
+    if angle != unit.count("rad") and (angle == 0 or unit == "1"):
+        return ", which has no angle in it" if angle == 0 else ", an angle"
+    return None
+
+
+def _pint(unit: str) -> str:
+    return "" if unit == "1" else unit
+
+
+@np.errstate(all="ignore")
+def _single(declared: Equation, *args: Any, **kwargs: Any) -> Any:
+    """Value of the formula; NaN where arithmetic ends."""
+    try:
+        return declared.formula(*args, **kwargs)
+    except ArithmeticError:
+        return nan
+
+
+def _result(declared: Equation, plain: dict[str, Any]) -> Any:
+    """Value of the formula; where it has none, the arguments that are to blame are named."""
+    try:
+        result = _single(declared, **plain)
+    except ValueError as error:
+        raise InputError(f"{declared.label}: {error}; expected arrays of one length") from None
+    if np.ndim(result) or isfinite(result):
+        return result
+    zeros = [term for term in declared.terms if np.all(plain.get(term.name, 1.0) == 0.0)]
+    blamed = [term for term in zeros if isfinite(_single(declared, **plain | {term.name: 1.0}))] or zeros
+    if not blamed:
+        raise InputError(f"{declared.label}: the result is outside the range of numbers that can be computed with")
+    named = " and ".join(f"{term.name} ({term.meaning}) is 0" for term in blamed)
+    raise InputError(f"{declared.label} has no value where {named}; expected more than 0")
+
+
 _SECTION = re.compile(r"(Parameters|Returns)\n\s*-+\n(.*?)(?=\n\s*\n|\Z)", re.DOTALL)
 _TERM = re.compile(r"\s*(\w+): (.*) \[([^\]]+)\]\s*")
 
