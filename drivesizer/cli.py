@@ -22,7 +22,7 @@ import typer
 from drivesizer.commands.ends import ended
 from drivesizer.commands.idle_threads import let_idle_threads_sleep
 from drivesizer.commands.memory import keep_freed_memory
-from drivesizer.commands.usage import parsed
+from drivesizer.commands.usage import parsed, with_values
 from drivesizer.errors import InputError, printable
 from drivesizer.version import __version__
 
@@ -145,5 +145,5 @@ def _run() -> int | None:
     if sys.flags.optimize > 1:
         raise InputError("Python runs without docstrings (-OO, PYTHONOPTIMIZE=2), of which drivesizer reads its "
                          "equations; expected at most -O, PYTHONOPTIMIZE=1")  # fmt: skip
-    words = sys.argv[1:]
-    return parsed(lambda: _of(words)(standalone_mode=False), _whole, words)
+    words = with_values(sys.argv[1:])
+    return parsed(lambda: _of(words)(args=words, standalone_mode=False), _whole, words)

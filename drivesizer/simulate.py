@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from drivesizer.control.cascade import Cascade, ControllerGain, controller_gains
 from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.closed_loop.figures import figures, series, series_units
+from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.closed_loop.run import ClosedLoop, run
 from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning
 from drivesizer.control.validation import Gains, Validation
@@ -41,10 +41,7 @@ from drivesizer.results.sizing import Check, SizingResult, verdict
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-if TYPE_CHECKING:
-    from drivesizer.control.second_look import Compared
-
-__all__ = ["hardest_case", "second_look", "validate", "validate_all"]
+__all__ = ["hardest_case", "validate", "validate_all"]
 
 _STILL_COLD = (
     "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass if they "
@@ -97,7 +94,7 @@ def validate(
     drive_set
         The drive.
     profile
-        A name such as ``trapezoid``, a CSV file, or a profile; the spec's own motion when not given.
+        A name such as ``trapezoid``, a CSV file, or a profile; the spec's own motion with ``spec``, or when not given.
     load_case
         Name of the load case to simulate, such as that of :func:`hardest_case`; the first when not given.
 
@@ -113,6 +110,7 @@ def validate(
         requires the impossible.
     """
     spec = for_drive(spec, drive_set.chosen_screw)
+    profile = None if profile == "spec" else profile
     cases = {name: case for _, name, case in load_cases(spec)}
     driven = next(iter(cases)) if load_case is None else load_case
     spec = cases[driven]
@@ -142,36 +140,8 @@ def validate(
         warnings=(*_warnings(case, found), *lacking, *farther),
         controller_gains=own,
         loops=case.loops.all,
+        linear=linear_run(case),
     )
-
-
-def second_look(proof: Validation, *, profile: str | Profile | None = None) -> tuple[Compared, ...]:
-    """The loops of a validation, analysed by python-control too.
-
-    Parameters
-    ----------
-    proof
-        What :func:`validate` gave.
-    profile
-        The profile that it was given.
-
-    Returns
-    -------
-    tuple of Compared
-        Figures of each loop, each by both.
-
-    Raises
-    ------
-    InputError
-        For a stepper, which has no loop.
-    """
-    from drivesizer.control.closed_loop.set_up import prepared
-    from drivesizer.control.second_look import compared
-
-    if proof.drive_set.steps:
-        raise InputError("--second-look: a stepper follows its pulses without a loop; leave the option out")
-    made = prepared(proof.spec, proof.drive_set, _motion(proof.spec, profile))
-    return compared(made.train, made.controller, proof.loops)
 
 
 def _motion(spec: RobotSpec, profile: str | Profile | None) -> Profile:

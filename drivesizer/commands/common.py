@@ -36,7 +36,8 @@ DEFAULT = Path("robot.yaml")
 TOP = 5  # drives of a sizing without --top
 OfAxis = Annotated[str | None, typer.Option("--axis", metavar="NAME", help="An axis of a machine; else all of them.")]
 Profile = Annotated[
-    str | None, typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; else the spec's.")
+    str | None,
+    typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; alone, or without it, the spec's own."),
 ]
 _PATIENCE = 1.0  # s, after which progress is shown
 

@@ -13,7 +13,9 @@ import typer
 
 from drivesizer.errors import InputError, nearest, quoted
 
-__all__ = ["parsed"]
+__all__ = ["parsed", "with_values"]
+
+_ALONE = {"--profile": "spec"}  # options that may stand alone, and the value that they have then
 
 # the root of what a user can get wrong, of whichever click it is
 _UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
@@ -48,6 +50,24 @@ def parsed(run: Callable[[], int | None], program: Callable[[], typer.Typer], wo
             raise InputError(_line_of(error, typer.main.get_command(program()), words)) from None
         print(error.ctx.get_help())  # type: ignore[attr-defined]
         return 0
+
+
+def with_values(words: list[str]) -> list[str]:
+    """A command line in which an option that may stand alone has its value, also before another option or the spec.
+
+    >>> with_values(["validate", "robot.yaml", "--profile", "--json"])
+    ['validate', 'robot.yaml', '--profile', 'spec', '--json']
+    >>> with_values(["validate", "--profile", "robot.yaml"])
+    ['validate', '--profile', 'spec', 'robot.yaml']
+    >>> with_values(["validate", "--profile", "s-curve"])
+    ['validate', '--profile', 's-curve']
+    """
+    whole = []
+    for word, after in zip(words, [*words[1:], "-"], strict=True):
+        whole.append(word)
+        if word in _ALONE and (after.startswith("-") or after.lower().endswith((".yaml", ".yml"))):
+            whole.append(_ALONE[word])
+    return whole
 
 
 def _line_of(error: Any, program: Any, words: list[str]) -> str:

@@ -41,15 +41,12 @@ def validate(
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="The best drives of the search, ranked anew.")] = False,
     top: Annotated[int, whole_option("--top", 5, 1, 100, meaning="How many, with --all; at most 100.")] = 5,
-    second: Annotated[
-        bool, typer.Option("--second-look", help="Also analyse the loops by python-control, side by side.")
-    ] = False,
     axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
     """Simulate a drive over the profile in closed loop: every demand against its limit."""
     from drivesizer.output.report import accept
-    from drivesizer.simulate import hardest_case, second_look
+    from drivesizer.simulate import hardest_case
     from drivesizer.simulate import validate as validated
 
     robot = load_whole(spec, catalogs, axis)
@@ -57,23 +54,16 @@ def validate(
     if hasattr(robot, "axes"):
         from drivesizer.commands.machine import validate_axes
 
-        given = {"--set": chosen, "--csv": csv, "--figures": drawings, "--case": case, "--all": everything,
-                 "--second-look": second}  # fmt: skip
+        given = {"--set": chosen, "--csv": csv, "--figures": drawings, "--case": case, "--all": everything}
         raise typer.Exit(validate_axes(robot, given, profile, json))
     _known(robot, case)
     if everything:
-        if chosen or csv or drawings or second:
-            raise InputError(
-                "--all: it takes the drives of the search; "
-                "--set, --csv, --figures and --second-look are for one of them"
-            )
+        if chosen or csv or drawings:
+            raise InputError("--all: it takes the drives of the search; --set, --csv and --figures are for one of them")
         raise typer.Exit(_all_of(robot, case, profile, top, json))
-    if json and second:
-        raise InputError("--second-look: it prints a table; leave out --json")
     found = pick(robot, chosen)
     with simulating("simulating the drive in closed loop"):
         proof = validated(robot, found, profile=profile, load_case=case or hardest_case(robot, found))
-        looks = second_look(proof, profile=profile) if second else ()
     if drawings:
         from drivesizer.output.report import write_loop_figures
 
@@ -91,11 +81,8 @@ def validate(
         from drivesizer.output.terminal import sizing as terminal
 
         terminal.validation(proof)
-        if looks:
-            terminal.second_look(looks)
         print_notes(proof.warnings)
-    differs = any(not one.agrees for one in looks)
-    raise typer.Exit(1 if differs or proof.status == "fail" else 0)
+    raise typer.Exit(1 if proof.status == "fail" else 0)
 
 
 def _known(robot: Any, name: str | None) -> None:

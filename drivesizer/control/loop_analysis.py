@@ -1,9 +1,10 @@
 """Linear analysis of a sampled loop: poles, margins, bandwidth, step response, Bode data.
 
-The loops are those of ``loop_models``. Both directions of power are analysed; a loop's record is that of the direction
-nearer to instability, its margins and bandwidth the least of both.
-Margins and bandwidth are roots on the frequency response itself (no polynomials, which are ill-conditioned for slow
-loops), on a grid that is finer around every pole near the unit circle.
+The loops are those of ``loop_models``, systems of python-control, which closes them and gives poles, gain at rest and
+step response. Both directions of power are analysed; a loop's record is that of the direction nearer to instability,
+its margins and bandwidth the least of both.
+Margins and bandwidth are roots on the frequency response itself, on a grid that is finer around every pole near the
+unit circle: ``control.stability_margins`` makes polynomials of a state space, which are ill-conditioned for slow loops.
 
 .. [1] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995, ch. 4: margins,
    maximum sensitivity.
@@ -12,29 +13,34 @@ loops), on a grid that is finer around every pole near the unit circle.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
+import control
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import schur
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Regime, modes
 from drivesizer.control.loop_models import (
+    System,
+    closed,
     current_open_loop,
+    from_error,
     position_open_loop,
     resonance,
     velocity_open_loop,
     voltage_open_loop,
 )
 from drivesizer.control.loop_records import Bode, Loop, Loops
-from drivesizer.control.sampled import Response, System, fed_back, frequency_response, poles, step_response, value_at
 from drivesizer.control.validation import Gains
 
-__all__ = ["analyse", "loop_of", "margin_and_bandwidth", "opened_loops"]
+__all__ = ["analyse", "frequency_response", "loop_of", "margin_and_bandwidth", "opened_loops"]
 
 Array = NDArray[np.float64]
 _Values = NDArray[np.complex128]
+_Response = Callable[[Array], _Values]  # of angular frequencies [rad/s]
 _POINTS = 1500
 _DECADES = 6.0  # below the Nyquist frequency
 _MOST_SAMPLES = 20_000  # of a step response
@@ -81,14 +87,14 @@ def opened_loops(train: DriveTrain, controller: Cascade | Gains) -> dict[str, di
 
     every = modes(train)
 
-    def both(opened: Callable[..., System]) -> dict[str, System]:
-        return {direction: opened(train, every[r], controller) for direction, r in _DIRECTIONS.items()}
+    def both(opened: Callable[..., System], answer: str = "speed") -> dict[str, System]:
+        return {name: from_error(opened(train, every[r], controller), answer) for name, r in _DIRECTIONS.items()}
 
     if isinstance(controller, Gains):
         return {"velocity": both(voltage_open_loop)}
     found = {"current": {"": current_open_loop(train, controller)}, "velocity": both(velocity_open_loop)}
     if controller.position_kp and controller.position_period:
-        found["position"] = both(position_open_loop)
+        found["position"] = both(position_open_loop, "angle")
     return found
 
 
@@ -115,24 +121,24 @@ def loop_of(name: str, opened: System, direction: str = "") -> Loop:
     name, direction
         Name of the loop, and the direction of power.
     opened
-        The open loop: a sampled system that answers one period later, with one input and one output, or two of which
-        the second is fed back.
+        The open loop: a sampled system of python-control that answers one period later. Its first output answers the
+        error, its last one is fed back.
 
     Returns
     -------
     Loop
         Without margins where the loop is unstable.
     """
-    opened, closed = _closed(opened)
-    own = tuple(complex(p) for p in poles(closed))
+    own, w, opening, closing = _responses(opened)
+    (L, T), whole = (each(w) for each in (opening, closing)), _whole(opened)
     radius = max((abs(p) for p in own), default=0.0)
-    w = _grid([*own, *poles(opened)], opened.dt)
-    response, whole = frequency_response(opened), frequency_response(closed)
-    L, T = response(w), whole(w)
     stable = radius < 1.0
-    margins = _margins(response, w, L) if stable else (math.nan,) * 4
-    step = _step(closed, radius) if stable else np.empty(0)
-    rise, over, settling = _answer(step, closed)
+    none = (math.nan, math.nan)
+    gains = _gain_margins(opening, w, L) if stable else none
+    phase, crossover = _phase_margin(opening, w, L) if stable else none
+    final = float(np.real(whole.dcgain(warn_infinite=False)))
+    step = _step(whole, radius) if stable else np.empty(0)
+    rise, over, settling = _answer(step, final, opened.dt)
     return Loop(
         name=name,
         direction=direction,
@@ -140,12 +146,12 @@ def loop_of(name: str, opened: System, direction: str = "") -> Loop:
         stable=stable,
         pole_radius=radius,
         poles=own,
-        gain_margin=margins[0],
-        gain_reduction=margins[1],
-        phase_margin=margins[2],
-        crossover=margins[3],
+        gain_margin=gains[0],
+        gain_reduction=gains[1],
+        phase_margin=phase,
+        crossover=crossover,
         sensitivity=float(np.max(1.0 / np.abs(1.0 + L))),
-        bandwidth=_bandwidth(closed, whole, w, T) if stable else math.nan,
+        bandwidth=_bandwidth(final, closing, w, T) if stable else math.nan,
         rise_time=rise,
         overshoot=over,
         settling_time=settling,
@@ -154,23 +160,64 @@ def loop_of(name: str, opened: System, direction: str = "") -> Loop:
     )
 
 
-def _closed(opened: System) -> tuple[System, System]:
-    """Open loop from the error to the fed-back output, and closed loop from the reference to the first output."""
-    if len(opened.C) == 1:
-        return opened, fed_back(opened, [1.0])
-    return opened.output(1), fed_back(opened, [0.0, 1.0]).output(0)
+def _whole(opened: System) -> System:
+    """The closed loop from the reference to the first output."""
+    last = [*[0.0] * (opened.noutputs - 1), 1.0]
+    return closed(opened[:, 0], last)[0, 0]
+
+
+def _responses(opened: System) -> tuple[tuple[complex, ...], Array, _Response, _Response]:
+    """Closed loop's poles, a grid of frequencies, and the responses of the open and the closed loop."""
+    own = tuple(complex(p) for p in _whole(opened).poles())
+    values = frequency_response(opened)
+
+    def closing(w: Array) -> _Values:
+        found = values(w)
+        return found[0] / (1.0 + found[-1])
+
+    return own, _grid([*own, *opened.poles()], opened.dt), lambda w: values(w)[-1], closing
+
+
+def frequency_response(system: System) -> _Response:
+    r"""The transfer functions from the first input on the unit circle; no number at a pole.
+
+    .. math:: C (z I - A)^{-1} B + D
+
+    by the Schur form of A (A. J. Laub, IEEE Trans. Autom. Control 26 (1981) 407-408), for all frequencies at once:
+    python-control takes them one by one, 50 times as long.
+
+    Parameters
+    ----------
+    system
+        A sampled system of python-control.
+
+    Returns
+    -------
+    callable
+        Values at angular frequencies [rad/s], shape (outputs, frequencies).
+    """
+    n = system.nstates
+    U, Z = schur(system.A, output="complex") if n else (np.zeros((0, 0), complex),) * 2
+    b, C = Z.conj().T @ system.B[:, 0], system.C @ Z
+
+    def response(w: Array) -> _Values:
+        z, x = np.exp(1j * w * system.dt), np.zeros((n, len(w)), complex)
+        with np.errstate(all="ignore"):
+            for k in reversed(range(n)):
+                x[k] = (b[k] + np.einsum("j,jw->w", U[k, k + 1 :], x[k + 1 :])) / (z - U[k, k])
+            return np.asarray(np.einsum("yj,jw->yw", C, x) + system.D[:, :1])
+
+    return response
 
 
 def margin_and_bandwidth(opened: System) -> tuple[float, float]:
     """Phase margin [rad] and bandwidth [Hz] alone: NaN of an unstable loop, infinite where the gain never reaches 1."""
-    opened, closed = _closed(opened)
-    own = poles(closed)
-    if max(abs(own), default=0.0) >= 1.0:
+    own, w, opening, closing = _responses(opened)
+    if max((abs(p) for p in own), default=0.0) >= 1.0:
         return math.nan, math.nan
-    w = _grid([*own, *poles(opened)], opened.dt)
-    response, whole = frequency_response(opened), frequency_response(closed)
-    phase = _margins(response, w, response(w))[2]
-    return math.inf if math.isnan(phase) else phase, _bandwidth(closed, whole, w, whole(w))
+    phase, _ = _phase_margin(opening, w, opening(w))
+    final = float(np.real(_whole(opened).dcgain(warn_infinite=False)))
+    return math.inf if math.isnan(phase) else phase, _bandwidth(final, closing, w, closing(w))
 
 
 def _least(figures: Iterable[float]) -> float:
@@ -190,14 +237,16 @@ def _grid(poles: Iterable[complex], period: float) -> Array:
 
 
 def _crossings(
-    response: Response, w: Array, sampled: Array, figure: Callable[[_Values], Array]
-) -> Iterator[tuple[float, complex]]:
+    response: _Response, w: Array, sampled: Array, figure: Callable[[_Values], Array]
+) -> list[tuple[float, complex]]:
     """Angular frequency [rad/s] and response wherever a figure of the response changes sign."""
     below = sampled < 0.0  # a figure that is 0 on the grid counts with those above: its crossing is found once
     before = np.flatnonzero(below[:-1] != below[1:])
+    if not len(before):
+        return []
     steps = np.stack([before, before + 1])
-    for at in _roots(lambda x: figure(response(x)), w[steps], sampled[steps]) if len(before) else ():
-        yield float(at), complex(response(np.array([at]))[0])
+    found = _roots(lambda x: figure(response(x)), w[steps], sampled[steps])
+    return [*zip(found.tolist(), response(found).tolist(), strict=True)]
 
 
 def _roots(figure: Callable[[Array], Array], ends: Array, values: Array) -> Array:
@@ -217,46 +266,51 @@ def _roots(figure: Callable[[Array], Array], ends: Array, values: Array) -> Arra
     return found_at
 
 
-def _margins(response: Response, w: Array, L: _Values) -> tuple[float, ...]:
-    """Gain margin up and down [factors], phase margin in either sense [rad], and its frequency [Hz]; NaN: none."""
+def _gain_margins(response: _Response, w: Array, L: _Values) -> tuple[float, float]:
+    """Gain margin up and down [factors]; NaN: none."""
     real = [z.real for _, z in _crossings(response, w, L.imag, lambda z: z.imag)]
     real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
     factors = [-1.0 / x for x in real if x < 0.0]
+    return min((f for f in factors if f > 1.0), default=math.nan), max(
+        (f for f in factors if f < 1.0), default=math.nan
+    )
+
+
+def _phase_margin(response: _Response, w: Array, L: _Values) -> tuple[float, float]:
+    """Phase margin in either sense [rad], and its frequency [Hz]; NaN: none."""
     phases = [
         (abs(math.remainder(math.pi + math.atan2(z.imag, z.real), 2.0 * math.pi)), at / (2.0 * math.pi))
         for at, z in _crossings(response, w, np.abs(L) - 1.0, lambda z: np.abs(z) - 1.0)
     ]
-    up = min((f for f in factors if f > 1.0), default=math.nan)
-    down = max((f for f in factors if f < 1.0), default=math.nan)
-    return up, down, *min(phases, default=(math.nan, math.nan))
+    return min(phases, default=(math.nan, math.nan))
 
 
-def _bandwidth(closed: System, whole: Response, w: Array, T: _Values) -> float:
+def _bandwidth(final: float, closing: _Response, w: Array, T: _Values) -> float:
     """Frequency at which the closed loop first is 3 dB below its value at rest [Hz]; NaN: nowhere."""
-    level = abs(value_at(closed, 1.0)) / math.sqrt(2.0)
+    level = abs(final) / math.sqrt(2.0)
     if not (math.isfinite(level) and level > 0.0):
         return math.nan
     above = np.abs(T) - level
-    found = _crossings(whole, w, above, lambda z: np.abs(z) - level)
-    return next(found, (math.nan, 0j))[0] / (2.0 * math.pi) if above[0] > 0.0 else math.nan
+    found = _crossings(closing, w, above, lambda z: np.abs(z) - level)
+    return found[0][0] / (2.0 * math.pi) if found and above[0] > 0.0 else math.nan
 
 
-def _step(closed: System, radius: float) -> Array:
+def _step(whole: System, radius: float) -> Array:
     """Step response of a stable loop, until its slowest pole has decayed to 1e-4, or to the most samples."""
     samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(radius, 0.1), 1.0 - 1e-9)))
-    return step_response(closed, min(samples, _MOST_SAMPLES))
+    time = np.arange(min(samples, _MOST_SAMPLES)) * whole.dt
+    return np.asarray(control.step_response(whole, time).outputs)
 
 
-def _answer(step: Array, closed: System) -> tuple[float, float, float]:
+def _answer(step: Array, final: float, period: float) -> tuple[float, float, float]:
     """Rise time [s], overshoot and settling time [s] of a step; NaN where a level is not reached."""
-    final = value_at(closed, 1.0).real
     if not len(step) or not (math.isfinite(final) and abs(final) > 1e-9):
         return (math.nan,) * 3
     y = step / final
     outside = np.flatnonzero(np.abs(y - 1.0) > _SETTLED)
     settled = int(outside[-1]) + 1 if len(outside) else 0
     rise = _reached(y, 0.9) - _reached(y, 0.1)
-    return rise * closed.dt, max(float(y.max()) - 1.0, 0.0), settled * closed.dt if settled < len(y) else math.nan
+    return rise * period, max(float(y.max()) - 1.0, 0.0), settled * period if settled < len(y) else math.nan
 
 
 def _reached(y: Array, level: float) -> float:

@@ -1,34 +1,342 @@
-r"""The loops of a servo cascade as sampled linear systems, exact for held voltages and demands.
+r"""The DC motor with its load and the controllers around it, as models of python-control.
 
-Rigid plant: winding and one inertia. Two-mass plant: motor - shaft with a stiffness - load. Each is discretised for a
-voltage held over a current period (zero-order hold). The current loop is closed at its own rate; because the velocity
-loop holds its demand over n current periods, n of its steps make exactly one of the velocity loop:
+The motor's states are current and speed, [1]; behind an elastic shaft the load's speed and the twist follow:
 
-.. math:: x_{k+1} = \Phi^n x_k + \Bigl(\sum_{m=0}^{n-1} \Phi^m\Bigr) \Gamma\, r_k
+.. math:: L \dot i = u - R i - k_e w, \quad J \dot w = k_t i - b w - m
 
-and the same again from the velocity to the position loop. Only the limits are neglected; each loop takes one of its
-own periods to compute.
+It is sampled with the voltage held over a period; each controller takes one of its own periods to compute. The current
+loop of a cascade is closed at its own rate; because the velocity loop holds its demand over n current periods, n of its
+steps make exactly one of the velocity loop, and the same again from the velocity to the position loop [2]. Only the
+limits, the friction's sign and the counts' steps are left out. A counted speed is the mean over the last n periods.
 
-A counted speed is the mean over the last n periods of the velocity loop, by the exact growth of the angle in each.
-Loops around it have two outputs, the speed and the counted speed; the second is fed back.
+Every open loop has the inputs error, feedforward and load torque, and the outputs of ``OUTPUTS``, the last of which is
+what is fed back.
 
-Symbols: i current [A], w motor speed [rad/s], u voltage [V], e efficiency, K total ratio [1].
+Symbols: i current [A], w motor speed [rad/s], u voltage [V], m load torque at the motor [N*m], e efficiency, K total
+ratio [1].
 
-.. [1] K. J. Åström, B. Wittenmark, *Computer-Controlled Systems*, 3rd ed., Prentice Hall 1997, ch. 2: sampled systems.
+.. [1] P. C. Krause, O. Wasynczuk, S. D. Sudhoff, *Analysis of Electric Machinery*: the permanent-magnet DC machine.
+.. [2] K. J. Åström, B. Wittenmark, *Computer-Controlled Systems*, 3rd ed., Prentice Hall 1997, ch. 2: sampled systems.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import control
 import numpy as np
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Mode, matrices
-from drivesizer.control.sampled import System, beside, delayed, fed_back, first_order, gain, in_series, sampled
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import COMPUTING
 from drivesizer.physics.elements.belt import resonance as two_masses
 
-__all__ = ["current_open_loop", "plant", "position_open_loop", "resonance", "velocity_open_loop", "voltage_open_loop"]
+__all__ = [
+    "OUTPUTS",
+    "System",
+    "closed",
+    "current_open_loop",
+    "dc_motor",
+    "from_error",
+    "pid",
+    "position_open_loop",
+    "resonance",
+    "velocity_open_loop",
+    "voltage_open_loop",
+]  # fmt: skip
+
+System = Any  # a control.StateSpace, which carries no types
+OUTPUTS = "current", "speed", "load_speed", "voltage", "angle"  # of the plant; angle: where it is wanted
+_SPEED, _ANGLE = 1, 4
+
+
+def dc_motor(train: DriveTrain, mode: Mode, *, angle: bool = False) -> System:
+    """The DC motor with its gears and load in continuous time, linear about a moving point.
+
+    Parameters
+    ----------
+    train, mode
+        The drive train, rigid or elastic, and the direction of power.
+    angle
+        Whether the motor's angle is a state and an output.
+
+    Returns
+    -------
+    control.StateSpace
+        Inputs voltage [V] and load torque at the motor [N*m]; outputs current [A], speed of the motor and of the load
+        as at the motor [rad/s], voltage, and the angle [rad].
+    """
+    A, B = matrices(train, mode)
+    B = np.hstack([B, [[0.0], [-1.0 / mode.inertia]]])
+    if train.flexible:
+        A, B = _two_masses(train, mode, A)
+    n = len(A)
+    C = np.vstack([np.eye(2, n), np.eye(1, n, n - 2 if train.flexible else 1), np.zeros((1, n))])
+    if angle:
+        A = np.block([[A, np.zeros((n, 1))], [np.eye(1, n, 1), 0.0]])
+        B, C = np.vstack([B, np.zeros(2)]), np.block([[C, np.zeros((4, 1))], [np.zeros(n), 1.0]])
+    D = np.zeros((len(C), 2))
+    D[3, 0] = 1.0
+    return control.ss(A, B, C, D)
+
+
+@lru_cache(maxsize=16)  # gains are tried around one motor
+def _sampled_motor(train: DriveTrain, mode: Mode, period: float) -> System:
+    """The motor with its angle, its voltage and load torque held over each period."""
+    return dc_motor(train, mode, angle=True).sample(period)
+
+
+def _two_masses(train: DriveTrain, mode: Mode, rigid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """State matrices of motor and load; states i, w, the load's speed and the twist as at the motor."""
+    J_M, J_L = train.motor_inertia, mode.inertia - train.motor_inertia
+    share = J_L / train.load_inertia  # 1/(e K^2) or e/K^2: a stiffness goes to the motor as an inertia does
+    c, d = train.stiffness * share, train.damping * share
+    A = np.array(
+        [
+            [rigid[0, 0], rigid[0, 1], 0.0, 0.0],
+            [train.torque_constant / J_M, -(d + train.viscous) / J_M, d / J_M, -c / J_M],
+            [0.0, d / J_L, -d / J_L, c / J_L],
+            [0.0, 1.0, -1.0, 0.0],
+        ]
+    )
+    return A, np.array([[1.0 / train.inductance, 0.0], [0.0, 0.0], [0.0, -1.0 / J_L], [0.0, 0.0]])
+
+
+def pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> System:
+    r"""A sampled PID with a filtered derivative, by backward differences.
+
+    .. math:: k_p + k_i h \frac{z}{z - 1} + k_d \frac{z - 1}{(T_f + h) z - T_f}
+
+    Parameters
+    ----------
+    kp, ki, kd, filter_time
+        Gains, and the time constant of the derivative's filter :math:`T_f` [s].
+    period
+        h [s].
+
+    Returns
+    -------
+    control.StateSpace
+        From the error to the output.
+    """
+    whole = _gain([[kp]], period)
+    if ki:
+        whole += control.ss(control.tf([ki * period, 0.0], [1.0, -1.0], period))
+    if kd:
+        whole += control.ss(control.tf([kd, -kd], [filter_time + period, -filter_time], period))
+    return whole
+
+
+def closed(opened: System, fed_back: Sequence[float]) -> System:
+    """The loop closed around an open one: its first input becomes the reference.
+
+    Parameters
+    ----------
+    opened
+        Its first input is the error.
+    fed_back
+        Weights of its outputs in what is fed back.
+
+    Returns
+    -------
+    control.StateSpace
+        With the same outputs.
+    """
+    row = np.zeros((opened.ninputs, opened.noutputs))
+    row[0, : len(fed_back)] = fed_back
+    return control.feedback(opened, control.ss([], [], [], row, opened.dt))
+
+
+def from_error(opened: System, answer: str = "speed") -> System:
+    """An open loop without its other inputs and outputs.
+
+    Parameters
+    ----------
+    opened
+        The open loop.
+    answer
+        Of ``OUTPUTS``.
+
+    Returns
+    -------
+    control.StateSpace
+        From the error to that output, and to what is fed back.
+    """
+    return opened[[OUTPUTS.index(answer), opened.noutputs - 1], 0]
+
+
+def _gain(values: Sequence[Sequence[float]] | np.ndarray, period: float) -> System:
+    return control.ss([], [], [], values, period)
+
+
+def _answered(controller: System) -> System:
+    """From error, feedforward and load torque to demand and load torque: the controller computes for a period."""
+    late = control.ss(0.0, 1.0, 1.0, 0.0, controller.dt) if COMPUTING else _gain([[1.0]], controller.dt)
+    one, both = _gain([[1.0]], controller.dt), _gain([[1.0, 1.0]], controller.dt)
+    return control.append(late * both * control.append(controller, one), one)
+
+
+def _measured(held: System, periods: int, *, angle: bool = False) -> System:
+    """A sampled motor whose last state is its angle, with one output more: its speed as it is measured.
+
+    Parameters
+    ----------
+    held
+        The motor, sampled once in a period of the velocity loop.
+    periods
+        Over which counts are taken; 0: the speed is exact.
+    angle
+        Whether the angle is kept as a state; a speed needs none, and would get an uncontrollable pole.
+    """
+    n, h = (held.nstates, held.dt) if angle else (held.nstates - 1, held.dt)
+    A, B, C = held.A[:n, :n], held.B[:n], held.C[:, :n]
+    if not periods:
+        return control.ss(A, B, np.vstack([C, C[_SPEED]]), np.vstack([held.D, held.D[_SPEED]]), h)
+    last = np.eye(1, held.nstates, held.nstates - 1)[0]
+    mean = (held.A[-1] - last)[:n] / h  # speed over the period, by the growth of the angle
+    growth = control.ss(A, B, np.vstack([C, mean]), np.vstack([held.D, held.B[-1] / h]), h)
+    counts = control.ss(np.eye(periods, k=-1), np.eye(periods, 1), np.full((1, periods), 1.0 / periods), 0.0, h)
+    return control.append(_gain(np.eye(len(C)), h), counts) * growth
+
+
+def _lifted(fast: System, steps: int, each: Sequence[int] = (), *, fine: bool = False) -> System:
+    """A sampled system at the rate of a number of its steps [2]; exact.
+
+    Parameters
+    ----------
+    fast
+        The system.
+    steps
+        Of it, in one of the slower system.
+    each
+        Inputs that have a value at each step, which follow the others, step by step; the others are held.
+    fine
+        Whether the outputs are those of every step, one after another, or of the first alone.
+    """
+    held = [k for k in range(fast.ninputs) if k not in each]
+    powers = [np.eye(fast.nstates)]
+    for _ in range(steps):
+        powers.append(fast.A @ powers[-1])
+
+    def by_inputs(effect: list[np.ndarray]) -> np.ndarray:
+        """Effects of the inputs of each step, side by side, those of the held ones added up."""
+        return np.hstack([sum(effect)[:, held], *(one[:, [*each]] for one in effect)])
+
+    B = by_inputs([powers[steps - 1 - j] @ fast.B for j in range(steps)])
+    none, shown = np.zeros(fast.D.shape), range(steps if fine else 1)
+    D = [
+        by_inputs([fast.C @ powers[i - 1 - j] @ fast.B if j < i else fast.D if j == i else none for j in range(steps)])
+        for i in shown
+    ]
+    return control.ss(powers[steps], B, np.vstack([fast.C @ powers[i] for i in shown]), np.vstack(D), fast.dt * steps)
+
+
+def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> System:
+    """Open velocity loop that acts on the voltage, as figure 3 of the paper has it: PID, DC motor, encoder.
+
+    Parameters
+    ----------
+    train, mode
+        The drive train, rigid or elastic, and the direction of power.
+    gains
+        The voltage PID.
+
+    Returns
+    -------
+    control.StateSpace
+        Sampled; without the angle, and last the measured speed.
+    """
+    held = _sampled_motor(train, mode, gains.period)[: len(OUTPUTS) - 1, :]
+    controller = pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time)
+    return _measured(held, gains.counted_over) * _answered(controller)
+
+
+def current_open_loop(train: DriveTrain, cascade: Cascade) -> System:
+    """Open current loop with the rotor held: the back-EMF is a disturbance, as in the design.
+
+    Parameters
+    ----------
+    train
+        The drive train, with the resistance and inductance of its winding.
+    cascade
+        The controller.
+
+    Returns
+    -------
+    control.StateSpace
+        Sampled, from the current error to the current.
+    """
+    R, L, period = train.resistance, train.inductance, cascade.current_period
+    winding = control.ss(-R / L, 1.0 / L, 1.0, 0.0).sample(period)
+    controller = _answered(pid(cascade.current_kp, cascade.current_ki, period))
+    return winding * controller[0, 0]
+
+
+def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, fine: bool) -> System:
+    """From current demand and load torque to the motor's outputs, at the velocity loop's rate; back-EMF and all."""
+    period = cascade.current_period
+    held = _sampled_motor(train, mode, period)
+    controller = _answered(pid(cascade.current_kp, cascade.current_ki, period))
+    loop = closed(held * controller, [1.0])
+    return _lifted(loop[:, [0, 2]], cascade.current_steps, fine=fine)
+
+
+def velocity_open_loop(
+    train: DriveTrain, mode: Mode, cascade: Cascade, *, angle: bool = False, fine: bool = False
+) -> System:
+    """Open velocity loop around the closed current loop.
+
+    Parameters
+    ----------
+    train, mode
+        The drive train, rigid or elastic, and the direction of power.
+    cascade
+        The controller.
+    angle
+        Whether the angle is a state, as the position loop has it.
+    fine
+        Whether the outputs of the motor are those of every period of the current loop, one after another.
+
+    Returns
+    -------
+    control.StateSpace
+        Sampled; last of its outputs the measured speed.
+    """
+    held = _measured(_current_closed(train, mode, cascade, fine), cascade.counted_over, angle=angle)
+    kd, filter_time = cascade.velocity_kd, cascade.filter_time
+    controller = pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
+    return held * _answered(controller)
+
+
+def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, *, fine: bool = False) -> System:
+    """Open position loop around the closed velocity loop.
+
+    Parameters
+    ----------
+    train, mode
+        The drive train, rigid or elastic, and the direction of power.
+    cascade
+        The controller.
+    fine
+        As of :func:`velocity_open_loop`.
+
+    Returns
+    -------
+    control.StateSpace
+        Sampled at the position loop's period. Inputs: the position error, then speed reference, feedforward and load
+        torque of each period of the velocity loop; last of its outputs the angle.
+    """
+    opened, n = velocity_open_loop(train, mode, cascade, angle=True, fine=fine), cascade.velocity_steps
+    loop = closed(opened, [*[0.0] * (opened.noutputs - 1), 1.0])
+    added = np.array([[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])  # to the speed reference
+    slow = _lifted(loop * added, n, (1, 2, 3), fine=fine)
+    rest = _gain(np.eye(3 * n), slow.dt)
+    late = _answered(pid(cascade.position_kp, 0.0, slow.dt))[0, 0]
+    shown = np.vstack([np.eye(slow.noutputs), np.eye(1, slow.noutputs, OUTPUTS.index("angle"))])
+    return _gain(shown, slow.dt) * slow * control.append(late, rest)
 
 
 def resonance(train: DriveTrain, mode: Mode) -> tuple[float, float]:
@@ -47,184 +355,3 @@ def resonance(train: DriveTrain, mode: Mode) -> tuple[float, float]:
     """
     found = two_masses(train.stiffness, train.load_inertia, mode.inertia / train.motor_inertia)
     return float(found.anti_resonance), float(found.resonance)
-
-
-def plant(train: DriveTrain, mode: Mode, *, angle: bool = False) -> System:
-    """The drive train in continuous time, from voltage to current and motor speed, linearised about a moving point.
-
-    Parameters
-    ----------
-    train, mode
-        The drive train, rigid or elastic, and the direction of power.
-    angle
-        Whether the motor's angle is a third output.
-
-    Returns
-    -------
-    System
-        States i, w, then with a shaft the load's speed and the twist, both as at the motor, then the angle.
-    """
-    A, B = matrices(train, mode)
-    if train.flexible:
-        A, B = _two_masses(train, mode, A)
-    C = np.eye(2, len(A))
-    if angle:
-        n = len(A)
-        A = np.block([[A, np.zeros((n, 1))], [np.eye(1, n, 1), np.zeros((1, 1))]])
-        B, C = np.vstack([B, [[0.0]]]), np.block([[C, np.zeros((2, 1))], [np.zeros((1, n)), np.ones((1, 1))]])
-    return System(A, B, C, np.zeros((len(C), 1)), 0.0)
-
-
-def _two_masses(train: DriveTrain, mode: Mode, rigid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """State matrices of motor and load; states i, w, the load's speed and the twist as at the motor."""
-    J_M, J_L = train.motor_inertia, mode.inertia - train.motor_inertia
-    share = J_L / train.load_inertia  # 1/(e K^2) or e/K^2: a stiffness goes to the motor as an inertia does
-    c, d = train.stiffness * share, train.damping * share
-    A = np.array(
-        [
-            [rigid[0, 0], rigid[0, 1], 0.0, 0.0],
-            [train.torque_constant / J_M, -(d + train.viscous) / J_M, d / J_M, -c / J_M],
-            [0.0, d / J_L, -d / J_L, c / J_L],
-            [0.0, 1.0, -1.0, 0.0],
-        ]
-    )
-    return A, np.array([[1.0 / train.inductance], [0.0], [0.0], [0.0]])
-
-
-def _pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> System:
-    """A sampled PID with a filtered derivative, one period late for its computation."""
-    found = gain(kp, period)
-    if ki:
-        found = beside(found, first_order(ki * period, 0.0, 1.0, period))
-    if kd:
-        filtered = filter_time + period
-        found = beside(found, first_order(kd / filtered, -kd / filtered, filter_time / filtered, period))
-    return in_series(delayed(round(COMPUTING), period), found)
-
-
-def _lifted(fast: System, steps: int) -> System:
-    """A sampled system with its input held over a number of its steps, at the slower rate [1]; exact."""
-    n, held = fast.states, fast.B.shape[1]
-    many = np.linalg.matrix_power(np.block([[fast.A, fast.B], [np.zeros((held, n)), np.eye(held)]]), steps)
-    return System(many[:n, :n], many[:n, n:], fast.C, fast.D, fast.dt * steps)
-
-
-def _counted(held: System, periods: int, row: int, *, angle: bool = False) -> System:
-    """A sampled drive train whose last state is its angle, with two outputs: one of its own, and the counted speed.
-
-    Parameters
-    ----------
-    held
-        The drive train, sampled once in a period of the velocity loop.
-    periods
-        Over which counts are taken.
-    row
-        The output that is kept.
-    angle
-        Whether the angle is kept as a state; a speed needs none, and would get an uncontrollable pole.
-    """
-    n = held.states if angle else held.states - 1
-    grows = (held.A[-1] - np.eye(1, held.states, held.states - 1)[0])[:n] / held.dt
-    first, shift = np.eye(periods, 1), np.eye(periods, k=-1)
-    A = np.block([[held.A[:n, :n], np.zeros((n, periods))], [first * grows, shift]])
-    B = np.vstack([held.B[:n], first * held.B[-1] / held.dt])
-    C = np.vstack(
-        [np.append(held.C[row, :n], np.zeros(periods)), np.append(np.zeros(n), np.full(periods, 1 / periods))]
-    )
-    return System(A, B, C, np.zeros((2, 1)), held.dt)
-
-
-def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> System:
-    """Open velocity loop that acts on the voltage: from the speed error to the motor's speed.
-
-    Parameters
-    ----------
-    train, mode
-        The drive train, rigid or elastic, and the direction of power.
-    gains
-        The voltage PID.
-
-    Returns
-    -------
-    System
-        Sampled; with a counted speed two outputs, of which the second is fed back.
-    """
-    counted = gains.counted_over
-    held = sampled(plant(train, mode, angle=counted > 0), gains.period)
-    forward = _counted(held, counted, 1) if counted else held.output(1)
-    return in_series(forward, _pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time))
-
-
-def current_open_loop(train: DriveTrain, cascade: Cascade) -> System:
-    """Open current loop with the rotor held: the back-EMF is a disturbance, as in the design.
-
-    Parameters
-    ----------
-    train
-        The drive train, with the resistance and inductance of its winding.
-    cascade
-        The controller.
-
-    Returns
-    -------
-    System
-        Sampled, from the current error to the current.
-    """
-    R, L, period = train.resistance, train.inductance, cascade.current_period
-    winding = System(np.array([[-R / L]]), np.array([[1.0 / L]]), np.eye(1), np.zeros((1, 1)), 0.0)
-    return in_series(sampled(winding, period), _pid(cascade.current_kp, cascade.current_ki, period))
-
-
-def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, angle: bool) -> System:
-    """From the current demand to current, speed (and angle), at the rate of the velocity loop; back-EMF and all."""
-    period = cascade.current_period
-    held = sampled(plant(train, mode, angle=angle), period)
-    forward = in_series(held, _pid(cascade.current_kp, cascade.current_ki, period))
-    return _lifted(fed_back(forward, np.eye(len(forward.C))[0]), cascade.current_steps)
-
-
-def velocity_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> System:
-    """Open velocity loop around the closed current loop: from the speed error to the motor's speed.
-
-    Parameters
-    ----------
-    train, mode
-        The drive train, rigid or elastic, and the direction of power.
-    cascade
-        The controller.
-
-    Returns
-    -------
-    System
-        Sampled; with a counted speed two outputs, of which the second is fed back.
-    """
-    counted = cascade.counted_over
-    held = _current_closed(train, mode, cascade, angle=counted > 0)
-    return in_series(_counted(held, counted, 1) if counted else held.output(1), _velocity_pid(cascade))
-
-
-def _velocity_pid(cascade: Cascade) -> System:
-    kd, filter_time = cascade.velocity_kd, cascade.filter_time
-    return _pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
-
-
-def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade) -> System:
-    """Open position loop around the closed velocity loop: from the position error to the motor's angle.
-
-    Parameters
-    ----------
-    train, mode
-        The drive train, rigid or elastic, and the direction of power.
-    cascade
-        The controller.
-
-    Returns
-    -------
-    System
-        Sampled at the position loop's period.
-    """
-    held = _current_closed(train, mode, cascade, angle=True)
-    # outputs: angle, and the speed that is fed back
-    forward = _counted(held, cascade.counted_over, 2, angle=True) if cascade.counted_over else held.output(2, 1)
-    closed = _lifted(fed_back(in_series(forward, _velocity_pid(cascade)), [0.0, 1.0]), cascade.velocity_steps)
-    return in_series(closed.output(0), _pid(cascade.position_kp, 0.0, cascade.position_period))

@@ -20,9 +20,15 @@ from typing import NamedTuple, TypeVar
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Mode, Regime, modes
 from drivesizer.control.loop_analysis import margin_and_bandwidth
-from drivesizer.control.loop_models import position_open_loop, resonance, velocity_open_loop, voltage_open_loop
+from drivesizer.control.loop_models import (
+    System,
+    from_error,
+    position_open_loop,
+    resonance,
+    velocity_open_loop,
+    voltage_open_loop,
+)
 from drivesizer.control.loop_warnings import RESONANCE_SHARE
-from drivesizer.control.sampled import System
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.units import show
@@ -129,8 +135,7 @@ def _opened(controller: Gains | Cascade, required: Required) -> Iterator[tuple[s
             yield f"velocity loop with a stiff shaft, {direction},", _velocity(controller, rigid, mode)
         yield f"velocity loop, {direction},", _velocity(controller, train, mode)
         if isinstance(controller, Cascade) and controller.position_kp and controller.position_period:
-            opened = position_open_loop(train, mode, controller)
-            yield f"position loop, {direction},", opened
+            yield f"position loop, {direction},", from_error(position_open_loop(train, mode, controller), "angle")
     if train.flexible and train.gap:
         alone = Mode(regime=Regime.FORWARD_DRIVING, inertia=train.motor_inertia, drag=train.friction)
         yield "velocity loop of the motor alone, in the backlash,", _velocity(controller, rigid, alone)
@@ -138,5 +143,5 @@ def _opened(controller: Gains | Cascade, required: Required) -> Iterator[tuple[s
 
 def _velocity(controller: Gains | Cascade, train: DriveTrain, mode: Mode) -> System:
     if isinstance(controller, Gains):
-        return voltage_open_loop(train, mode, controller)
-    return velocity_open_loop(train, mode, controller)
+        return from_error(voltage_open_loop(train, mode, controller))
+    return from_error(velocity_open_loop(train, mode, controller))

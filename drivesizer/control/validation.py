@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,7 @@ from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Gains", "Stepping", "Validation"]
+__all__ = ["Beside", "Gains", "LinearRun", "Stepping", "Validation"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +42,22 @@ class Stepping:
     source: str
 
 
+class Beside(NamedTuple):
+    """A figure of the linear model beside that of the simulation with limits, where that one has it too."""
+
+    linear: Figure
+    engine: Figure | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinearRun:
+    """PID and DC motor in python-control along the same profile, beside the engine."""
+
+    figures: tuple[Beside, ...]
+    series: dict[str, NDArray[np.float64]]  # SI columns over time, as those of the validation; none of an unstable loop
+    left_out: tuple[str, ...]  # what the linear model does without, as sentences
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Validation:
     """A drive simulated along a profile: in closed loop, or a stepper in open loop."""
@@ -58,6 +76,7 @@ class Validation:
     warnings: tuple[str, ...]
     controller_gains: tuple[ControllerGain, ...] = ()  # the same in the controller's own units, where known
     loops: tuple[Loop, ...] = ()  # linear analysis of each, from the inside out
+    linear: LinearRun | None = None  # None of a stepper
 
     @property
     def loop(self) -> str:

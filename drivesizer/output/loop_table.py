@@ -8,11 +8,23 @@ from typing import Any, NamedTuple
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.loop_records import Loop
-from drivesizer.control.validation import Gains, Stepping
+from drivesizer.control.validation import Gains, LinearRun, Stepping
 from drivesizer.results.sizing import Figure
 from drivesizer.units import label, show
 
-__all__ = ["NONE", "GainRow", "cell", "gain", "gain_rows", "linear", "loop_figures", "loop_name", "settled"]
+__all__ = [
+    "BESIDE",
+    "NONE",
+    "GainRow",
+    "beside",
+    "cell",
+    "gain",
+    "gain_rows",
+    "linear",
+    "loop_figures",
+    "loop_name",
+    "settled",
+]
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
 
@@ -56,6 +68,20 @@ def cell(figure: Figure) -> str:
     if isnan(figure.value):
         return NONE
     return show(figure.value, figure.unit, figure.kind, 4 if figure.name == "pole_radius" else 3)
+
+
+BESIDE = "PID and DC motor by python-control, beside the engine"
+
+
+def beside(run: LinearRun) -> list[tuple[str, str, str, str, str]]:
+    """Rows of the linear simulation beside the engine: title, value and moment by either; empty where one has none."""
+    return [(row.linear.title, *_at(row.linear), *_at(row.engine)) for row in run.figures]
+
+
+def _at(figure: Figure | None) -> tuple[str, str]:
+    if figure is None or isnan(figure.value):
+        return NONE if figure else "", ""
+    return figure.text, "" if figure.at_time is None else f"{figure.at_time:.4g} s"
 
 
 def settled(loop: Loop) -> int:

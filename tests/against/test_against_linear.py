@@ -16,7 +16,13 @@ from textbook_machine import PERIOD, on_slope, slower, task_of
 
 from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.engine import Drive, Supply, Task, simulate
-from drivesizer.control.loop_models import plant, position_open_loop, velocity_open_loop, voltage_open_loop
+from drivesizer.control.loop_models import (
+    dc_motor,
+    from_error,
+    position_open_loop,
+    velocity_open_loop,
+    voltage_open_loop,
+)
 from drivesizer.control.validation import Gains
 from drivesizer.control.voltage_loop_design import design
 
@@ -55,9 +61,7 @@ def test_the_voltage_pid_is_the_linear_loop(spec, catalog, shaft, degrees, regim
     when = np.arange(750) * PERIOD
     change = (np.interp(when, *BUMP) - 1.0) * train.motor_per_speed
     mode = modes(train)[regime]
-    moved = (control.ss(*plant(machine(train, shaft), mode)) if shaft else textbook(train, regime))[1, 0].sample(
-        PERIOD, "zoh"
-    )
+    moved = (dc_motor(machine(train, shaft), mode) if shaft else textbook(train, regime))[1, 0].sample(PERIOD, "zoh")
     pid = control.ss(pid_of(g))
     speed, volts = (
         control.forced_response(system, when, change).outputs
@@ -69,7 +73,7 @@ def test_the_voltage_pid_is_the_linear_loop(spec, catalog, shaft, degrees, regim
     assert s["motor_speed"] - s["motor_speed"][0] == pytest.approx(speed[n], abs=1e-8)  # rad/s of 8
     assert s["voltage"] - s["voltage"][0] == pytest.approx(volts[n], abs=1e-8)  # V
     if not shaft:
-        opened = control.ss(*voltage_open_loop(train, mode, g))
+        opened = from_error(voltage_open_loop(train, mode, g))[1, 0]
         told = control.forced_response(control.feedback(opened, 1), when, change).outputs
         assert told == pytest.approx(speed, abs=1e-8)
 
@@ -96,7 +100,7 @@ def sampled_pid(kp, ki, period, kd=0.0, filter_time=0.0):
 def outer_loops(train, mode, c, shaft):
     """The open loops of velocity and position around the current loop; each computes for one of its periods."""
     inner = late(c.current_period) * sampled_pid(c.current_kp, c.current_ki, c.current_period)
-    forward = control.ss(*plant(machine(train, shaft), mode, angle=True)).sample(c.current_period, "zoh") * inner
+    forward = dc_motor(machine(train, shaft), mode, angle=True)[[0, 1, 4], 0].sample(c.current_period, "zoh") * inner
     current, speed = (control.ss([], [], [], [row], forward.dt) for row in ([1, 0, 0], [0, 1, 0]))
     closed = lifted(control.feedback(forward, current), c.current_steps)
     pid = sampled_pid(c.velocity_kp, c.velocity_ki, c.velocity_period, c.velocity_kd, c.filter_time)
@@ -117,7 +121,7 @@ def test_the_loops_of_the_design_compute_for_a_period_each(spec, catalog, shaft,
     mode, c = modes(train)[regime], servo(train, shaft)
     found = outer_loops(train, mode, c, shaft)
     for name, told in (("velocity", velocity_open_loop), ("position", position_open_loop)):
-        L = control.ss(*told(machine(train, shaft), mode, c))
+        L = from_error(told(machine(train, shaft), mode, c))[1, 0]
         z = np.exp(1j * np.geomspace(1.0, math.pi / L.dt, 50) * L.dt)
         assert found[name](z) == pytest.approx(L(z), rel=1e-6)
 

@@ -28,14 +28,14 @@ from drivesizer.control.drive_train import DriveTrain, Regime, elastic, modes
 from drivesizer.control.loop_analysis import analyse, loop_of
 from drivesizer.control.loop_models import (
     current_open_loop,
-    plant,
+    dc_motor,
+    from_error,
     position_open_loop,
     resonance,
     velocity_open_loop,
     voltage_open_loop,
 )
 from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning, shortest_ramp
-from drivesizer.control.sampled import System
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.loads.course import Profile
@@ -233,7 +233,7 @@ def test_the_lifted_loops_are_exact():
     simulated = by_hand(train, cascade, 120)
     mode = modes(train)[Regime.FORWARD_DRIVING]
     for kind, opened in (("velocity", velocity_open_loop), ("position", position_open_loop)):
-        closed = control.feedback(control.ss(*opened(train, mode, cascade)), 1)
+        closed = control.feedback(from_error(opened(train, mode, cascade))[1, 0], 1)
         y = control.step_response(closed, np.arange(120) * closed.dt).outputs
         assert y == pytest.approx(simulated[kind], rel=1e-7, abs=1e-9)
         assert 0.1 < y[-1] < 1.5  # it does something
@@ -270,7 +270,7 @@ def continuous_velocity_loop(cascade, inertia, train=TRAIN):
 def test_margins_are_those_of_an_independent_continuous_model(wanted):
     cascade = designed(**wanted)
     for regime, inertia in ((Regime.FORWARD_DRIVING, J), (Regime.FORWARD_BRAKING, J_M + J_L * E / K**2)):
-        loop = loop_of("velocity", velocity_open_loop(TRAIN, modes(TRAIN)[regime], cascade))
+        loop = loop_of("velocity", from_error(velocity_open_loop(TRAIN, modes(TRAIN)[regime], cascade)))
         opened = continuous_velocity_loop(cascade, inertia)
         w = np.geomspace(1.0, 5000.0, 4000)
         L_ = opened(1j * w)
@@ -287,10 +287,10 @@ def test_margins_are_those_of_an_independent_continuous_model(wanted):
 
 def test_margins_are_control_s():
     """On the same sampled loop python-control finds the same by its own method."""
-    loop_ = velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], designed(bandwidth=40.0))
+    loop_ = from_error(velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], designed(bandwidth=40.0)))
     found = loop_of("velocity", loop_)
     w = np.geomspace(50.0, math.pi / loop_.dt * 0.9999, 3000)
-    points = control.frequency_response(control.ss(*loop_), w, squeeze=True)
+    points = control.frequency_response(loop_[1, 0], w, squeeze=True)
     response = points.magnitude * np.exp(1j * points.phase)
     gain, margin, _, crossover = control.margin(control.frd(response, w))
     assert found.gain_margin == pytest.approx(gain, rel=1e-3)
@@ -302,7 +302,7 @@ def test_margins_are_control_s():
 
 def test_placed_poles_are_there_in_the_sampled_loop():
     cascade = designed(bandwidth=4.0, damping=0.8)
-    loop = loop_of("velocity", velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], cascade))
+    loop = loop_of("velocity", from_error(velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], cascade)))
     w = natural_frequency(4.0, 0.8)
     wanted = np.exp((-0.8 + 1j * math.sqrt(1 - 0.64)) * w * EPOS4.velocity)
     nearest = min(loop.poles, key=lambda p: abs(p - wanted))
@@ -315,7 +315,7 @@ def test_the_voltage_loop_has_python_control_s_margins():
     gains = Gains(kp=0.05, ki=1.5, kd=0.0, filter_time=0.0, period=4e-4, rule="", source="")
     found = analyse(TRAIN, gains)
     both = [
-        control.ss(*voltage_open_loop(TRAIN, modes(TRAIN)[r], gains))
+        from_error(voltage_open_loop(TRAIN, modes(TRAIN)[r], gains))[1, 0]
         for r in (Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING)
     ]
     gain, phase = zip(*(control.margin(loop)[:2] for loop in both), strict=True)
@@ -347,7 +347,7 @@ def test_resonances_are_the_closed_forms(regime):
     assert main == pytest.approx(math.sqrt(c * (1 / J_L + 1 / (e * K * K * J_M))), rel=1e-12)
     stiff = np.array([[c / (e * K * K), -c / (e * K)], [-c / K, c]]) / np.array([[J_M], [J_L]])  # angles motor, wheel
     assert math.sqrt(max(np.linalg.eigvals(stiff).real)) == pytest.approx(main, rel=1e-9)
-    soft = control.ss(*plant(train, mode))
+    soft = dc_motor(train, mode)
     assert np.abs(soft[1, 0].zeros().imag) == pytest.approx([anti, anti], rel=1e-6)
     assert max(np.abs(np.linalg.eigvals(soft.A[1:, 1:]).imag)) == pytest.approx(main, rel=1e-9)
 
@@ -375,8 +375,8 @@ def test_resonance_near_the_bandwidth_is_reported_and_its_cure_is_one():
 
 def test_a_sharp_resonance_is_not_missed_between_two_frequencies():
     mode, train = modes(TRAIN)[Regime.FORWARD_DRIVING], elastic(TRAIN, 500.0, 1e-4)
-    opened = velocity_open_loop(train, mode, designed(bandwidth=1.0))
-    model = control.ss(*opened)
+    opened = from_error(velocity_open_loop(train, mode, designed(bandwidth=1.0)))
+    model = opened[1, 0]
     f = max(abs(np.angle(p)) for p in model.poles() if abs(p) > 0.99 and p.imag > 0.0) / (2 * math.pi * opened.dt)
     near = f * (1.0 + np.linspace(-1e-3, 1e-3, 2001))
     peak = np.abs(model(np.exp(2j * math.pi * near * opened.dt))).max()
@@ -504,7 +504,7 @@ def test_a_crossover_on_the_grid_of_frequencies_is_found(above):
     for w in grid[900:1300:20]:
         gain = 2.0 * math.sin(w * period / 2.0) * (1.0 + above)
         one = np.ones((1, 1))
-        loop = loop_of("an integrator", System(one, one, gain * one, 0.0 * one, period))
+        loop = loop_of("an integrator", control.ss(one, one, gain * one, 0.0 * one, period))
         crossover = 2.0 / period * math.asin(gain / 2.0)
         assert loop.crossover == pytest.approx(crossover / (2.0 * math.pi), rel=1e-9)
         assert loop.phase_margin == pytest.approx((math.pi - crossover * period) / 2.0, rel=1e-9)

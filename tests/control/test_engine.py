@@ -25,7 +25,7 @@ from drivesizer.control.engine import (
     simulate_many,
 )
 from drivesizer.control.linear_modes import columns, discretised, generators
-from drivesizer.control.loop_models import voltage_open_loop
+from drivesizer.control.loop_models import from_error, voltage_open_loop
 from drivesizer.control.voltage_loop_design import design
 from drivesizer.errors import InputError
 from drivesizer.physics.overload import State, steady_state
@@ -181,7 +181,7 @@ def test_linear_loop_against_python_control(robot):
     _, train, g = robot
     task = Task(time=(0.0, 0.05, 0.15, 0.4), speed=tuple(v / train.radius for v in (1.0, 1.0, 1.02, 1.02)))
     run = simulate(robot_drive(train, g), task)
-    opened = control.ss(*voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g))
+    opened = from_error(voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g))[1, 0]
     time = np.arange(1001) * PERIOD
     change = (np.interp(time, task.time, task.speed) - task.speed[0]) * train.ratio
     linear = control.forced_response(control.feedback(opened, 1), time, change).outputs

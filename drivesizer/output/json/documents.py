@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from drivesizer.catalog import Actuator, Belt, Brake, BrakeResistor, Controller, Encoder, Gearhead, Motor, Pulley
 from drivesizer.catalog.more_parts import Screw
 from drivesizer.catalog.tables import ESTIMATED
-from drivesizer.control.validation import Validation
+from drivesizer.control.validation import LinearRun, Validation
 from drivesizer.output.json.loops import loop_document, number
 from drivesizer.output.json.reliability import reliability, uncertainty
 from drivesizer.results.braking import BrakingBudget
@@ -316,4 +316,17 @@ def validation(proof: Validation) -> schema.Proof:
         "loops": [loop_document(loop) for loop in proof.loops],
         "assumptions": list(proof.assumptions),
         "warnings": list(proof.warnings),
+        "linear": _linear(proof.linear) if proof.linear else None,
     }
+
+
+def _linear(run: LinearRun) -> schema.Linear:
+    """The simulation by python-control, beside the engine's."""
+    figures: dict[str, schema.Beside] = {
+        one.linear.name: {
+            "python_control": figure_document(one.linear),
+            "engine": figure_document(one.engine) if one.engine else None,
+        }
+        for one in run.figures
+    }
+    return {"figures": figures, "left_out": list(run.left_out)}

@@ -164,11 +164,17 @@ Loop = TypedDict("Loop", {
 })  # fmt: skip
 ControllerGain = TypedDict("ControllerGain", {"place": str, "name": str, "value": int, "unit": str})
 Series = TypedDict("Series", {"thinned_from": Count, "units": dict[str, str], "columns": dict[str, Column]})
+Beside = TypedDict("Beside", {"python_control": Figure, "engine": Figure | None})
+Linear = TypedDict("Linear", {
+    "figures": Annotated[dict[str, Beside], Field(description="by python-control and by the engine")],
+    "left_out": list[str],
+})  # fmt: skip
 Proof = TypedDict("Proof", {
     "schema_version": Version, "drivesizer": str, "spec": dict[str, Any], "case": Text, "profile": str,
     "status": Status, "set": Set, "gains": dict[str, Any], "controller_gains": list[ControllerGain],
     "figures": dict[str, Figure], "checks": list[Check], "loops": list[Loop], "assumptions": list[str],
     "warnings": list[str],
+    "linear": Annotated[Linear | None, Field(description="PID and DC motor in python-control; null: a stepper")],
 })  # fmt: skip
 Pareto = TypedDict("Pareto", {"objectives": list[str], "sets": list[Set]})
 Counts = TypedDict("Counts", {

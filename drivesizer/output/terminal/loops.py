@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from rich.table import Table
 from rich.text import Text
 
 from drivesizer.control.loop_records import Loop
-from drivesizer.output.loop_table import cell, loop_figures, loop_name
+from drivesizer.control.validation import LinearRun
+from drivesizer.output.loop_table import BESIDE, beside, cell, loop_figures, loop_name
 from drivesizer.output.terminal.tables import STYLE, bare, width_of
 
-if TYPE_CHECKING:
-    from drivesizer.control.second_look import Compared
-
-__all__ = ["looked_twice", "loops"]
+__all__ = ["linear", "loops"]
 
 _FIRST = 6  # figures that 80 columns have room for
 
@@ -44,26 +40,23 @@ def loops(found: Sequence[Loop], width: int) -> Table:
     return _table(found, _FIRST, "\n")
 
 
-def looked_twice(rows: Sequence[Compared]) -> Table:
-    """Figures of loops by two programs, a line each.
+def linear(run: LinearRun) -> Table:
+    """The simulation by python-control beside the engine's, a line for each figure.
 
     Parameters
     ----------
-    rows
-        The figures.
+    run
+        Of a validation.
 
     Returns
     -------
     Table
-        With a mark where they differ by more than a part in ten thousand.
+        Value and moment by either.
     """
-    heads = (("loop", "left"), ("figure", "left"), ("drivesizer", "right"), ("python-control", "right"), ("", "left"))
-    table = bare(*heads, title="The same loops by python-control")
-    for row in rows:
-        known = {figure.name: figure for figure in loop_figures(row.loop)}[row.figure]
-        both = (cell(replace(known, value=value)) for value in (row.ours, row.theirs))
-        mark = Text("agree", style=STYLE["pass"]) if row.agrees else Text("DIFFER", style=STYLE["fail"])
-        table.add_row(loop_name(row.loop), known.title, *both, mark)
+    heads = (("", "left"), ("python-control", "right"), ("at", "right"), ("engine", "right"), ("at", "right"))
+    table = bare(*heads, title=BESIDE)
+    for row in beside(run):
+        table.add_row(*row)
     return table
 
 

@@ -27,10 +27,9 @@ from drivesizer.results.sizing import Explanation, SizingResult, verdict, worst
 from drivesizer.spec.select import OBJECTIVES
 
 if TYPE_CHECKING:
-    from drivesizer.control.second_look import Compared
     from drivesizer.control.validation import Validation
 
-__all__ = ["DETAILS", "explained", "second_look", "sizing", "validation", "validations"]
+__all__ = ["DETAILS", "explained", "sizing", "validation", "validations"]
 
 DETAILS = frozenset({"derivation", "checks", "paper", "ranking", "rejected"})
 """Details that :func:`sizing` shows on request beside the answer."""
@@ -290,7 +289,7 @@ def _changes(console: Console, found: DriveSet) -> None:
 
 def validation(proof: Validation) -> None:
     """Print a validation, in closed loop or of a stepper."""
-    from drivesizer.output.terminal.loops import loops  # with what a sizing need not load
+    from drivesizer.output.terminal.loops import linear, loops  # with what a sizing need not load
 
     console = tables.console()
     tables.heading(console, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
@@ -300,19 +299,9 @@ def validation(proof: Validation) -> None:
     console.print(tables.loose(proof.figures, f"Figures of the {proof.loop}"))
     if proof.loops:
         console.print(loops(proof.loops, console.width))
-
-
-def second_look(rows: Sequence[Compared]) -> None:
-    """Print the figures of loops as this program and as python-control finds them.
-
-    Parameters
-    ----------
-    rows
-        As :func:`drivesizer.simulate.second_look` gives them.
-    """
-    from drivesizer.output.terminal.loops import looked_twice
-
-    tables.console().print(looked_twice(rows))
+    if proof.linear:
+        console.print(linear(proof.linear))
+        console.print(f"By python-control: {'; '.join(proof.linear.left_out)}.")
 
 
 def validations(proofs: Sequence[Validation], objective: str) -> None:

@@ -274,6 +274,10 @@ def closed_loop_rows(v: Validation) -> Iterator[Row]:
     yield from (check_row("validation", c) | rank for c in v.checks)
     yield from (figure_row("validation", f) | rank for f in v.figures)
     yield from (one | rank for one in _gains(v))
+    for one in v.linear.figures if v.linear else ():
+        yield figure_row("python_control", one.linear) | rank
+        if one.engine:
+            yield figure_row("engine", one.engine) | rank
     for loop in v.loops:
         said = {"case": loop.direction, "status": "pass" if loop.stable else "fail"} | rank
         for f in loop_figures(loop):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.loop_table import gain, gain_rows, linear
+from drivesizer.output.loop_table import BESIDE, beside, gain, gain_rows, linear
 from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
 from drivesizer.output.report.figures.time_windows import windows
 from drivesizer.output.report.lines import rows as table
@@ -63,6 +63,11 @@ def _blocks(content: Content) -> Iterator[Block]:
         columns3 = Column("object", "code"), Column("gain", "name", 1.0), Column("value", "number")
         own = [Row(((Code(g.place),), g.name, f"{g.value} {g.unit}")) for g in v.controller_gains]
         yield Table("The same gains as they are written into the controller", columns3, own)
+    if v.linear:
+        heads = (Column("figure", "name", 1.0), Column("python-control", "number"), Column("at", "number"),
+                 Column("engine", "number"), Column("at", "number"))  # fmt: skip
+        yield Table(BESIDE, heads, [Row(row) for row in beside(v.linear)], name="python-control")
+        yield Words(f"By python-control: {'; '.join(v.linear.left_out)}.", "note")
     if v.assumptions:
         yield Bullets("Assumptions of the simulation:", list(v.assumptions))
     if v.warnings:

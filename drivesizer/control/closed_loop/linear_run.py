@@ -1,0 +1,255 @@
+r"""PID and DC motor in python-control along the profile: the textbook's answer beside the engine's.
+
+The model is that of ``loop_models``: a DC motor with the load's inertia where the motor drives it, a sampled controller
+that computes for a period, the speed fed back. Its inputs are the reference speed and the load torque that the load
+cycle has at that moment: friction and weight with the gears' efficiency by the direction of power. It starts in
+equilibrium. Of a long stretch in which nothing changes as much is simulated as the loop takes to settle.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.cascade import Cascade
+from drivesizer.control.closed_loop.run import ClosedLoop
+from drivesizer.control.drive_train import Mode, Regime, modes
+from drivesizer.control.loop_models import (
+    OUTPUTS,
+    System,
+    closed,
+    position_open_loop,
+    velocity_open_loop,
+    voltage_open_loop,
+)
+from drivesizer.control.validation import Beside, Gains, LinearRun
+from drivesizer.load_cases.profile import SPEED
+from drivesizer.results.check import Figure
+
+__all__ = ["linear_run"]
+
+Array = NDArray[np.float64]
+
+_SETTLED = 1e-6  # of a transient, after which nothing more of a constant stretch is simulated
+_MOST, _MOST_VALUES = 100_000, 5_000_000  # samples of the velocity loop, and values of all outputs in them
+
+
+def linear_run(case: ClosedLoop) -> LinearRun:
+    """Simulate the linear loop along the profile of a simulation, and put the figures of both beside each other.
+
+    Parameters
+    ----------
+    case
+        The simulation with its limits.
+
+    Returns
+    -------
+    LinearRun
+        An unstable loop has no response.
+    """
+    series: dict[str, Array] = {}
+    said = [
+        "linear: without limits of voltage and current, the winding at 25 °C",
+        "dry friction and the gears' losses act by the reference's direction; the load's inertia is that of driving",
+    ]
+    if case.controller.counted_over:
+        said.append("a counted speed is the mean over its periods, without the steps of whole counts")
+    if case.train.gap:
+        said.append("no backlash")
+    if all(loop.stable for loop in case.loops.all):
+        course = _course(case)
+        series = _simulated(case, course)
+        said += course.said
+    else:
+        said.append("an unstable loop has no response")
+    return LinearRun(figures=_beside(case, series), series=series, left_out=tuple(said))
+
+
+# --- the course: reference and load torque at the samples
+
+
+class _Course(NamedTuple):
+    """Reference and load at the samples of the velocity loop."""
+
+    time: Array  # s of the profile
+    speed: Array  # rad/s of the motor, one more than there are periods
+    slope: Array  # rad/s^2 over each period
+    load: Array  # N*m at the motor, over each period
+    before: float  # N*m, before it begins
+    said: list[str]
+
+
+def _course(case: ClosedLoop) -> _Course:
+    task, h = case.task, case.velocity_period
+    start = task.time[0]
+    corners = np.unique(np.concatenate([task.time, [t for t in task.load_time if start < t < task.time[-1]]]))
+    speed = np.interp(corners, task.time, task.speed)
+    more = np.interp(corners, task.load_time, task.load_torque) if len(task.load_time) else np.zeros(len(corners))
+    slow = h * (max(case.controller.velocity_steps, 1) if isinstance(case.controller, Cascade) else 1)
+    steady = (np.diff(speed) == 0.0) & (np.diff(more) == 0.0)
+    spare = np.where(steady, np.floor((np.diff(corners) - _settling(case)) / slow).clip(0.0) * slow, 0.0)
+    gone = np.concatenate([[0.0], np.cumsum(spare)])  # s left out until a corner
+    kept = corners - gone
+    most = min(_MOST, _MOST_VALUES // (len(OUTPUTS) * _fine_steps(case.controller)))
+    count = max(math.ceil((kept[-1] - kept[0]) / slow - 1e-9), 1) * round(slow / h)
+    first = 0
+    if count > most:
+        peak = case.figure("current_time") - np.interp(case.figure("current_time"), corners, gone) - kept[0]
+        first = round(max(min(peak / h - most / 2, count - most), 0.0) / (slow / h)) * round(slow / h)
+        count = most // round(slow / h) * round(slow / h)
+    t = kept[0] + h * np.arange(first, first + count + 1)
+    w = np.interp(t, kept, speed) * case.train.ratio
+    middle = t[:-1] + 0.5 * h
+    slope = np.diff(w) / h
+    load = _load_torque(case, 0.5 * (w[1:] + w[:-1]), slope, np.interp(middle, kept, more))
+    before = _load_torque(case, w[:1], np.zeros(1), np.interp(t[:1], kept, more))[0]
+    at = np.searchsorted(kept, t, side="right").clip(1, len(kept)) - 1
+    lasts, simulated = corners[-1] - corners[0], count * h
+    said = [] if simulated > 0.999 * lasts else [_shortened(simulated, lasts, around=first > 0 or count == most)]
+    return _Course(t + gone[at], w, slope, load, before, said)
+
+
+def _shortened(simulated: float, lasts: float, *, around: bool) -> str:
+    of = "those around the largest current" if around else "of a constant stretch as much as it takes to settle"
+    return f"{simulated:.4g} s of {lasts:.6g} s are simulated: {of}"
+
+
+def _settling(case: ClosedLoop) -> float:
+    """Time in which the slowest transient of all loops fades [s]."""
+    return max(
+        loop.period * math.log(_SETTLED) / math.log(min(max(loop.pole_radius, 0.1), 1.0 - 1e-12))
+        for loop in case.loops.all
+    )
+
+
+def _load_torque(case: ClosedLoop, speed: Array, slope: Array, more: Array) -> Array:
+    """Torque that resists the motor along the reference beyond the inertia of driving [N*m]."""
+    train, turns = case.train, np.sign(speed)
+    own = np.where(turns > 0.0, train.forward_torque, np.where(turns < 0.0, train.backward_torque, train.rest_torque))
+    torque = train.load_inertia * slope / train.ratio + own + more
+    driving, braking = 1.0 / (train.ratio * train.efficiency), train.efficiency / train.ratio
+    share = np.where(turns == 0.0, 1.0 / train.ratio, np.where(torque * turns > 0.0, driving, braking))
+    found: Array = train.friction * turns + torque * share - train.load_inertia * driving / train.ratio * slope
+    return found
+
+
+# --- the closed loop along it
+
+
+def _fine_steps(controller: Gains | Cascade) -> int:
+    return controller.current_steps if isinstance(controller, Cascade) else 1
+
+
+def _simulated(case: ClosedLoop, course: _Course) -> dict[str, Array]:
+    """The linear loop over time: reference, speed and error of the load, current, voltage."""
+    c, mode = case.controller, modes(case.train)[Regime.FORWARD_DRIVING]
+    speed, load = course.speed[:-1], course.load
+    fed = _feedforward(c, speed, course.slope)
+    steps = c.velocity_steps if isinstance(c, Cascade) and c.position_kp else 0
+    loop, period = _loop(case, mode), case.velocity_period * max(steps, 1)
+    inputs = np.stack([speed, fed, load])
+    if steps:
+        angle = np.concatenate([[0.0], np.cumsum(0.5 * (course.speed[1:] + course.speed[:-1]))[:-1]])
+        inputs = np.vstack([
+            angle[::steps] * case.velocity_period,
+            inputs.T.reshape(-1, 3 * steps).T,
+        ])  # fmt: skip
+    rising = np.zeros(len(inputs))
+    rising[0] = speed[0] * period if steps else 0.0  # the reference angle, while the speed is that of the start
+    still = np.eye(loop.nstates) - loop.A
+    moves = np.linalg.solve(still, loop.B @ rising)
+    first = inputs[:, 0].copy()
+    first[-1 if steps == 0 else 3 :: 3] = course.before
+    first[1 if steps == 0 else 2 :: 3] = _feedforward(c, speed[:1], np.zeros(1))[0]
+    begins = np.linalg.solve(still, loop.B @ first - moves)
+    # one sample more: python-control wants two at least
+    found = control.forced_response(
+        loop, period * np.arange(inputs.shape[1] + 1), np.hstack([inputs, inputs[:, -1:]]), begins, squeeze=False
+    ).outputs[:, :-1]
+    columns = _over_time(found, c, steps)
+    n, fine = _fine_steps(c), case.velocity_period / _fine_steps(c)
+    time = (course.time[:-1, None] + fine * np.arange(n)).ravel()
+    share = np.arange(n) / n
+    reference = (speed[:, None] + share * np.diff(course.speed)[:, None]).ravel() / case.train.motor_per_speed
+    seen = columns["load_speed"] / case.train.motor_per_speed
+    return {
+        "time": time,
+        "speed_reference": reference,
+        "speed": seen,
+        "error": reference - seen,
+        "current": columns["current"],
+        "voltage": columns["voltage"],
+    }
+
+
+def _loop(case: ClosedLoop, mode: Mode) -> System:
+    """The closed loop with all its inputs; the last output is fed back."""
+    train, c = case.train, case.controller
+    if isinstance(c, Gains):
+        opened = voltage_open_loop(train, mode, c)
+    elif c.position_kp and c.position_period:
+        opened = position_open_loop(train, mode, c, fine=True)
+    else:
+        opened = velocity_open_loop(train, mode, c, fine=True)
+    return closed(opened, [*[0.0] * (opened.noutputs - 1), 1.0])
+
+
+def _feedforward(c: Gains | Cascade, speed: Array, slope: Array) -> Array:
+    """Current that a cascade adds to its demand by the reference [A]."""
+    if isinstance(c, Gains):
+        return np.zeros(len(speed))
+    found: Array = (
+        c.feedforward_velocity * speed + c.feedforward_friction * np.sign(speed) + c.feedforward_acceleration * slope
+    )
+    return found
+
+
+def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Array]:
+    """Outputs at every period of the innermost loop, out of those that a slower sample has one after another."""
+    names = OUTPUTS[:-1] if isinstance(c, Gains) else OUTPUTS
+    rows = outputs[:-1].reshape(max(steps, 1), -1, outputs.shape[1])
+    rows = rows[:, :-1] if steps else rows  # the counted speed of each period of the velocity loop
+    each = rows.reshape(max(steps, 1), _fine_steps(c), len(names), -1)
+    return {name: each[:, :, k].transpose(2, 0, 1).ravel() for k, name in enumerate(names)}
+
+
+# --- beside the engine
+
+
+def _beside(case: ClosedLoop, series: dict[str, Array]) -> tuple[Beside, ...]:
+    speed, radius, velocity = SPEED[case.spec.load.axis], case.train.radius, case.loops.velocity
+    peaks = (
+        ("peak_current", "Motor current, peak", ("current", "A"), "current", "current", 1.0),
+        ("tracking_error_peak", "Tracking error, peak", speed, "error", "load_speed_error", radius),
+        ("peak_voltage", "Motor voltage, peak", ("voltage", "V"), "voltage", "voltage", 1.0),
+    )
+    of_loop = (
+        ("bandwidth", "Velocity loop, bandwidth (-3 dB)", "frequency", "Hz"),
+        ("phase_margin", "Velocity loop, phase margin", "angle", "deg"),
+        ("gain_margin", "Velocity loop, gain margin (factor)", "dimensionless", "1"),
+        ("overshoot", "Velocity loop, overshoot of a step", "dimensionless", "%"),
+    )
+    found = []
+    for name, title, (kind, unit), column, figure, factor in peaks:
+        value, at = _peak(series, column)
+        linear = Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at)
+        own = replace(linear, value=case.figure(figure) * factor, at_time=case.figure(f"{figure}_time"))
+        found.append(Beside(linear, own))
+    analysed = [
+        Beside(Figure(name=name, title=title, value=getattr(velocity, name), kind=kind, unit=unit))
+        for name, title, kind, unit in of_loop
+    ]
+    return (*found, *analysed)
+
+
+def _peak(series: dict[str, Array], column: str) -> tuple[float, float | None]:
+    if not series:
+        return math.nan, None
+    size = np.abs(series[column])
+    at = int(np.argmax(size))
+    return float(size[at]), float(series["time"][at])
