@@ -63,7 +63,7 @@ def with_values(words: list[str]) -> list[str]:
     ['validate', '--profile', 's-curve']
     """
     whole = []
-    for word, after in zip(words, [*words[1:], "-"], strict=True):
+    for word, after in zip(words, [*words[1:], "-"], strict=False):
         whole.append(word)
         if word in _ALONE and (after.startswith("-") or after.lower().endswith((".yaml", ".yml"))):
             whole.append(_ALONE[word])

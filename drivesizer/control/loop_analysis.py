@@ -173,7 +173,7 @@ def _responses(opened: System) -> tuple[tuple[complex, ...], Array, _Response, _
 
     def closing(w: Array) -> _Values:
         found = values(w)
-        return found[0] / (1.0 + found[-1])
+        return np.asarray(found[0] / (1.0 + found[-1]))
 
     return own, _grid([*own, *opened.poles()], opened.dt), lambda w: values(w)[-1], closing
 

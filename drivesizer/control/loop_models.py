@@ -223,7 +223,7 @@ def _lifted(fast: System, steps: int, each: Sequence[int] = (), *, fine: bool = 
 
     def by_inputs(effect: list[np.ndarray]) -> np.ndarray:
         """Effects of the inputs of each step, side by side, those of the held ones added up."""
-        return np.hstack([sum(effect)[:, held], *(one[:, [*each]] for one in effect)])
+        return np.hstack([np.sum(effect, axis=0)[:, held], *(one[:, [*each]] for one in effect)])
 
     B = by_inputs([powers[steps - 1 - j] @ fast.B for j in range(steps)])
     none, shown = np.zeros(fast.D.shape), range(steps if fine else 1)
