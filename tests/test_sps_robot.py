@@ -1,6 +1,7 @@
 """The paper's robot: by hand, as the paper found it, and the same in any units."""
 
 import math
+import re
 
 import pytest
 
@@ -50,6 +51,42 @@ def test_35_to_1_falls_by_input_speed(spec, catalog):
     assert found.status == "fail"
     assert found.demand * RPM == pytest.approx(8036, abs=0.5)
     assert found.limit * RPM == pytest.approx(8000)
+
+
+@pytest.mark.parametrize(
+    ("reserve", "reduction"),
+    [(0.555, ""), (0.56, "19:1"), (0.69, "19:1"), (0.694, "19:1"), (0.695, ""), (0.70, ""), (0.705, ""),
+     (0.706, "27:1"), (0.904, "27:1"), (0.905, "35:1"), (1.0, "35:1")],
+)  # fmt: skip
+def test_the_speed_reserve_decides_the_gearhead(example_text, catalog, reserve, reduction):
+    """By hand: 5552.2 rpm / η against 8000 rpm at the input, with 1917 rpm more against 408 rpm/V · 24 V by (19)."""
+    text = example_text.replace("speed_reserve: 0.9 ", f"speed_reserve: {reserve} ")
+    found = size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog, top=1).sets
+    assert [one.gearhead.reduction for one in found] == [reduction] * bool(reduction)
+
+
+@pytest.mark.parametrize(
+    ("factor", "stands", "falls"),
+    [("bearing", 0.30, 0.28), ("robot_efficiency", 0.43, 0.42), ("oversize", 2.47, 2.49), ("confidence", 0.01, None)],
+)
+def test_the_other_factors_change_no_gearhead(example_text, catalog, factor, stands, falls):
+    for value, reductions in ((stands, ["27:1"]), (falls, [])):
+        if value is not None:
+            text = re.sub(rf"  {factor}: [0-9.]+ ", f"  {factor}: {value} ", example_text)
+            found = size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog, top=1).sets
+            assert [one.gearhead.reduction for one in found] == reductions, value
+
+
+@pytest.mark.parametrize("kept", ["", "bearing", "robot_efficiency", "confidence", "oversize"])
+def test_without_its_speed_reserve_the_answer_is_not_the_papers(example_text, catalog, kept):
+    """At the defaults of 1 the gearhead turns at 7232 rpm behind 35:1, and 8000 are permitted."""
+    factors = "speed_reserve|bearing|robot_efficiency|confidence|oversize"
+    text = re.sub(rf"(?m)^  ({factors}): .*\n", lambda line: line[0] if line[1] == kept else "", example_text)
+    text = text if kept else re.sub("paper_factors:.*\n.*\n", "", text)  # heading and its remark
+    best = size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog, top=1).sets[0]
+    speed = checks(best)["gearhead_input_speed"]
+    assert (best.gearhead.reduction, speed.status) == ("35:1", "pass")
+    assert speed.demand * RPM == pytest.approx(1539 / 44 * 1.1 * 60 * 1.5 / (math.pi * 0.1524), rel=1e-9)  # 7232
 
 
 def test_the_10_w_winding_falls_by_speed(spec, catalog):
