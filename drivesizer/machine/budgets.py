@@ -169,11 +169,10 @@ def _checks_of_the_battery(problem: Problem, battery: Battery, one: DriveParts) 
 
 def _powers(problem: Problem, one: DriveParts, *, motors: bool = True) -> Iterator[tuple[str, RobotSpec, DrivePower]]:
     """Each load case of the machine: its name, its spec, and the power that all drives draw in it."""
-    names = [name for name, _ in problem.machine.load_cases]
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
         power = together([drive_power(case.spec, one, case.at_belt, motors=motors) for case in some])
-        yield names[some[0].number], some[0].spec, power
+        yield problem.name_of(numbers), some[0].spec, power
 
 
 def drive_mass(problem: Problem, one: DriveParts) -> float:

@@ -194,7 +194,7 @@ def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> t
     share, sets = spec.supply.regeneration, spec.load.motors
     mean = {name: drive.mean(getattr(drive, name)) for name in _MEANS}
     drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
-    released = sets * drive_set.released_power
+    released = sets * drive_set.released_power * spec.brake_released
     lost = mean["bus_drawn"] - drawn + returned - share * mean["returned"] - released
     assumed = bool(spec.feed_of(drive_set.controller).stage.assumed)
     found: tuple[Consumption, ...] = (

@@ -12,13 +12,13 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.view.mounted import Housing, with_mounting
 from drivesizer.catalog.view.own_brake import with_own_brake
-from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import load_cases
+from drivesizer.load_cases.shift import cycle_of_shift
 from drivesizer.machine.pulleys import belt_drives
 from drivesizer.machine.supply_unit import with_parts_of_supply
-from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
+from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.thermal import with_plate
-from drivesizer.results.problem import LoadCase, Problem
+from drivesizer.results.problem import SHIFT, LoadCase, Problem
 from drivesizer.spec.robot import RobotSpec
 
 if TYPE_CHECKING:
@@ -54,9 +54,11 @@ def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
         catalog = with_mounting(catalog, _housings(machine.mounting), estimates=machine.select.estimates == "on")
     machine = with_parts_of_supply(machine, catalog)
     belts, quickest = belt_drives(machine, catalog), quickest_winding(catalog)
+    alternating = {case.name for case in machine.cases if case.share is not None}  # all of them are in the first
     cases = tuple(
-        LoadCase(name=name, number=number, spec=spec, at_belt=_at_belt(spec, quickest))
+        _case(SHIFT if alternating and not number else name, number, spec, quickest)
         for number, name, spec in load_cases(machine)
+        if name not in alternating
     )
     return Problem(machine=machine, catalog=catalog, cases=cases, belts=belts)
 
@@ -70,8 +72,15 @@ def _housings(one: Mounting) -> tuple[Housing, Housing, Housing]:
     return value, low, high
 
 
-def _at_belt(spec: RobotSpec, quickest: float) -> CycleAtBelt:
-    return at_gearhead(load_cycle(spec), spec.belt_efficiency, quickest)
+def _case(name: str, number: int, spec: RobotSpec, quickest: float) -> LoadCase:
+    """A load case with its cycle; where a brake closes at rest, no torque of the motor holds the load there."""
+    cycle = cycle_of_shift(spec)
+    if spec.control.at_rest == "brake":
+        rests = np.logical_not(cycle.speed.any(axis=1) | cycle.acceleration.any(axis=1))
+        cycle = replace(cycle, torque=np.where(rests[:, None], 0.0, cycle.torque))
+        spec = spec.with_brake_released(float(cycle.duration[~rests].sum()) / cycle.total)
+    at_belt = at_gearhead(cycle, spec.belt_efficiency, quickest)
+    return LoadCase(name=name, number=number, spec=spec, at_belt=at_belt)
 
 
 def quickest_winding(catalog: Catalog) -> float:
@@ -101,7 +110,7 @@ def changed(problem: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Probl
         Wheels of a platform keep the load of the trajectory that was planned.
     """
     quickest = quickest_winding(problem.catalog)
-    cases = tuple(with_spec(case, change(case.spec), quickest) for case in problem.cases)
+    cases = tuple(with_spec(case, case.spec.changed(change), quickest) for case in problem.cases)
     return replace(problem, machine=problem.machine.changed(change), cases=cases)
 
 
@@ -143,7 +152,7 @@ def with_cycle(case: LoadCase, spec: RobotSpec, quickest: float) -> LoadCase:
     LoadCase
         Of the same name and number.
     """
-    return replace(case, spec=spec, at_belt=_at_belt(spec, quickest))
+    return _case(case.name, case.number, spec, quickest)
 
 
 def _shaping(spec: RobotSpec) -> tuple[Any, ...]:

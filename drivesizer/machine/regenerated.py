@@ -185,10 +185,10 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
     list of Regenerated
         In the order of the load cases.
     """
-    found, cases = [], problem.machine.load_cases
+    found = []
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
-        name, spec = cases[some[0].number][0], some[0].spec
+        name, spec = problem.name_of(numbers), some[0].spec
         if len(some) == 1:
             passed = _in_one_pass(name, spec, one, some[0].at_belt)
             found.append(passed or _of_parts(name, spec, drive_power_in_parts(spec, one, some[0].at_belt)))

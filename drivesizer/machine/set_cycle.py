@@ -121,7 +121,7 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
         heating,
         flows,
         course,
-        drive_set.released_power,
+        drive_set.released_power * spec.brake_released,
     )
 
 

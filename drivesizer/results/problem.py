@@ -16,7 +16,9 @@ from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.screws import ChosenScrew
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["BeltDrives", "LoadCase", "Problem"]
+__all__ = ["SHIFT", "BeltDrives", "LoadCase", "Problem"]
+
+SHIFT = "whole shift"  # the load cases that alternate, as one
 
 
 class BeltDrives(NamedTuple):
@@ -64,6 +66,11 @@ class Problem:
         for place, case in enumerate(self.cases):
             found.setdefault(case.number, []).append(place)
         return list(found.values())
+
+    def name_of(self, numbers: list[int]) -> str:
+        """Name of one of ``machine_cases``; cases that alternate are one."""
+        number = self.cases[numbers[0]].number
+        return SHIFT if self.machine.shift and number == 0 else self.machine.load_cases[number][0]
 
     @property
     def supply(self) -> tuple[float, float]:

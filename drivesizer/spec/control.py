@@ -62,10 +62,11 @@ class Control(Section):
     speed_from: Literal["exact", "counts"] = Field(
         default="counts", description="how speed is measured: by the encoder's counts where it has one, or exactly"
     )
-    at_rest: Literal["drain", "hold"] = Field(
+    at_rest: Literal["drain", "hold", "brake"] = Field(
         default="drain",
         description="integral of the velocity loop at rest where friction alone holds the load: drained to no current, "
-        "or kept as braking left it",
+        "or kept as braking left it; or the holding brake closes at every rest: no current holds the load there, none "
+        "keeps the brake released (the closed loop is simulated without the brake)",
     )
     count_time: Duration | None = Field(
         default=None, description="over which counts are taken for a speed; designed where not given"

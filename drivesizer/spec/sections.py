@@ -22,6 +22,7 @@ from drivesizer.files.fields import (
     Part,
     Power,
     Price,
+    Quantity,
     Ratio,
     Resistance,
     Section,
@@ -214,7 +215,23 @@ class Needs(Section):
 class Case(Section):
     """Changes of a further load case; everything else is as in the spec."""
 
+    @model_validator(mode="after")
+    def _shared(self) -> Self:
+        if self.lasting is not None and self.share is None:
+            raise ValueError("lasting: it is of a case with a share of the time; expected share, e.g. 10 %")
+        if self.share is not None and (self.supply or self.environment or self.platform):
+            raise ValueError("share: a case that alternates with others changes load and motion alone; leave it out")
+        return self
+
     name: str = Field(min_length=1, max_length=60)
+    share: Annotated[float, Quantity("dimensionless", above=0.0, most=0.99)] | None = Field(
+        default=None,
+        description="of the time: cycles of the case alternate with those as specified, for heat, energy and battery "
+        "too; without it the machine is sized as if the case went on for ever",
+    )
+    lasting: Duration | None = Field(
+        default=None, description="of a case with a share, uninterrupted; one cycle where not given"
+    )
     load: dict[str, Any] = at_defaults()
     motion: dict[str, Any] = at_defaults()
     supply: dict[str, Any] = at_defaults()

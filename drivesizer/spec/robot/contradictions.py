@@ -16,6 +16,7 @@ PAPER_TREATS = (
     "the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it accelerates, in one case"
 )
 
+_MOST_SHARED = 0.999  # of the time, that load cases may take of the machine as specified
 _OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw", "ball_screw")
 
 
@@ -23,7 +24,7 @@ def refuse_contradictions(spec: Any) -> None:
     """Raise the first contradiction between sections of a ``RobotSpec`` as a ValueError that names the field."""
     for agree in (
         _chained, _mounted, _moved, _of_its_kind_of_motor, _on_wheels,
-        _burning, _overhung, _lasting, _equipped, _braked,
+        _burning, _overhung, _lasting, _equipped, _braked, _alternating,
     ):  # fmt: skip
         agree(spec)
 
@@ -180,6 +181,19 @@ def _equipped(spec: Any) -> None:
 
 
 def _braked(spec: Any) -> None:
-    """One brake."""
+    """One brake, and one that closes at rest where there is one."""
+    if spec.control.at_rest == "brake" and not spec.wants_brake:
+        raise ValueError("control.at_rest: there is no brake; expected needs: {hold_unpowered: true}, or a brake")
     if spec.brake and spec.select.brake.named:
         raise ValueError("brake: it has figures of its own; expected brake or select.brake, not both")
+
+
+def _alternating(spec: Any) -> None:
+    """Load cases that share the time."""
+    shares = [case.share for case in spec.cases if case.share is not None]
+    if not shares:
+        return
+    if sum(shares) > _MOST_SHARED:
+        raise ValueError(f"cases: their shares are {100.0 * sum(shares):g} % together; expected less than 100 %")
+    if spec.platform is not None:
+        raise ValueError("cases: wheels of a platform on a trajectory do not alternate; leave share out")

@@ -101,6 +101,7 @@ class RobotSpec(OfFile):
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
     _on_common_bus: bool = PrivateAttr(default=False)
     _waits_until: float | None = PrivateAttr(default=None)
+    _brake_released: float = PrivateAttr(default=1.0)
 
     @model_validator(mode="after")
     def _agreeing(self) -> RobotSpec:
@@ -187,12 +188,14 @@ class RobotSpec(OfFile):
         """
         volts, given, assume = self.supply.nominal, self.power_stage, self.select.estimates == "on"
         stage = once_per_part(lambda part: power_stage(part, volts, given, assume=assume))(controller)
-        return fed(stage, self.supply, self.load.motors, brake)
+        return fed(stage, self.supply, self.load.motors, brake, self._brake_released)
 
     def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
         """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""
         stage = stage_of(controller, self.supply.nominal, self.power_stage, self.select.estimates == "on")
-        return fed(stage, self.supply, self.load.motors, None if brake is None else figures_of(brake))
+        return fed(
+            stage, self.supply, self.load.motors, None if brake is None else figures_of(brake), self._brake_released
+        )
 
     @property
     def resists(self) -> bool:
@@ -204,6 +207,18 @@ class RobotSpec(OfFile):
         """The spec itself and its further cases, by name."""
         further = self._cases
         return ((AS_SPECIFIED if further else "", self), *further)
+
+    @property
+    def shift(self) -> tuple[tuple[float, float, RobotSpec], ...]:
+        """Load cases that alternate: share of the time, how long each goes on [s], spec; the one as specified first.
+
+        Empty where no case has a share; 0 s is one cycle.
+        """
+        own, specs = {case.name: case for case in self.cases if case.share is not None}, dict(self._cases)
+        if not own:
+            return ()
+        shared = tuple((case.share or 0.0, case.lasting or 0.0, specs[name]) for name, case in own.items())
+        return (1.0 - sum(share for share, _, _ in shared), 0.0, self), *shared
 
     @property
     def is_direct(self) -> bool:
@@ -278,6 +293,17 @@ class RobotSpec(OfFile):
             return made
 
         return self.changed(marked)
+
+    @property
+    def brake_released(self) -> float:
+        """Share of the time in which a holding brake is kept released."""
+        return self._brake_released
+
+    def with_brake_released(self, share: float) -> RobotSpec:
+        """The spec with a brake that is kept released for a share of the time."""
+        made = self.model_copy()
+        made._brake_released = share
+        return made
 
     @property
     def waits_until(self) -> float | None:

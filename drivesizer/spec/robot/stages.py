@@ -43,7 +43,7 @@ def figures_of(part: Controller | Brake) -> dict[str, Any]:
     return {one.name: getattr(part, one.name) for one in fields(part)}
 
 
-def fed(stage: StageFigures, supply: Supply, motors: int, brake: Any) -> Feed:
+def fed(stage: StageFigures, supply: Supply, motors: int, brake: Any, released: float = 1.0) -> Feed:
     """Power stages and what feeds as many as there are motors.
 
     Parameters
@@ -54,6 +54,8 @@ def fed(stage: StageFigures, supply: Supply, motors: int, brake: Any) -> Feed:
         What feeds them, and how many.
     brake
         Figures of the brake of each by name; None without one.
+    released
+        Share of the time in which it is kept released.
 
     Returns
     -------
@@ -61,5 +63,5 @@ def fed(stage: StageFigures, supply: Supply, motors: int, brake: Any) -> Feed:
         With the power that keeps a brake released as the stage's standby power.
     """
     if brake is not None:
-        stage = stage._replace(standby=stage.standby + released_power(brake))
+        stage = stage._replace(standby=stage.standby + released * released_power(brake))
     return Feed(stage, supply.lowest, 0.0 if supply.resistance is None else supply.resistance, motors)
