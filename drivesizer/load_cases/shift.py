@@ -69,8 +69,22 @@ def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
 
 
 def counts(shares: Sequence[float], times: Sequence[float]) -> list[int]:
-    """How often each of some blocks comes in the shortest whole in which their shares of the time are right to 1 %.
+    """Numbers of some blocks in the shortest whole in which their shares of the time are right to 1 %.
 
+    Parameters
+    ----------
+    shares
+        Of the time [1].
+    times
+        Duration of one block of each [s].
+
+    Returns
+    -------
+    list of int
+        By block; where no whole is so near, those of the nearest.
+
+    Examples
+    --------
     >>> counts([0.9, 0.1], [30.0, 30.0]), counts([0.75, 0.25], [10.0, 20.0])
     ([9, 1], [6, 1])
     """
