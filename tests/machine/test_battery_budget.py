@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from specs import estimates_off
+from specs import HEAT, estimates_off, without
 
-from drivesizer import size
 from drivesizer.catalog import Catalog, load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
@@ -45,8 +44,8 @@ def robot(example_text: str) -> RobotSpec:
 
 @pytest.fixture(scope="module")
 def drive(robot: RobotSpec) -> DriveSet:
-    """Of the best the first whose time constants no sheet has."""
-    return next(one for one in size(robot, top=50).sets if isnan(one.motor.winding_time_constant))
+    """The paper's, as if no sheet had its figures of heat."""
+    return explain(robot, "118752", "406764", catalog=without(load(["maxon"]), "motor", "118752", *HEAT))[0]
 
 
 # The paper names the devices, not what they draw: every power here is assumed.
