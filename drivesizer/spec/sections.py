@@ -227,7 +227,7 @@ class Case(Section):
     share: Annotated[float, Quantity("dimensionless", above=0.0, most=0.99)] | None = Field(
         default=None,
         description="of the time: cycles of the case alternate with those as specified, for heat, energy and battery "
-        "too; without it the machine is sized as if the case went on for ever",
+        "too; without it the machine is sized as if the case were continuous",
     )
     lasting: Duration | None = Field(
         default=None, description="of a case with a share, uninterrupted; one cycle where not given"
