@@ -18,6 +18,7 @@ from drivesizer import explain, load_spec, size, validate
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
 from drivesizer.control.path_following.runs import FollowingRun
+from drivesizer.control.path_following.runs import drawn as drawn_runs
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.permitted_speed import permitted_speeds
 from drivesizer.output.report.figures.all_figures import Drawing, report_drawings
@@ -101,10 +102,9 @@ def _at_the_bench(form: str) -> bytes:
 
 
 def _followed(form: str) -> bytes:
-    """The simulated path beside the paper's with soft speed loops, and errors along the path."""
-    shown = {"kinematic": ("kinematic", True), "dynamic": ("dynamic", True), "dynamic, misjudged": ("dynamic", False)}
-    runs = {name: ran(FollowingRun(model, False, False, exact)) for name, (model, exact) in shown.items()}
-    return path_and_errors(runs, form)
+    """The simulated path with soft speed loops, and errors along the path."""
+    runs = [FollowingRun(model, False, False, exact) for exact in (True, False) for model in ("kinematic", "dynamic")]
+    return path_and_errors(drawn_runs({", ".join(run.words): ran(run) for run in runs}), form)
 
 
 FIGURES: dict[str, Callable[[], Drawing]] = {

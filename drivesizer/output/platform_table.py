@@ -8,8 +8,9 @@ from math import isinf, isnan
 from drivesizer.machine.permitted_speed import PermittedSpeeds
 from drivesizer.units import show
 
-__all__ = ["SPEEDS", "speed_heads", "speed_remarks", "speed_rows", "speed_text"]
+__all__ = ["FOLLOWING", "SPEEDS", "speed_heads", "speed_remarks", "speed_rows", "speed_text"]
 
+FOLLOWING = "Path following: largest deviations"
 SPEEDS = "Highest steady speed by direction, in the robot's frame, counterclockwise from ahead"
 
 

@@ -42,7 +42,8 @@ class Following(Section):
     period: Duration = default("1 ms", description="of the speed loops")
     pose_period: Duration = default("50 ms", description="between two poses that are fed back")
     torque_limit: TorqueAbove | None = Field(
-        default=None, description="at a wheel; that at the controller's peak current where not given"
+        default=None,
+        description="at a wheel; what the controller's peak current and the gearhead give, where not given",
     )
     rotor_inertia: Inertia | None = Field(
         default=None, description="of motor and gearhead at a wheel; that of the drive where not given"

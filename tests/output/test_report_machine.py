@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from math import cos, isnan, nan, sin
+from pathlib import Path
 
 import jsonschema
 import numpy as np
@@ -34,7 +35,7 @@ from drivesizer.output.report.lines.machine import driven_over, machine_words
 from drivesizer.output.report.pdf import report_pdf
 from drivesizer.output.report.sections.blocks import Table
 from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.machine import PERMITTED, consumers, masses, unknown_consumers
+from drivesizer.output.report.sections.machine import FOLLOWED, PERMITTED, consumers, masses, unknown_consumers
 from drivesizer.output.report.sections.platform import PLATFORM_NUMBERS
 from drivesizer.output.report.sections.section import rows_of, sheets_of
 from drivesizer.output.report.sections.texts import text_of as text_of_cell
@@ -367,3 +368,34 @@ def test_the_json_report_of_a_platform_has_them(result, tmp_path):
     found = json.loads(document)
     jsonschema.Draft202012Validator(report_schema()).validate(found)
     assert len(found["platform"]["permitted_speeds"]["speeds"]) == 5 * 72
+
+
+SHORT = (
+    "{trajectory: sps_way.csv}",
+    "{waypoints: [{x: 0 m, y: 0 m, heading: 0 deg}, {x: 1 m, y: 1 m, heading: 30 deg}]}",
+)
+MEASURED = "{measured: [{name: a robot, position: 2 m, heading: 3 deg}]}"
+
+
+def test_path_following_is_in_the_report_of_a_spec_that_has_it(result):
+    assert [*FOLLOWED.blocks(Content(result, None))] == []
+    found = size(changed(SHORT, ("  misjudged:", f"  following: {MEASURED}\n  misjudged:")), top=1)
+    content = Content(found, None)
+    table = next(block for block in FOLLOWED.blocks(content) if isinstance(block, Table))
+    names = ["a robot, measured", "kinematic model", "dynamic model", "poses fed back"]
+    assert [row.cells[0] for row in table.rows] == names
+    by = {row["name"]: row["si_value"] for row in rows_of(FOLLOWED, content).after(content)}
+    assert by["a_robot_measured_position"] == 2.0
+    wanted = content.behaviour.followed["dynamic model"]
+    assert by["dynamic_model_position"] == pytest.approx(np.hypot(*(wanted.posture - wanted.planned.posture)[:2]).max())
+    assert content.drawings["followed"]("svg") == content.drawings["followed"]("svg")
+    (document,) = render(content, Path("r.json")).values()
+    assert list(json.loads(document)["platform"]["following"]) == names[1:]
+
+
+def test_a_platform_that_tips_over_is_not_followed_and_its_report_says_so():
+    tall = ("centre_of_mass: {height: 90 mm}", f"centre_of_mass: {{height: 3.5 m}}\n  following: {MEASURED}")
+    content = Content(size(changed(SHORT, tall), top=1), None)
+    (words,) = FOLLOWED.blocks(content)
+    assert "the platform tips over" in words.text
+    assert "followed" not in content.drawings and render(content, Path("r.json"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import inf
+from math import inf, isfinite
 from typing import NamedTuple
 
 from drivesizer.control.path_following.following import Followed, Model, follow
@@ -22,7 +22,7 @@ from drivesizer.spec.following import Following
 from drivesizer.spec.platform import Platform
 from drivesizer.units import show
 
-__all__ = ["FollowingRun", "assumed", "drawn", "follow_all", "follow_case"]
+__all__ = ["AtWheel", "FollowingRun", "assumed", "at_wheel", "drawn", "follow_all", "follow_case"]
 
 
 class FollowingRun(NamedTuple):
@@ -119,8 +119,9 @@ def follow_case(
         The simulated motion.
     """
     section = _section(found)
-    d = dynamics_of(found.spec, _rotor(section.following, chosen))
-    speeds = _speeds(d, section.following, chosen, case.integral)
+    wheel = at_wheel(section.following, chosen)
+    d = dynamics_of(found.spec, wheel.inertia)
+    speeds = _speeds(d, section.following, wheel.torque, case.integral)
     poses = pose_loop(d, speeds, period=section.following.pose_period, speed=_fastest(found)) if case.poses else None
     off = EXACT if case.exact else misjudged or section.misjudged.record
     floor, ground = _floor(found), ground_of(found.spec)
@@ -131,9 +132,11 @@ def follow_case(
 
 
 def drawn(runs: Mapping[str, Followed]) -> dict[str, Followed]:
-    """The runs that one figure shows: four at most, plain speed loops before others, as they differ most."""
-    names = sorted(runs, key=lambda name: ("fed back" in name, ", PI," in name)) if len(runs) > 4 else list(runs)
-    return {name: runs[name] for name in names[:4]}
+    """The runs that one figure shows: of several loops both models with plain ones, poses not fed back."""
+    shown = {(case.model, case.exact): ", ".join(case.words) for case in _COMPARED if not (case.integral or case.poses)}
+    if not set(shown.values()) <= set(runs):
+        return dict(runs)
+    return {f"{model}, knows {'all' if exact else 'not all'}": runs[name] for (model, exact), name in shown.items()}
 
 
 def _section(found: Driving) -> Platform:
@@ -149,9 +152,8 @@ def _floor(found: Driving) -> Contact:
     return floor if load.friction_coefficient is None else replace(floor, friction=load.friction_coefficient)
 
 
-def _speeds(d: Dynamics, given: Following, chosen: DriveSet | None, integral: bool) -> SpeedLoop:
+def _speeds(d: Dynamics, given: Following, limit: float, integral: bool) -> SpeedLoop:
     """The speed loops: designed, with the gains that the spec gives."""
-    limit = _strongest(chosen) if given.torque_limit is None else given.torque_limit
     made = speed_loop(d, period=given.period, limit=limit, integral=integral)
     if given.speed_gain is not None:
         made = replace(made, proportional=(given.speed_gain,) * len(made.proportional))
@@ -160,20 +162,39 @@ def _speeds(d: Dynamics, given: Following, chosen: DriveSet | None, integral: bo
     return made
 
 
-def _rotor(given: Following, chosen: DriveSet | None) -> float:
-    """Inertia of a drive at its wheel [kg*m^2]: given, or as far as it is known."""
-    if given.rotor_inertia is not None:
-        return given.rotor_inertia
-    return 0.0 if chosen is None else chosen.rotors_at_load
+class AtWheel(NamedTuple):
+    """A drive as its wheel has it."""
+
+    inertia: float  # kg*m^2, of its rotor
+    torque: float  # N*m, the largest; infinite: none is known
 
 
-def _strongest(chosen: DriveSet | None) -> float:
-    """Largest torque of a drive at its wheel [N*m]: at the controller's peak current, by gearhead and belt."""
-    if chosen is None or chosen.controller is None:
-        return inf
-    at_motor = chosen.controller.peak_current * chosen.motor.torque_constant
-    at_wheel = at_motor * chosen.total_ratio * chosen.gearhead.efficiency * chosen.belt_efficiency
-    return at_wheel if at_wheel == at_wheel else inf
+def at_wheel(given: Following, chosen: DriveSet | None) -> AtWheel:
+    """Inertia and largest torque of a drive at its wheel: as the spec gives them, else of the drive as far as known.
+
+    Parameters
+    ----------
+    given
+        The spec's section.
+    chosen
+        The drive; None without one.
+
+    Returns
+    -------
+    AtWheel
+        Its torque is the lesser of what the controller's peak current gives and the gearhead's intermittent one.
+    """
+    inertia, torque = 0.0, inf
+    if chosen is not None:
+        inertia = chosen.rotors_at_load
+        peak = chosen.controller.peak_current if chosen.controller else inf
+        by_motor = peak * chosen.motor.torque_constant * chosen.gearhead.ratio * chosen.gearhead.efficiency
+        limits = [limit for limit in (by_motor, chosen.gearhead.intermittent_torque) if limit == limit]
+        torque = min(limits, default=inf) * chosen.belt_ratio * chosen.belt_efficiency
+    return AtWheel(
+        inertia if given.rotor_inertia is None else given.rotor_inertia,
+        torque if given.torque_limit is None else given.torque_limit,
+    )
 
 
 def _fastest(found: Driving) -> float:
@@ -181,9 +202,22 @@ def _fastest(found: Driving) -> float:
     return float((x**2 + y**2).max() ** 0.5)
 
 
-def assumed(found: Driving) -> tuple[str, ...]:
-    """Assumptions of the runs, as sentences."""
+def assumed(found: Driving, chosen: DriveSet | None) -> tuple[str, ...]:
+    """Assumptions of the runs, as sentences.
+
+    Parameters
+    ----------
+    found, chosen
+        The platform on its path, and its drive, as of ``follow_all``.
+
+    Returns
+    -------
+    tuple of str
+        One sentence each.
+    """
     given = _section(found).following
+    wheel = at_wheel(given, chosen)
+    inertia, torque = show(wheel.inertia, "kg*cm^2", "inertia", 3), show(wheel.torque, "N*m", "torque", 3)
     period, poses = (show(value, "ms", "time") for value in (given.period, given.pose_period))
     slip = show(given.slip_speed, "mm/s", "speed") + (
         f" and {given.creep:g} of the rolling speed" * (given.creep > 0.0)
@@ -193,5 +227,6 @@ def assumed(found: Driving) -> tuple[str, ...]:
         "and poses, the voltage limit and the lag of the current loops are not",
         f"speed loops of {period} by the symmetrical optimum where no gain is given, poses every {poses}; slip meets "
         f"the grip at {slip}",
-        "the platform differs from its model as platform.misjudged says, and by slip and resistance",
+        f"at a wheel a rotor has {inertia}" + f" and a drive gives {torque} at most" * isfinite(wheel.torque),
+        "the platform differs from its model as platform.misjudged says, and by slip",
     )

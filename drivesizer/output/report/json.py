@@ -29,6 +29,6 @@ def render(content: Content, path: Path) -> dict[Path, bytes]:
     """
     found: dict[str, Any] = {**document(content.result, content.validation)}
     if content.behaviour and content.result.spec.platform:
-        found["platform"] = on_path(content.result.spec, content.behaviour.permitted, {})
+        found["platform"] = on_path(content.result.spec, content.behaviour.permitted, content.behaviour.followed)
     text = f"{as_text(found)}\n"
     return {path: text.encode("utf-8", "backslashreplace")}  # a lone surrogate, which a spec may have, becomes \udxxx

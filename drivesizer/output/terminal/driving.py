@@ -14,7 +14,7 @@ from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import assumed
 from drivesizer.load_cases.platform_drive import Driving
 from drivesizer.machine.permitted_speed import PermittedSpeeds
-from drivesizer.output.platform_table import SPEEDS, speed_heads, speed_remarks, speed_rows, speed_text
+from drivesizer.output.platform_table import FOLLOWING, SPEEDS, speed_heads, speed_remarks, speed_rows, speed_text
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE
 from drivesizer.physics.load_cycle import OwnLimit
@@ -63,7 +63,7 @@ def driven(
             console.print(Text(remark, style="dim"))
     if runs:
         console.print(_compared(runs, found) if len(runs) > _BESIDE else _followed(runs))
-        for assumption in assumed(found):
+        for assumption in assumed(found, chosen):
             console.print(Text(assumption, style="dim"))
 
 
@@ -78,7 +78,7 @@ def _permitted(speeds: PermittedSpeeds) -> Table:
 def _followed(runs: Mapping[str, Followed]) -> Table:
     """Largest deviations of each run, and the share of time that a wheel is at its torque limit."""
     found = {name: extremes(run) for name, run in runs.items()}
-    table = tables.bare(("", "left"), *((name, "right") for name in runs), title="Path following: largest deviations")
+    table = tables.bare(("", "left"), *((name, "right") for name in runs), title=FOLLOWING)
     for row in zip(*found.values(), strict=True):
         table.add_row(row[0].title, *(show(one.value, one.unit, one.kind, 3) for one in row))
     limited = (show(float(run.limited.max()), "%", "dimensionless", 3) for run in runs.values())
@@ -90,9 +90,8 @@ def _compared(runs: Mapping[str, Followed], found: Driving) -> Table:
     """A row for each run, below those that were measured."""
     heads = [(head, "left") for head in ("model", "loops", "poses", "model knows")]
     figures = [(head, "right") for head in ("position", "heading", "at limit")]
-    table = tables.bare(*heads, *figures, title="Path following: largest deviations")
-    section = found.spec.platform
-    for one in section.following.measured if section else ():
+    table = tables.bare(*heads, *figures, title=FOLLOWING)
+    for one in found.spec.platform.following.measured if found.spec.platform else ():
         table.add_row(one.name, "measured", "", "", *_errors(one.position, one.heading), "")
     for name, run in runs.items():
         by = {one.title: abs(one.value) for one in extremes(run)}

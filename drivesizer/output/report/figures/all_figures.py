@@ -31,16 +31,9 @@ __all__ = ["IN_TABLES", "STILL", "Drawing", "loop_drawings", "report_drawings"]
 
 Drawing = Callable[[Form], bytes]
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
-STILL = (
-    "way",
-    "tornado",
-    "fields",
-    "efficiency",
-    "demand",
-    "heat",
-    "energy",
-    "permitted",
-)  # what the page shows as the PDF does
+STILL = (  # what the page shows as the PDF does
+    "way", "tornado", "fields", "efficiency", "demand", "heat", "energy", "permitted", "followed",
+)  # fmt: skip
 
 
 def report_drawings(
@@ -62,7 +55,7 @@ def report_drawings(
     dict
         Functions that draw, by name: ``way``, the path of a platform, ``profile``, ``cycle``; of a drive ``margins``,
         ``field``, ``fields`` (each load case alone), ``efficiency``, ``demand``, ``heat``, ``energy``, ``permitted``
-        (speeds of a platform) and ``battery``, as far as its figures are known;
+        (speeds of a platform), ``followed`` (its path) and ``battery``, as far as its figures are known;
         ``front``; ``tornado``; ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
@@ -102,6 +95,8 @@ def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, 
         made["energy"] = does.flow
     if does.permitted:
         made["permitted"] = does.speeds
+    if does.followed:
+        made["followed"] = does.course
     budget = best.energy
     if budget and is_known(budget):
         made["battery"] = lambda form: battery(budget, form)

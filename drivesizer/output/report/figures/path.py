@@ -57,14 +57,14 @@ def path_and_errors(runs: Mapping[str, Followed], form: Form = "svg") -> bytes:
         raise InputError(f"figure of a path: expected 1 to {len(_LOOKS)} runs, got {len(runs)}")
 
     def draw(figure: Any) -> None:
-        grid = [row[0] for row in placed(figure, 3, top=0.3, gaps=(0.42, 0.1), heights=(3.4, 1.0, 1.0), shared=False)]
+        grid = [row[0] for row in placed(figure, 3, top=0.42, gaps=(0.42, 0.1), heights=(3.4, 1.0, 1.0), shared=False)]
         _plane(grid[0], runs)
         _over_way(grid[1], runs, "position", "distance (m)")
         _over_way(grid[2], runs, "heading", "heading (°)")
         grid[1].tick_params(labelbottom=True)
         grid[2].set_xlabel("way along the desired path (m)")
         grid[0].set(xlabel="x (m)", ylabel="y (m)")
-        heading(figure, *grid[0].get_legend_handles_labels(), 4)
+        heading(figure, *grid[0].get_legend_handles_labels(), 3)
 
     return drawn(draw, 6.4, form)
 

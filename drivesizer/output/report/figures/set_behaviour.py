@@ -7,6 +7,11 @@ from dataclasses import asdict
 from functools import cached_property
 from math import fsum, isfinite, isnan, sqrt
 
+from drivesizer.control.path_following.following import Followed
+from drivesizer.control.path_following.runs import drawn as shown_runs
+from drivesizer.control.path_following.runs import follow_all
+from drivesizer.errors import InputError
+from drivesizer.load_cases.platform_drive import Driving, driving, with_trajectory
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.machine.energy_flow import EnergyFlow, energy_flow
 from drivesizer.machine.permitted_speed import PermittedSpeeds, permitted_speeds
@@ -17,7 +22,7 @@ from drivesizer.output.report.figures.efficiency import efficiency_field, effici
 from drivesizer.output.report.figures.energy import energy_bars, energy_unit
 from drivesizer.output.report.figures.field_panels import TOGETHER
 from drivesizer.output.report.figures.heat import temperatures
-from drivesizer.output.report.figures.path import speed_by_direction
+from drivesizer.output.report.figures.path import path_and_errors, speed_by_direction
 from drivesizer.output.report.figures.style import Form
 from drivesizer.output.report.figures.wheels import MOST_WHEELS
 from drivesizer.output.report.lines.machine import first_wheel
@@ -27,6 +32,7 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
 from drivesizer.spec.altitude import rise_left
+from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.units import show
 
 __all__ = ["Behaviour"]
@@ -87,7 +93,30 @@ class Behaviour:
         machine = self.problem.machine
         return permitted_speeds(machine, self.drive_set) if machine.platform else None
 
+    @cached_property
+    def path(self) -> Driving | None:
+        """The platform on its path, where the spec has that followed."""
+        machine = self.problem.machine
+        given = machine.platform.model_fields_set if machine.platform else ()
+        if "following" not in given or not isinstance(machine.motion, Track | Waypoints):
+            return None
+        return driving(with_trajectory(machine, None))
+
+    @cached_property
+    def followed(self) -> dict[str, Followed]:
+        """Simulated path following, by name of the run; none where ``not_followed``."""
+        self.not_followed = ""
+        try:
+            return follow_all(self.path, self.drive_set) if self.path else {}
+        except InputError as error:
+            self.not_followed = str(error)
+            return {}
+
     # -- figures
+
+    def course(self, form: Form) -> bytes:
+        """The path as it is followed."""
+        return path_and_errors(shown_runs(self.followed), form)
 
     def speeds(self, form: Form) -> bytes:
         """Those speeds over the direction."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import isnan
 
+from drivesizer.control.path_following.deviation import extremes
+from drivesizer.control.path_following.runs import assumed
 from drivesizer.output.energy_table import consumer_rows
-from drivesizer.output.platform_table import SPEEDS, speed_heads, speed_remarks, speed_rows
+from drivesizer.output.platform_table import FOLLOWING, SPEEDS, speed_heads, speed_remarks, speed_rows
 from drivesizer.output.report.lines.drive import check_row, figure_row
 from drivesizer.output.report.lines.rows import battery_rows, braking_rows, machine_rows
 from drivesizer.output.report.sections.blocks import (
@@ -30,7 +32,17 @@ from drivesizer.results.check_parts import by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 
-__all__ = ["BATTERY", "BRAKING", "MACHINE", "PERMITTED", "consumers", "masses", "unknown_consumers", "unknown_masses"]
+__all__ = [
+    "BATTERY",
+    "BRAKING",
+    "FOLLOWED",
+    "MACHINE",
+    "PERMITTED",
+    "consumers",
+    "masses",
+    "unknown_consumers",
+    "unknown_masses",
+]
 
 _OF_MASSES = ("mass_known", "mass_left")  # figures that belong below the masses that they sum
 
@@ -106,6 +118,31 @@ def _permitted(content: Content) -> Iterator[Block]:
     yield Bullets("In these speeds:", [*speed_remarks(found)])
 
 
+def _followed(content: Content) -> Iterator[Block]:
+    does, platform = content.behaviour, content.result.spec.platform
+    if does is None or does.path is None or platform is None:
+        return
+    runs = does.followed
+    if not runs:
+        yield Words(f"Not simulated: {does.not_followed}", "alarm")
+        return
+    plain = "; of the runs those with P loops, poses not fed back" if len(runs) > 4 else ""
+    yield Picture("followed", f"The path from above, desired and driven, distance and heading error along it{plain}.",
+                  "the path desired and driven", about="shows how the robot follows its path.")  # fmt: skip
+    heads = "position", "heading", "slip", "torque of a wheel", "use of the floor's grip"
+    columns = [Column("model, speed loops, poses, what the model knows" if len(runs) > 4 else "run", "name", 1.0),
+               *(Column(head, "number") for head in (*heads, "at the torque limit"))]  # fmt: skip
+    rows = [Row((f"{one.name}, measured", quantity(one.position, "m", "length"), quantity(one.heading, "deg", "angle"),
+                 *[""] * 4)) for one in platform.following.measured]  # fmt: skip
+    for name, run in runs.items():
+        by = {one.title: quantity(abs(one.value), one.unit, one.kind) for one in extremes(run)}
+        limited = quantity(float(run.limited.max()), "%", "dimensionless")
+        rows.append(Row((name, *(by[head] for head in heads), limited)))
+    yield Table(FOLLOWING, columns, rows, "followed", dense=True)
+    yield Bullets("In this simulation:", [*assumed(does.path, content.drive)])
+
+
+FOLLOWED = Section(name="followed", title="Path following", level=2, blocks=_followed)
 PERMITTED = Section(name="permitted", title="Speed by direction", level=2, blocks=_permitted)
 
 # -- battery
