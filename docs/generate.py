@@ -3,7 +3,8 @@
     python docs/generate.py [PAGE ...]    writes what the program says now between the marks of the pages
     python docs/generate.py figures       draws docs/figures anew
 
-A part stands between ``<!-- generated: NAME -->`` and ``<!-- end: NAME -->``; all else on a page is written by hand.
+A part stands between ``<!-- generated: NAME -->`` and ``<!-- end: NAME -->``, a number within a line between
+``<!-- count: NAME -->`` and ``<!-- end -->``; all else on a page is written by hand.
 Fields come from the schema, loads and equations from their declarations, commands from the command line itself,
 licences from the installed packages.
 """
@@ -16,23 +17,28 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-__all__ = ["PARTS", "made", "renewed"]
+__all__ = ["PAGES", "PARTS", "made", "renewed"]
 
 DOCS = Path(__file__).resolve().parent
+PAGES = [DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md"))]
 sys.path[:0] = [str(DOCS / "generated"), str(DOCS / "hooks")]
 PARTS = {  # name: module and function that make it
-    "columns": ("catalog_page", "columns"), "commands": ("command_page", "commands"),
+    "actuators": ("catalog_page", "actuators"), "columns": ("catalog_page", "columns"),
+    "combinations": ("catalog_page", "combinations"), "commands": ("command_page", "commands"),
     "equations": ("equation_page", "equations"), "licences": ("licence_page", "licences"),
     "loads": ("load_page", "loads"), "machine": ("spec_tables", "machine_sections"),
+    "makers": ("catalog_page", "makers"), "shipped": ("catalog_page", "shipped"),
     "platform_equations": ("platform_page", "platform_equations"),
     "sensitivities": ("following_page", "sensitivities"), "spec": ("spec_tables", "sections"),
 }  # fmt: skip
 _PART = re.compile(r"^<!-- generated: (\w+) -->\n.*?^<!-- end: \1 -->$", re.MULTILINE | re.DOTALL)
+_COUNT = re.compile(r"<!-- count: (\w+) -->[^<]*<!-- end -->")
 
 
 def renewed(page: str) -> str:
     """A page with its generated parts as they are now."""
     marked = "<!-- generated: {0} -->\n\n{1}\n\n<!-- end: {0} -->"
+    page = _COUNT.sub(lambda found: f"<!-- count: {found[1]} -->{made(found[1])}<!-- end -->", page)
     return _PART.sub(lambda found: marked.format(found[1], made(found[1])), page)
 
 
@@ -48,7 +54,7 @@ def main(names: list[str]) -> None:
     if names == ["figures"]:
         import_module("figures").write(DOCS / "figures")
         return
-    for path in [Path(name) for name in names] or sorted(DOCS.rglob("*.md")):
+    for path in [Path(name) for name in names] or PAGES:
         text = path.read_text(encoding="utf-8")
         now = renewed(text)
         if now != text:

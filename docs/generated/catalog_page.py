@@ -1,17 +1,62 @@
-"""The columns of a catalogue as tables: unit of data sheets, and the remark beside the declaration."""
+"""What ships, counted; the columns of a catalogue as tables: unit of data sheets, remark beside the declaration."""
 
 from __future__ import annotations
 
 import inspect
 import re
+from collections import Counter
+from functools import cache
 from typing import Any
 
-from drivesizer.catalog.parts import PARTS, columns_of, printed
+from drivesizer import catalog
+from drivesizer.catalog.parts import DIRECT, PARTS, columns_of, printed
 
-__all__ = ["columns"]
+__all__ = ["actuators", "columns", "combinations", "makers", "shipped"]
 
 _FIELD = re.compile(r"^    (\w+): \w+ = (?:figure|text)\([^#\n]*\)(?:  # (.*))?$", re.MULTILINE)
 _UNITS = {"text": "text", "1": "number"}
+_PAIRS = "listed combinations of motor and gearhead"
+_NAMED = 8  # makers by name in a line of what ships
+
+
+def makers() -> str:
+    """Number of makers whose parts ship: a file each."""
+    return str(len(catalog.shipped()))
+
+
+def actuators() -> str:
+    """Number of actuators and gearmotors that ship."""
+    return f"{_counts()['actuators'].total():,}"
+
+
+def combinations() -> str:
+    """Number of listed combinations of motor and gearhead."""
+    return f"{_counts()[_PAIRS].total():,}"
+
+
+def shipped() -> str:
+    """A line for each kind of part: how many, and of whom."""
+    return "\n".join(["| | parts | of |", "|---|---|---|", *(_line(*row) for row in _counts().items())])
+
+
+@cache
+def _counts() -> dict[str, Counter[str]]:
+    counts: dict[str, Counter[str]] = {section.replace("_", " "): Counter() for section in PARTS} | {_PAIRS: Counter()}
+    for name in catalog.shipped():
+        one = catalog.load([name])
+        for section, of in zip(PARTS, counts.values(), strict=False):
+            of.update(one.table(section)["manufacturer"][one.table(section)["part"] != DIRECT].tolist())
+        made = one.motor_gearhead
+        geared = one.gearheads["part"][made.right] != DIRECT
+        counts[_PAIRS].update(one.motors["manufacturer"][made.left[geared]].tolist())
+    return counts
+
+
+def _line(kind: str, counts: Counter[str]) -> str:
+    ranked = sorted(counts.items(), key=lambda one: (-one[1], one[0]))
+    named = ", ".join(f"{maker} {count:,}" for maker, count in ranked[:_NAMED])
+    further = f" and {len(ranked) - _NAMED} more" if len(ranked) > _NAMED else ""
+    return f"| {kind} | {counts.total():,} | {named}{further} |"
 
 
 def columns() -> str:

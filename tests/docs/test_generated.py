@@ -7,17 +7,25 @@ import re
 import pytest
 from docs_pages import DOCS
 
+from drivesizer import catalog
+from drivesizer.catalog.parts import DIRECT
+
 pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
 
+import catalog_page
 import generate
 
 figures = pytest.importorskip("figures")
 
 PARTS = {
     (path, name)
-    for path in DOCS.rglob("*.md")
-    for name in re.findall(r"^<!-- generated: (\w+) -->$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    for path in generate.PAGES
+    for name in re.findall(r"<!-- (?:generated|count): (\w+) -->", path.read_text(encoding="utf-8"))
 }
+PARTS_OF = {
+    "motor": "motors", "gearhead": "gearheads", "actuator": "actuators", "encoder": "encoders", "belt": "belts",
+    "pulley": "pulleys", "controller": "controllers", "holding brake": "brakes", "brake": "brakes",
+}  # fmt: skip
 FAST = sorted((path.stem, path) for path, name in PARTS if name not in {"sensitivities", "licences"})
 
 
@@ -43,6 +51,34 @@ def test_nothing_but_the_part_between_its_marks_is_written(monkeypatch):
     monkeypatch.setattr(generate, "made", lambda name: f"new {name}")
     page = "by hand\n\n<!-- generated: spec -->\nold\n<!-- end: spec -->\n\nby hand\n"
     assert generate.renewed(page) == page.replace("\nold\n", "\n\nnew spec\n\n")
+    line = "of <!-- count: makers -->9<!-- end --> makers\n"
+    assert generate.renewed(line) == line.replace("9", "new makers")
+
+
+def test_what_ships_is_counted(monkeypatch):
+    """Of two catalogues, by hand: direct drive is no gearhead."""
+    folder = DOCS.parent / "catalogs"
+    assert generate.made("makers") == str(len(list(folder.glob("*.yaml"))))
+    two = {name: folder / f"{name}.yaml" for name in ("andymark", "yaskawa")}
+    monkeypatch.setattr(catalog, "shipped", lambda: two)
+    monkeypatch.setattr(catalog_page, "_counts", catalog_page._counts.__wrapped__)
+    assert (generate.made("actuators"), generate.made("combinations"), generate.made("makers")) == ("0", "13", "2")
+    rows = dict(line.strip("| ").split(" | ", 1) for line in generate.made("shipped").splitlines()[2:])
+    assert rows["motors"] == "79 | Yaskawa 74, AndyMark 5" and rows["gearheads"] == "13 | Yaskawa 13"
+    assert (rows["belts"], rows["pulleys"]) == ("89 | AndyMark 89", "8 | AndyMark 8")
+    assert rows["listed combinations of motor and gearhead"] == "13 | Yaskawa 13"
+
+
+def test_the_head_of_a_catalogue_counts_its_parts():
+    """Where it says ``240 motors, 644 gearheads``."""
+    said, kinds = 0, "|".join(PARTS_OF)
+    for name, path in catalog.shipped().items():
+        head = path.read_text(encoding="utf-8").splitlines()[0]
+        for number, kind in re.findall(rf"(?<!of )\b(\d+) ({kinds})s?\b", head):
+            table = catalog.load([name]).table(PARTS_OF[kind])
+            assert int(number) == (table["part"] != DIRECT).sum(), (name, number, kind)
+            said += 1
+    assert said > 40
 
 
 # --- figures
