@@ -11,7 +11,7 @@ from drivesizer.units import show
 __all__ = ["FOLLOWING", "SPEEDS", "speed_heads", "speed_remarks", "speed_rows", "speed_text"]
 
 FOLLOWING = "Path following: largest deviations"
-SPEEDS = "Highest steady speed by direction, in the robot's frame, counterclockwise from ahead"
+SPEEDS = "Highest steady speed by direction, counterclockwise from ahead"
 
 
 def speed_heads(found: PermittedSpeeds) -> list[str]:
@@ -43,7 +43,8 @@ def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
         "neither are supply and battery."
     )
     by = dict.fromkeys(name for names in found.limit.values() for name in names if name)
-    yield f"Limited by {_listed(by)}; 0 m/s: not for long at any speed." if by else "No limit is known."
+    never = "; 0 m/s: not for long at any speed" * any((speed == 0.0).any() for speed in found.speed.values())
+    yield f"Limited by {_listed(by)}{never}." if by else "No limit is known."
     if len(found.speed) > 1:
         yield "Without: the motor of that wheel has failed, and neither it nor its gearhead resists."
     if found.unknown:
