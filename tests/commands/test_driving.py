@@ -457,6 +457,15 @@ def test_without_one_of_the_two_wheels_the_other_takes_its_torque():
     assert heavy[0][0] > 1.0 and heavy[3] == (0.0, "Motor nominal current (RMS)")
 
 
+def test_a_long_path_at_the_permitted_speed_takes_the_whole_voltage():
+    """By the checks of a load cycle: 850 m on the diagonal that hardly gain speed."""
+    speed = speeds_of(PAPER, *SET).at(45)[0][0]
+    text = PAPER.replace("{x: 3 m, y: 3 m", "{x: 600 m, y: 600 m")
+    (drive,) = explain(spec_of(text.replace("1.5 m/s, acceleration: 0.75", f"{speed} m/s, acceleration: 0.01")), *SET)
+    check = next(c for c in drive.checks if c.name == "supply_voltage")
+    assert check.margin == pytest.approx(0.0, abs=0.02) and check.limit == pytest.approx(18.9)
+
+
 def test_a_differential_drive_goes_ahead_and_back():
     wheels = PAPER[PAPER.index("  wheels:") : PAPER.index("  inertia: 2.34")]
     text = PAPER.replace(wheels, "  layout: {kind: differential, track: 400 mm}\n  casters: [{x: 300 mm, y: 0 mm}]\n")
