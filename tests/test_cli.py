@@ -197,6 +197,27 @@ def test_equations_with_the_numbers_of_a_spec(run, example):
     assert max(map(cell_len, out.splitlines())) <= 80
 
 
+def test_equations_of_two_wheels_on_an_axle(run, tmp_path):
+    """K⁺ by hand: half of the radius forwards, radius over track in turning, nothing sideways."""
+    text = """
+name: cart
+load: {kind: wheeled_vehicle, mass: 30 kg, driven_wheels: 2, wheel_diameter: 120 mm, rolling_resistance: 2 %,
+  inertia: 20 kg*cm^2}
+platform: {layout: {kind: differential, track: 300 mm}, casters: [{x: 200 mm, y: 0 mm}], inertia: 1 kg*m^2}
+motion: {speed: 1 m/s, acceleration_time: 2 s, cruise_time: 3 s}
+transmission: [{kind: gearhead}]
+supply: {nominal: 24 V}
+select: {catalogs: [maxon]}
+"""
+    (tmp_path / "cart.yaml").write_text(text)
+    status, out, _ = run("equations", "54", "cart.yaml")
+    rows = [line.split() for line in out.splitlines()]
+    assert status == 0 and ["x", "0.03", "m", "0.03", "m"] in rows
+    assert ["y", "0", "0"] in rows and ["θ", "0.2", "-0.2"] in rows  # the first wheel is the right one
+    status, _, err = run("equations", "33", "cart.yaml")
+    assert status == 2 and "cart.yaml:5: platform: equation (33) is written for four driven wheels" in err
+
+
 def test_validate_the_papers_set(run, example):
     status, out, err = run("validate", example)
     text = " ".join(out.split())

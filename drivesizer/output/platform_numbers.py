@@ -8,6 +8,7 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_instant import HardestInstant, hardest_instant
+from drivesizer.platform.dynamics import Dynamics
 from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation, computed, text
 from drivesizer.platform.robot_figures import (
     Instant,
@@ -97,7 +98,9 @@ def equation_of(declared: MatrixEquation, spec: RobotSpec, drive: DriveSet | Non
     """
     at = hardest_instant(spec, drive.rotors_at_load if drive else 0.0)
     try:
-        tables, others = (numbers_of(declared, figures(at.dynamics, one)) for one in (at.instant, _ANOTHER))
+        tables, others = (
+            numbers_of(declared, figures(at.dynamics, one)) for one in (at.instant, _other_instant(at.dynamics))
+        )
     except InputError as error:
         raise InputError(f"{spec.where(('platform',))}: {error}") from None
     moves = any((one.values != other.values).any() for one, other in zip(tables, others, strict=True))
@@ -105,7 +108,10 @@ def equation_of(declared: MatrixEquation, spec: RobotSpec, drive: DriveSet | Non
     return EquationNumbers(spec.name, [*remarks, *([_rotors(drive)] if turning else [])], tables)
 
 
-_ANOTHER = Instant(np.array([1.0, 2.0, 0.5]), np.array([0.3, 0.2, 0.1]), np.array([0.7, 0.5, 0.3]))
+def _other_instant(d: Dynamics) -> Instant:
+    """A motion that the wheels allow, with something of each that they do."""
+    eta = 0.3 * d.kinematics.motions.sum(axis=1)
+    return Instant(np.array([1.0, 2.0, 0.5]), eta, 2.0 * eta)
 
 
 def _rotors(drive: DriveSet | None) -> str:
@@ -134,12 +140,24 @@ class Printed(NamedTuple):
     cells: list[tuple[str, ...]]
 
 
-def printed(numbers: Numbers) -> Printed:
-    """A table with each unit once: above it, else at the head of its column, else in its cells."""
+def printed(numbers: Numbers, *, above: bool = True) -> Printed:
+    """A table with each unit once: above it, else at the head of its column, else in its cells.
+
+    Parameters
+    ----------
+    numbers
+        The table.
+    above
+        Whether there is a place above it.
+
+    Returns
+    -------
+    Printed
+    """
     columns = list(zip(*numbers.values.tolist(), strict=True)), list(zip(*numbers.units, strict=True))
     shared = [{u for v, u in zip(*column, strict=True) if v} for column in zip(*columns, strict=True)]
     of_all = set().union(*shared)
-    if len(of_all) <= 1:
+    if above and len(of_all) <= 1:
         unit, heads, apart = next(iter(of_all), ""), numbers.columns, [True] * len(shared)
     else:
         unit, apart = "", [len(one) <= 1 for one in shared]

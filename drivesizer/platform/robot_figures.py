@@ -139,8 +139,8 @@ def result_of(e: MatrixEquation, known: Mapping[str, Any]) -> Array:
         ):
             return found
     raise InputError(
-        f"equation ({e.number}) is written for four wheels as in the paper's Table 1 with the centre of mass in the "
-        "reference point; this platform has others, expected e.g. 32, 49, 50 or 58"
+        f"equation ({e.number}) is written for four driven wheels as in the paper's Table 1, with the centre of mass "
+        "in the reference point; this platform is another, expected e.g. 32, 49, 50 or 58"
     )
 
 

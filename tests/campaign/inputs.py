@@ -74,7 +74,7 @@ def _sizing(chance: Random) -> list[str]:
 def further(chance: Random) -> Case:
     """A spec that is explained, driven, exported, reported or simulated."""
     data = chance.choice((changed, moderately))(chance.choice(specs()), chance, specs())
-    words = chance.choices(_FURTHER, (30, 6, 20, 20, 10, 4))[0]
+    words = chance.choices(_FURTHER, (30, 6, 20, 20, 10, 4, 8))[0]
     more = ["--json"] if words[0] in ("explain", "drive", "validate") and chance.random() < 0.5 else []
     return Case({"robot.yaml": as_yaml(data, chance), "track.csv": TRACK.encode(), **_BESIDE},
                 [[*map(chance.choice, map(_choices, words)), *more]])  # fmt: skip
@@ -87,6 +87,7 @@ _FURTHER: tuple[tuple[str | tuple[str, ...], ...], ...] = (
     ("export", "robot.yaml", "--format", ("mjcf", "urdf", "sdf", "ros2_control", "json"), "-o", "out.xml"),
     ("report", "robot.yaml", "-o", ("out.csv", "out.json", "out.xlsx")),
     ("size", "robot.yaml", "--samples", "16", "--confidence", ("0.9", "0.5")),
+    ("equations", ("1", "13", "20", "26", "33", "50", "52", "59"), "robot.yaml"),
 )
 
 

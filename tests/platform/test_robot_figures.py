@@ -85,7 +85,7 @@ def refused(d, at=AT):
         try:
             numbers_of(e, known)
         except InputError as error:
-            assert str(error).startswith(f"equation ({number}) is written for four wheels")
+            assert str(error).startswith(f"equation ({number}) is written for four driven wheels")
             found.append(number)
     return sorted(found)
 

@@ -15,7 +15,7 @@ from rich.text import Text
 
 from drivesizer.output import formula
 from drivesizer.output.derivation import numbers_in
-from drivesizer.output.platform_numbers import EquationNumbers, cell, printed
+from drivesizer.output.platform_numbers import EquationNumbers, Printed, cell, printed
 from drivesizer.output.terminal import tables as tables
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.platform import matrix_equation, printed_forms
@@ -110,7 +110,7 @@ def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
         if one.columns == ("",):
             columns.setdefault(one.rows, []).append(one)
         else:
-            yield _matrix(one, f"{one.symbol} ({printed(one).unit})" if printed(one).unit else one.symbol)
+            yield _matrix(one, printed(one), one.symbol)
     for rows, alike in columns.items():
         if rows == ("",):
             table = tables.bare(("", "left"), ("", "right"), headed=False)
@@ -120,12 +120,13 @@ def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
         else:
             units = [[u for one in alike for u in one.units[i]] for i in range(len(rows))]
             values = np.hstack([one.values for one in alike])
-            yield _matrix(alike[0]._replace(columns=tuple(one.symbol for one in alike), values=values, units=units))
+            together = alike[0]._replace(columns=tuple(one.symbol for one in alike), values=values, units=units)
+            yield _matrix(together, printed(together, above=False))
 
 
-def _matrix(numbers: Numbers, corner: str = "") -> Table:
-    """Numbers with their labels, and a text in the corner."""
-    shown = printed(numbers)
+def _matrix(numbers: Numbers, shown: Printed, symbol: str = "") -> Table:
+    """Numbers with their labels, symbol and unit in the corner."""
+    corner = f"{symbol} ({shown.unit})" if shown.unit else symbol
     table = tables.bare((escape(corner), "left"), *((head, "right") for head in shown.heads))
     for name, cells in zip(numbers.rows, shown.cells, strict=True):
         table.add_row(name, *cells)
