@@ -36,8 +36,26 @@ def speed_text(speed: float) -> str:
     return "any" if isinf(speed) else "–" if isnan(speed) else show(speed, "m/s", "speed", 3)
 
 
-def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
-    """Assumptions of the table, as sentences."""
+def speed_remarks(found: PermittedSpeeds, required: float | None) -> Iterator[str]:
+    """Directions in which a speed is not permitted, and assumptions of the table, as sentences.
+
+    Parameters
+    ----------
+    found
+        Of a drive.
+    required
+        Speed that the spec names as the platform's limit [m/s]; None where it names none.
+
+    Yields
+    ------
+    str
+        A sentence.
+    """
+    slow = {failed: int((speed < (required or 0.0)).sum()) for failed, speed in found.speed.items()}
+    if required is not None and any(slow.values()):
+        every = len(found.direction)
+        less = f", without a motor in up to {max(slow.values())}" if len(slow) > 1 else ""
+        yield f"{speed_text(required)}, the spec's limit, is not permitted in {slow[0]} of {every} directions{less}."
     yield (
         "At constant speed for long, at the lowest supply voltage: what is left for gaining speed is not in it, and "
         "neither are supply and battery."

@@ -479,6 +479,7 @@ def test_a_differential_drive_goes_ahead_and_back():
 def test_the_speeds_are_printed(drive, folder):
     (folder / "robot.yaml").write_text(PAPER)
     out = drive("--set", "/".join(SET))[1]
+    assert "1.5 m/s, the spec's limit, is not permitted in " in out
     assert "without 4" in out and "45 °" in out and "limited by motor voltage, cold and hot" in out.lower()
     document = json.loads(drive("--set", "/".join(SET), "--json")[1])["permitted_speeds"]
     ahead = [s for s in document["speeds"] if s["direction_deg"] == 0]

@@ -59,7 +59,8 @@ def driven(
         _machine(console, chosen)
     if speeds:
         console.print(_permitted(speeds))
-        for remark in speed_remarks(speeds):
+        platform = found.spec.platform
+        for remark in speed_remarks(speeds, platform.limits.speed if platform else None):
             console.print(Text(remark, style="dim"))
     if runs:
         console.print(_compared(runs, found) if len(runs) > _BESIDE else _followed(runs))

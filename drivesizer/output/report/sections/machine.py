@@ -105,8 +105,8 @@ MACHINE = Section(
 
 
 def _permitted(content: Content) -> Iterator[Block]:
-    found = content.behaviour.permitted if content.behaviour else None
-    if found is None:
+    found, platform = content.behaviour.permitted if content.behaviour else None, content.result.spec.platform
+    if found is None or platform is None:
         return
     yield Picture("permitted", "Highest steady speed over the direction, with all motors and without each.",
                   "permitted speed over the direction", about="shows how fast the robot may go.")  # fmt: skip
@@ -115,7 +115,7 @@ def _permitted(content: Content) -> Iterator[Block]:
     rows = [Row((degrees, *(quantity(speed, "m/s", "speed") for speed in speeds), by))
             for degrees, by, speeds in speed_rows(found)]  # fmt: skip
     yield Table(f"{SPEEDS}; what limits it with all motors", columns, rows, "permitted", dense=True)
-    yield Bullets("In these speeds:", [*speed_remarks(found)])
+    yield Bullets("In these speeds:", [*speed_remarks(found, platform.limits.speed)])
 
 
 def _followed(content: Content) -> Iterator[Block]:
