@@ -10,7 +10,7 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.load_cases.screw_requirements import screw_requirements
-from drivesizer.machine.budgets import check_battery, of_the_platform
+from drivesizer.machine.budgets import check_battery, of_the_machine
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertainty
@@ -237,7 +237,7 @@ def explained(
     check_battery(spec, catalog)
     problem, _ = problem_with_drive_mass(spec, catalog, spec.select.objective)
     evaluation, found = _examined(problem, pair_of(catalog, motor, gearhead), spec.behind(gearhead))
-    weigh = weighing(problem, of_the_platform(problem.machine))
+    weigh = weighing(problem, of_the_machine(problem.machine))
     parts = {row: drive_parts(evaluation, row) for row in found}
     beside = {row: other_checks(problem, one) for row, one in parts.items()}
     passing = {

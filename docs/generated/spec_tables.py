@@ -37,13 +37,15 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "power_stage": {"PowerStage": ""},
     "brake": {"OwnBrake": ""},
     "battery": {
-        "Battery": "", "Run": "Each line of `discharge`", "OpenCircuit": "`open_circuit`",
+        "Battery": "", "Charger": "`charger`", "Run": "Each line of `discharge`",
+        "OpenCircuit": "`open_circuit`",
         "Polarisation": "`polarisation`",
     },
     "equipment": {"Consumer": "Each of the list"},
     "environment": {"Environment": ""},
     "mounting": {"Mounting": ""},
     "margins": {"Margins": ""},
+    "requirements": {"Requirements": "", "Travel": "`travel`"},
     "needs": {"Needs": "", "Lives": "`life` by part"},
     "shaft": {"Shaft": ""},
     "select": {

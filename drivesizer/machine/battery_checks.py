@@ -109,7 +109,7 @@ def battery_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> tuple
     """
     *raised, current = charging(spec, pack, load)
     checks = (*_lasting(spec, section, pack, load), *_voltages(spec, pack, load), *raised, *_room(pack, load))
-    return (*checks, *_currents(spec, pack, load), current)
+    return (*checks, *_currents(spec, pack, load), *_charger(section, pack), current)
 
 
 def drawn_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> tuple[CheckColumn, ...]:
@@ -249,6 +249,13 @@ def _doubted(check: CheckColumn) -> CheckColumn:
     note = "voltage at rest unknown: give open_circuit"
     idle = check.passed & (check.demand == check.zero)
     return replace(check, passed=idle, note="" if np.all(check.failed | idle) else note)
+
+
+def _charger(section: Battery, pack: Pack) -> list[CheckColumn]:
+    """Current of the charger, where there is one."""
+    if section.charger is None:
+        return []
+    return [at_most("battery_charger_current", section.charger.current, pack.max_charge_current)]
 
 
 def _currents(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:

@@ -38,7 +38,7 @@ __all__ = [
     "drive_mass",
     "machine_budget",
     "mass_without_drive",
-    "of_the_platform",
+    "of_the_machine",
     "regeneration",
     "riding_mass",
     "riding_rows",
@@ -79,15 +79,15 @@ def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
         raise InputError(f"{spec.where(('battery', 'part'))}: {str(error).removeprefix('battery.part: ')}") from None
 
 
-def of_the_platform(spec: RobotSpec) -> MechanicalBudget | None:
-    """Room, footing and grip of the platform, which are the same whatever drives it; None without one.
+def of_the_machine(spec: RobotSpec) -> MechanicalBudget | None:
+    """Requirements, and room, footing and grip of a platform, which are the same whatever drives it; None without.
 
     Parameters
     ----------
     spec
         The machine as it was specified, its trajectory not yet split into wheels.
     """
-    if spec.platform is None:
+    if spec.platform is None and spec.requirements is None:
         return None
     from drivesizer.machine.platform_budget import of_load_cases
 
@@ -106,7 +106,7 @@ def machine_budget(
     one
         The drive.
     machine
-        Room, footing and grip, which are the same for every drive, of ``of_the_platform``.
+        Checks that are the same for every drive, of ``of_the_machine``.
     brief
         Without consumers and figures of the battery: its checks alone.
 

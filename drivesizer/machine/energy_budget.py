@@ -134,7 +134,7 @@ def budget_of_consumers(
         status=verdict(checks),
         checks=checks,
         figures=_figures(spec, battery, pack, load, _worn(drive.duration, run_time(pack, power)) * pack.available),
-        assumptions=_assumptions(spec, pack, equipment, assumed),
+        assumptions=_assumptions(spec, battery, pack, equipment, assumed),
     )
 
 
@@ -294,6 +294,8 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
     drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
     lacking = {"mission_energy": isnan(mission), "range": isnan(load.speed)}
+    less, charging = load.full - float(run_time(pack, load.mean + 1.0)), _charging_time(battery, pack, load)
+    lacking |= {"autonomy_per_watt": isnan(less), "charging_time": battery.charger is None}
     lacking |= dict.fromkeys(("charge_left", "capacity_needed", "strings_needed"), isnan(load.required))
     rows = (
         ("mean_power", "Mean power from the battery", load.mean, "power", "W"),
@@ -303,9 +305,11 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
         ("mean_current", "Mean current", load.mean / pack.mean_voltage, "current", "A"),
         ("charge_drawn", "Charge that this load draws in all", drawn, "charge", "A*h"),
         ("autonomy", "Autonomy, of the usable share", load.full * pack.available, "time", "h"),
+        ("autonomy_per_watt", "Autonomy that one watt more takes", less * pack.available, "time", "h"),
         ("autonomy_worn", "Autonomy, every moment worn as a steady load", worn, "time", "h"),
         ("range", "Range, at the cycle's mean speed", load.speed * load.full * pack.available, "length", "km"),
         ("charge_left", "Charge left at the end of what is required", load.charge, "dimensionless", "%"),
+        ("charging_time", "Charging time, at least, of the charge drawn", charging, "time", "h"),
         ("capacity_needed", "Rated capacity for what is required", needed, "charge", "A*h"),
         ("strings_needed", "Parallel strings for it", strings_needed(pack, needed), "dimensionless", "1"),
         ("battery_mass", "Mass of the battery", pack.mass, "mass", "kg"),
@@ -313,6 +317,18 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
     return tuple(
         Figure(name=n, title=t, value=float(v), kind=k, unit=u) for n, t, v, k, u in rows if not lacking.get(n)
     )
+
+
+def _charging_time(battery: Battery, pack: Pack, load: Load) -> float:
+    """Time in which the charger returns what is drawn over what is required, else over the autonomy [s].
+
+    The constant voltage at the end of a charge takes longer: it is the least time.
+    """
+    if battery.charger is None:
+        return nan
+    lasts = load.full * pack.available if isnan(load.required) else load.required
+    drawn = max(load.mean, 0.0) / pack.mean_voltage * lasts
+    return float(drawn / (battery.charger.current * battery.charger.efficiency))
 
 
 # --- over the mission ------------------------------------------------------------------------------------------------
@@ -355,7 +371,9 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
 # --- what was taken for granted --------------------------------------------------------------------------------------
 
 
-def _assumptions(spec: RobotSpec, pack: Pack, equipment: Sequence[Consumer], assumed: Sequence[str]) -> tuple[str, ...]:
+def _assumptions(
+    spec: RobotSpec, battery: Battery, pack: Pack, equipment: Sequence[Consumer], assumed: Sequence[str]
+) -> tuple[str, ...]:
     unknown = "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known"
     found = [
         f"run time by {pack.rule}, at the mean power" if pack.rule else unknown,
@@ -366,6 +384,8 @@ def _assumptions(spec: RobotSpec, pack: Pack, equipment: Sequence[Consumer], ass
     if guessed:
         found.append(f"power of {', '.join(guessed)} assumed")
     found += assumed
+    if battery.charger:
+        found.append("charging at a constant current to the end: with a constant voltage at the end it takes longer")
     if not pack.rests:
         found.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")
     if spec.supply.regeneration == 0.0:

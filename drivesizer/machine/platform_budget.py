@@ -16,6 +16,7 @@ from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_record import platform_assumptions
 from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
+from drivesizer.load_cases.requirement_checks import requirement_checks
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import MassBudget
 from drivesizer.machine.platform_checks import (
@@ -69,20 +70,23 @@ def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBud
 
 
 def of_load_cases(spec: RobotSpec) -> MechanicalBudget:
-    """Room, footing and grip of a machine's platform, each check in the load case in which it is worst.
+    """Requirements of a machine, and room, footing and grip of its platform, in the load case that is worst for each.
 
     Parameters
     ----------
     spec
-        The machine, with a platform.
+        The machine, with requirements, a platform, or both.
 
     Returns
     -------
     MechanicalBudget
         Figures and assumptions are those of the first load case.
     """
+    checks = requirement_checks(spec, spec.requirements) if spec.requirements else ()
+    if spec.platform is None:
+        return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=(), assumptions=())
     found = [(name, platform_part(_on_floor(case, spec.margins.torque))) for name, case in spec.load_cases]
-    checks = worst_of_cases([(name, part.checks) for name, part in found])
+    checks += worst_of_cases([(name, part.checks) for name, part in found])
     return replace(found[0][1], checks=checks, status=verdict(checks))
 
 

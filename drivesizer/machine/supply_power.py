@@ -14,17 +14,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.load_cases.trip import distance_of
 from drivesizer.machine.set_cycle import set_cycle, supplied_in_parts, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED
-from drivesizer.physics.load_cycle import LoadCycle, middle
 from drivesizer.physics.power_stage import Feed, at_inputs, lost_in_source, of_the_source
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.waveform import Energy, Wave, energy, extreme_powers, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["DrivePower", "distance_of", "drive_power", "drive_power_in_parts", "side_by_side", "together"]
+__all__ = ["DrivePower", "drive_power", "drive_power_in_parts", "side_by_side", "together"]
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
@@ -185,29 +184,6 @@ def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePow
         least=sets * (loss + standby - next(net)),
         distance=distance_of(spec, cycle.load_cycle),
     )
-
-
-def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
-    """Distance that a vehicle travels in a cycle.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        Its load cycle.
-
-    Returns
-    -------
-    float
-        [m]; NaN of a load that is no vehicle.
-    """
-    load: Any = spec.load
-    if load.is_wheel:
-        return float(load.distance)
-    if not isinstance(load, WheeledVehicle):
-        return nan
-    return cycle.radius * float(middle(np.abs(cycle.speed)) @ cycle.duration)
 
 
 def together(powers: Sequence[DrivePower]) -> DrivePower:

@@ -13,8 +13,8 @@ from __future__ import annotations
 from drivesizer.files.frozen import dataclass
 
 __all__ = [
-    "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "EMF", "CheckKind",
-    "refuse_undeclared",
+    "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "EMF", "OWN_REQUIREMENTS", "REQUIREMENTS",
+    "CheckKind", "refuse_undeclared",
 ]  # fmt: skip
 
 
@@ -230,6 +230,9 @@ _PAPER = {
 }  # fmt: skip
 
 _BUDGET = {  # of the machine with a drive in it
+    "travel_time": CheckKind("Time over the required distance", "time", "min"),
+    "motion_speed": CheckKind("Speed of the motion", "speed", "m/s", rotary=_SPEED),
+    "devices": CheckKind("Required devices carried"),
     "mass": CheckKind("Mass of the machine", "mass", "kg"),
     "mass_sized_for": CheckKind("Mass that the drive is sized for", "mass", "kg"),
     "passage_width": CheckKind("Width of a passage", *_MM),
@@ -256,6 +259,7 @@ _BUDGET = {  # of the machine with a drive in it
     "battery_room": CheckKind("Regenerated charge, room for it", "charge", "A*h", _FED),
     "battery_continuous_current": CheckKind("Battery continuous current (RMS)", *_AMPS, _FED),
     "battery_peak_current": CheckKind("Battery peak current", *_AMPS, _FED),
+    "battery_charger_current": CheckKind("Battery charge current, charger", *_AMPS),
     "battery_charge_current": CheckKind("Battery charge current, energy returned", *_AMPS, _FED),
     "supply_voltage": CheckKind(
         "Motor voltage, current of all axes",
@@ -280,6 +284,12 @@ _BUDGET = {  # of the machine with a drive in it
     "resistor_pulse_energy": CheckKind("Brake resistor pulse energy", "energy", "J", _FED),
 }
 
+OWN_REQUIREMENTS = ("travel_time", "motion_speed", "devices")  # of the section ``requirements`` alone
+REQUIREMENTS = {  # of the machine, in the order in which people read them: which end of the check is required
+    "travel_time": "limit", "motion_speed": "demand", "passage_width": "limit", "passage_height": "limit",
+    "passage_turning": "limit", "passage_corner": "limit", "passage_clearance": "limit", "mass": "limit",
+    "battery_autonomy": "demand", "battery_range": "demand", "devices": "demand",
+}  # fmt: skip
 BATTERY_LASTING = ("battery_autonomy", "battery_range")
 BATTERY_VOLTAGES = ("battery_voltage", "battery_cutoff")
 # budgets that are checked sample by sample too

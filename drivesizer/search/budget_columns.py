@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog
+from drivesizer.load_cases.trip import distance_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, accepted, charging, raised_voltage
 from drivesizer.machine.battery_pack import Pack, pack_of
 from drivesizer.machine.mass_budget import BELT
-from drivesizer.machine.supply_power import distance_of
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import own_figure

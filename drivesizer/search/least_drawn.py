@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.supply_power import distance_of
+from drivesizer.load_cases.trip import distance_of
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.stress import Parts, heat

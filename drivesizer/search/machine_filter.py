@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.budgets import MachineBudget, machine_budget, of_the_platform
+from drivesizer.machine.budgets import MachineBudget, machine_budget, of_the_machine
 from drivesizer.results.check import in_a_sentence
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
@@ -54,7 +54,7 @@ def weighing(problem: Problem, machine: MechanicalBudget | None, *, brief: bool 
     problem
         The machine with its load cycles.
     machine
-        Checks that are the same for every drive, of ``budgets.of_the_platform``.
+        Checks that are the same for every drive, of ``budgets.of_the_machine``.
     brief
         As ``budgets.machine_budget`` takes it.
 
@@ -186,7 +186,7 @@ def any_in_machine(problem: Problem) -> bool:
     bool
         Whether ``best_in_machine`` would find one, by any objective.
     """
-    machine = of_the_platform(problem.machine)
+    machine = of_the_machine(problem.machine)
     return any_found(problem, in_machine(problem, machine, weighing(problem, machine)))
 
 
@@ -205,7 +205,7 @@ def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] 
     DriveSet or None
         With its own checks.
     """
-    machine = of_the_platform(problem.machine)
+    machine = of_the_machine(problem.machine)
     judge = in_machine(problem, machine, weighing(problem, machine), aside)
     found = search(problem, top=1, objective=objective, misses=None, judge=judge)
     return drive_set(found.evaluation, 0, 1, objective) if found.passing else None
@@ -226,7 +226,7 @@ def passes_budgets(problem: Problem, one: DriveParts) -> bool:
     bool
         Whether none fails, and unknown ones are allowed.
     """
-    machine = of_the_platform(problem.machine)
+    machine = of_the_machine(problem.machine)
     if machine and _fails(problem, machine.checks):
         return False
     return not _fails(problem, machine_budget(problem, one, machine).checks)

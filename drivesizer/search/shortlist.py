@@ -13,7 +13,7 @@ import numpy as np
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.frozen import dataclass
-from drivesizer.machine.budgets import check_battery, of_the_platform
+from drivesizer.machine.budgets import check_battery, of_the_machine
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertainty
@@ -138,7 +138,7 @@ def shortlist(
     problem, weighed = problem_with_drive_mass(spec, catalog, objective)
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    machine = of_the_platform(problem.machine)
+    machine = of_the_machine(problem.machine)
     weigh = weighing(problem, machine, brief=checks_alone)
     judge = in_machine(problem, machine, weigh, counted=not checks_alone)
     found = search(

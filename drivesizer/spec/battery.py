@@ -21,7 +21,7 @@ from drivesizer.files.fields import (
     Voltage,
 )
 
-__all__ = ["Battery", "Consumer", "OpenCircuit", "Polarisation", "Run"]
+__all__ = ["Battery", "Charger", "Consumer", "OpenCircuit", "Polarisation", "Run"]
 
 Charge = Annotated[float, Quantity("charge", above=0.0)]
 Count = Annotated[int, Field(ge=1, le=10_000)]
@@ -61,6 +61,13 @@ class Polarisation(Section):
     time_constant: Duration
 
 
+class Charger(Section):
+    """Charger of the whole battery, at a constant current."""
+
+    current: Current
+    efficiency: Share = Field(default=1, description="share of the charge that stays in it")
+
+
 class Battery(Section):
     """Cells or blocks in series and parallel: a part of a catalogue, its own figures, or both. Figures are of one."""
 
@@ -83,6 +90,7 @@ class Battery(Section):
     continuous_current: Current | None = None
     peak_current: Current | None = None
     max_charge_current: Current | None = None
+    charger: Charger | None = Field(default=None, description="of the whole battery, for the time of charging")
     mass: Mass | None = None
     start: Share = Field(default=1, description="share of the charge at the start of the mission")
     usable: Share = Field(default=1, description="share of the charge that may be drawn")

@@ -349,3 +349,22 @@ def test_the_sps_robots_three_hours(robot: RobotSpec, drive: DriveSet, listed: C
     assert run_time(pack, printed) / HOUR == pytest.approx(3.25, rel=0.1)
     left = printed - (found.mean_power - sum(one.mean for one in found.consumers[3:]))
     assert 40.0 < left < 65.0  # W for all devices: a small computer, two scanners, cameras, an arm now and then
+
+
+def test_what_one_watt_more_of_equipment_takes(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
+    """Peukert's law t = H (C / H I)^k in the power P: dt/dP = -k t / P, and 1 W is small beside P."""
+    found = budget(robot, drive, listed)
+    slope = 1.22 * found.full_time / found.mean_power
+    assert figure(found, "autonomy_per_watt") == pytest.approx(slope, rel=0.02)
+    more = budget(robot, drive, listed, [*equipment(), Consumer.model_validate({"name": "LIDAR", "power": "8 W"})])
+    assert found.autonomy - more.autonomy == pytest.approx(8 * figure(found, "autonomy_per_watt"), rel=0.15)
+
+
+def test_the_time_of_charging_is_charge_over_current(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
+    """Three hours of the mean current, of blocks of (12 + 10.5) / 2 V, returned at 2 A of which 80 % stay."""
+    found = budget(robot, drive, listed, charger={"current": "2 A", "efficiency": 0.8})
+    assert figure(found, "charging_time") == pytest.approx(found.mean_power / 22.5 * 3.0 * HOUR / (2.0 * 0.8))
+    assert check(found, "battery_charger_current").status == "pass"  # 2 of twice 2.1 A
+    fast = budget(robot, drive, listed, charger={"current": "5 A"})
+    assert check(fast, "battery_charger_current").status == "fail"
+    assert not [one for one in budget(robot, drive, listed).figures if one.name == "charging_time"]

@@ -13,6 +13,7 @@ from trajectories import joined, piece, straight
 from drivesizer import size
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_record import platform_of
+from drivesizer.load_cases.requirement_checks import requirement_checks
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.machine.platform_budget import mass_part, platform_part
 from drivesizer.machine.platform_checks import PlatformOnFloor, envelope_checks, grip_checks, machine_mass, mass_checks
@@ -21,6 +22,7 @@ from drivesizer.platform.dynamics import dynamics
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.mass import MassRow
 from drivesizer.spec.platform import Budget
+from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
@@ -316,3 +318,67 @@ def test_a_trajectory_that_the_wheels_do_not_allow_is_refused():
 
 def test_the_layout_of_these_tests_is_the_papers():
     assert (SIZE["length"], SIZE["width"], DIAGONAL["kind"]) == ("707 mm", "350 mm", "mecanum")
+
+
+# --- requirements -----------------------------------------------------------------------------------------------------
+
+
+def machine(required, **given):
+    """A vehicle on one of the 19 sections of a ring of 7 km: 368.4 m at 1.5 m/s with ramps of 2 s."""
+    cruise = 7000 / 19 / 1.5 - 2.0
+    base = {
+        "name": "survey",
+        "load": {"kind": "wheeled_vehicle", "mass": "45 kg", "driven_wheels": 4, "wheel_diameter": "152.4 mm",
+                 "rolling_resistance": 0.02, "inertia": "40 kg*cm^2"},
+        "motion": {"speed": "1.5 m/s", "acceleration_time": "2 s", "cruise_time": f"{cruise} s"},
+        "supply": {"nominal": "24 V", "current": "20 A"},
+    }  # fmt: skip
+    spec = load_spec(base | given | {"requirements": required})
+    return of(requirement_checks(spec, spec.requirements))
+
+
+def test_the_time_of_a_survey():
+    """19 sections of 247.6 s are 78.4 min."""
+    found = machine({"travel": {"distance": "7 km", "within": "80 min"}})["travel_time"]
+    assert found.demand / 60 == pytest.approx(78.4, abs=0.05) and found.status == "pass"
+    assert found.demand == pytest.approx(19 * 247.6, rel=1e-4)
+    assert machine({"travel": {"distance": "7 km", "within": "75 min"}})["travel_time"].status == "fail"
+
+
+def test_the_speed_of_the_motion_is_held_against_the_required_one():
+    assert machine({"speed": "5.4 km/h"})["motion_speed"].status == "pass"  # 1.5 m/s, but for rounding
+    assert machine({"speed": "1.6 m/s"})["motion_speed"].margin == pytest.approx(1.5 / 1.6 - 1)
+
+
+def test_a_device_that_nothing_carries_is_named():
+    battery = {"nominal_voltage": "24 V", "capacity": "14 A*h"}
+    carried = {"equipment": [{"name": "3D LIDAR", "power": "8 W"}], "battery": battery}
+    found = machine({"devices": ["3D LIDAR", "SONAR"]}, **carried)["devices"]
+    assert (found.status, found.demand, found.limit) == ("fail", 2.0, 1.0)
+    assert found.note.endswith(": SONAR")
+    others = {"budget": {"others": [{"name": "SONAR", "mass": "50 g"}]}}
+    assert machine({"devices": ["3D LIDAR", "SONAR"]}, **carried, **others)["devices"].status == "pass"
+
+
+@pytest.mark.parametrize(
+    ("required", "said"),
+    [
+        ({}, "give travel, speed or devices"),
+        ({"travel": {"distance": "7 km"}}, "requirements.travel.within: is missing"),
+        ({"devices": ["IMU", "IMU"]}, "expected devices with names of their own"),
+        ({"speed": "3000 rpm"}, "requirements.speed"),
+    ],
+)
+def test_a_wrong_requirement_is_one_line(required, said):
+    with pytest.raises(InputError) as caught:
+        machine(required)
+    assert said in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_what_turns_in_place_travels_no_distance():
+    turning = {"load": {"kind": "flywheel", "inertia": "0.2 kg*m^2"}}
+    turning["motion"] = {"speed": "60 rpm", "acceleration_time": "1 s", "cruise_time": "5 s"}
+    with pytest.raises(InputError, match=r"requirements\.travel: a flywheel does not travel"):
+        machine({"travel": {"distance": "1 km", "within": "1 h"}}, **turning)
+    found = machine({"speed": "50 rpm"}, **turning)["motion_speed"]
+    assert (found.unit, found.margin) == ("rpm", pytest.approx(0.2))

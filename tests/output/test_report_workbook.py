@@ -32,8 +32,10 @@ from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import registry, show
 
-NAMES = ["Summary", "Parts list", "Checks", "Machine", "Battery", "Regenerated energy", "Closed loop", "Time series",
-         "Candidates", "Requirements", "Pieces", "Spec", "Selected drive", "About"]  # fmt: skip
+REQUIRED, SPEEDS = "Requirements on the machine", "Speed by direction"
+NAMES = ["Summary", REQUIRED, "Parts list", "Checks", "Machine", SPEEDS, "Battery", "Regenerated energy",
+         "Closed loop", "Time series", "Candidates", "Requirements", "Pieces", "Platform", "Spec", "Selected drive",
+         "About"]  # fmt: skip
 FORMULAS = ("=1+1", "+1", "-1+1", "@SUM(A1)", '=HYPERLINK("http://x")', "http://example.org/a", "{=1}", "\t=1", "＝1")
 
 
@@ -74,7 +76,7 @@ def test_the_sheets_in_their_order_with_head_filter_and_widths(book):
     assert book.sheetnames == NAMES
     for page in book:
         assert page.freeze_panes and page.freeze_panes.endswith("2"), page.title  # the head stays
-        filtered = page.title not in ("Summary", "Time series", "Spec", "About")
+        filtered = page.title not in ("Summary", REQUIRED, SPEEDS, "Time series", "Spec", "About")
         assert bool(page.auto_filter.ref) == filtered, page.title
         widths = [d.width for d in page.column_dimensions.values()]
         assert widths and all(8 <= width <= 120 for width in widths), page.title
@@ -319,7 +321,7 @@ def test_figures_of_the_data_sheets_carry_their_confidence(book, result):
 def test_without_a_set_all_sheets_are_there_and_say_so(result):
     bare = replace(result, sets=(), misses=(), counts=replace(result.counts, considered=0, feasible=0, failed_by={}))
     book = opened(workbook.sheets(Content(bare)))
-    assert book.sheetnames == NAMES
+    assert book.sheetnames == [name for name in NAMES if name not in (REQUIRED, SPEEDS)]
     assert [row[0].value for row in book["Parts list"].iter_rows(min_row=2)] == []
     told = [cell.value for cell in book["About"]["A"]]
     assert "Parts list: no drive meets all limits: nothing to buy" in told

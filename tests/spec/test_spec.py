@@ -49,14 +49,14 @@ WRONG = [
     ("min: 22 V", "min: 25 V", ":47:", ["min <= nominal <= max"]),
     ("kind: wheeled_vehicle", "kind: boat", ":9:", ["boat", "wheeled_vehicle", "hoist"]),
     ("method: paper", "method: guess", ":6:", ["guess", "paper"]),
-    ("objective: mass", "objective: weight", ":95:", ["weight", "mass"]),
-    ("objective: mass", "objektive: mass", ":95:", ["objective"]),
+    ("objective: mass", "objective: weight", ":112:", ["weight", "mass"]),
+    ("objective: mass", "objektive: mass", ":112:", ["objective"]),
     ("name: SPS surveillance robot", "name:", ":5:", ["text"]),
     ("supply:", "supply: 5\nsuply:", ":48:", ["suply", '"supply"']),
     ("load:\n", "load: 5\nload2:\n", ":9:", ["load2"]),
     ("  - kind: gearhead", "  - kind: belt\n    ratio: 2\n    efficiency: 0.9", "robot.yaml", ["gearhead"]),
-    ("catalogs: [maxon]", "catalogs: []", ":90:", ["expected at least 1"]),
-    ("family: GP 26 A", "family: []", ":92:", ["expected at least 1"]),
+    ("catalogs: [maxon]", "catalogs: []", ":107:", ["expected at least 1"]),
+    ("family: GP 26 A", "family: []", ":109:", ["expected at least 1"]),
     ("slope: 0 deg", "slope: 80 deg", ":15:", ["at most"]),
 ]
 

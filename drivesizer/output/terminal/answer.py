@@ -56,6 +56,10 @@ def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
     console.print()
     title = f"{MARK[best.status]}: the tightest of {number_of(len(best.deciding), 'check')}"
     console.print(tables.checks(tightest(best.deciding, _TIGHT), title, edged=False))
+    if required := tables.required(best):
+        console.print()
+        console.print(required)
+        console.print()
     for line in _certainty(best, result):
         console.print(line)
 

@@ -155,6 +155,9 @@ def _none(console: Console, result: SizingResult, *, whole: bool) -> None:
         failed = [check for check in closest.own_checks if check.status == "fail"]
         shown = closest.checks if whole else failed or [c for c in closest.own_checks if c.status != "pass"]
         console.print(tables.checks(shown, f"Closest rejected: {closest.label}"))
+        if required := tables.required(closest):
+            console.print(required)
+            console.print()
         if whole:
             machine(console, closest)
 

@@ -16,6 +16,7 @@ from rich.text import Text
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.output.figure_confidence import LESS, confidences, not_quoted
 from drivesizer.output.probability import about
+from drivesizer.output.required import required_rows
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
 from drivesizer.results.figures_behind_checks import missing_figures
 from drivesizer.results.requirement import Requirement
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MARK", "STYLE", "bare", "checks", "console", "gains", "heading", "loose", "missing", "objective", "parts",
-    "percent", "plain", "requirements", "width_of",
+    "percent", "plain", "required", "requirements", "width_of",
 ]  # fmt: skip
 
 _WIDTH = 80  # characters where a terminal does not say
@@ -166,6 +167,23 @@ def checks(checks: Iterable[Check], title: str, *, edged: bool = True) -> Table:
         if check.band and check.status in ("open", "pass") and check.band.least_margin < _CLOSE:
             worst = _at_worst(check)
             table.add_row(Text("  at worst, by estimates", style="dim"), *worst, percent(check.band.least_margin), "")
+    return table
+
+
+def required(found: DriveSet) -> Table | None:
+    """Requirements on the machine with what is reached, its margin and the verdict; None where the spec has none."""
+    rows = required_rows(found)
+    if not rows:
+        return None
+    heads = [("requirement", "left"), ("required", "right"), ("reached", "right"), ("margin", "right"), ("", "left")]
+    table = bare(*heads, title="Requirements", edged=False)
+    for row in rows:
+        check = row.check
+        where = f" ({check.case})" if check.case not in ("", AS_SPECIFIED) else ""
+        bound = "≤" if row.bound == "at most" else "≥"
+        figures = f"{bound} {check.shown(row.required)}", check.shown(row.reached), percent(check.margin)
+        note = f"\n{check.note}" if check.note else ""
+        table.add_row(Text(check.title + where + note), *figures, Text(MARK[check.status], style=STYLE[check.status]))
     return table
 
 

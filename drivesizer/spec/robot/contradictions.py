@@ -24,7 +24,7 @@ def refuse_contradictions(spec: Any) -> None:
     """Raise the first contradiction between sections of a ``RobotSpec`` as a ValueError that names the field."""
     for agree in (
         _chained, _mounted, _moved, _of_its_kind_of_motor, _on_wheels,
-        _burning, _overhung, _lasting, _equipped, _braked, _alternating,
+        _burning, _overhung, _lasting, _equipped, _braked, _alternating, _required,
     ):  # fmt: skip
         agree(spec)
 
@@ -197,3 +197,9 @@ def _alternating(spec: Any) -> None:
         raise ValueError(f"cases: their shares are {100.0 * sum(shares):g} % together; expected less than 100 %")
     if spec.platform is not None:
         raise ValueError("cases: wheels of a platform on a trajectory do not alternate; leave share out")
+
+
+def _required(spec: Any) -> None:
+    """A distance of what travels."""
+    if spec.requirements and spec.requirements.travel and not isinstance(spec.load, WheeledVehicle):
+        raise ValueError(f"requirements.travel: a {spec.load.kind} does not travel; leave it out, or give speed")

@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drivesizer.files.later import Later
 
-__all__ = ["Battery", "BrakeResistor", "Budget", "Consumer", "Mounting", "OwnBrake", "Platform", "Shaft", "or_any"]
+__all__ = [
+    "Battery", "BrakeResistor", "Budget", "Consumer", "Mounting", "OwnBrake", "Platform", "Requirements", "Shaft",
+    "or_any",
+]  # fmt: skip
 
 if TYPE_CHECKING:
     from drivesizer.spec.battery import Battery, Consumer
@@ -14,6 +17,7 @@ if TYPE_CHECKING:
     from drivesizer.spec.brake_resistor import BrakeResistor
     from drivesizer.spec.mounting import Mounting
     from drivesizer.spec.platform import Budget, Platform
+    from drivesizer.spec.requirements import Requirements
     from drivesizer.spec.shaft import Shaft
 else:
     Battery = Annotated[Any, Later("drivesizer.spec.battery", "Battery")]
@@ -23,6 +27,7 @@ else:
     Mounting = Annotated[Any, Later("drivesizer.spec.mounting", "Mounting")]
     Budget = Annotated[Any, Later("drivesizer.spec.platform", "Budget")]
     Platform = Annotated[Any, Later("drivesizer.spec.platform", "Platform")]
+    Requirements = Annotated[Any, Later("drivesizer.spec.requirements", "Requirements")]
     Shaft = Annotated[Any, Later("drivesizer.spec.shaft", "Shaft")]
 
 

@@ -29,6 +29,7 @@ from drivesizer.spec.robot.later_sections import (
     Mounting,
     OwnBrake,
     Platform,
+    Requirements,
     Shaft,
     or_any,
 )
@@ -80,6 +81,7 @@ class RobotSpec(OfFile):
     environment: Environment = at_defaults()
     mounting: Mounting | None = Field(default=None, description="of the motor; as printed where not given")
     needs: Needs = at_defaults()
+    requirements: Requirements | None = Field(default=None, description="of the machine, for a table of its own")
     brake: OwnBrake | None = Field(default=None, description="out of the catalogues where not given")
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
     battery: Battery | None = Field(default=None, description="that feeds the machine; only the supply where not given")

@@ -14,7 +14,7 @@ from drivesizer.output.report.sections.checks import CHECKS, DRIVE, PHYSICS
 from drivesizer.output.report.sections.cycle import CYCLE, ENERGY, HEAT
 from drivesizer.output.report.sections.derivation import DERIVATION
 from drivesizer.output.report.sections.loop import LINEAR_LOOPS, LOOP
-from drivesizer.output.report.sections.machine import BATTERY, BRAKING, FOLLOWED, MACHINE, PERMITTED
+from drivesizer.output.report.sections.machine import BATTERY, BRAKING, FOLLOWED, MACHINE, PERMITTED, REQUIRED
 from drivesizer.output.report.sections.parts import DATA_SHEETS, PARTS
 from drivesizer.output.report.sections.pieces import PIECES
 from drivesizer.output.report.sections.platform import PLATFORM_NUMBERS
@@ -26,6 +26,7 @@ __all__ = ["SECTIONS"]
 
 SECTIONS = (  # what to buy, whether it holds, how close others come, why; then what it rests on
     SUMMARY,
+    REQUIRED,
     PARTS,
     DRIVE,
     CHECKS,

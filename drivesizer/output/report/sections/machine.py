@@ -1,4 +1,4 @@
-"""The machine with the drive: its budgets, masses and figures, a platform's speeds, battery, what it regenerates."""
+"""The machine with the drive: requirements, budgets, masses, a platform's speeds, battery, what it regenerates."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.runs import assumed
 from drivesizer.output.energy_table import consumer_rows
 from drivesizer.output.platform_table import FOLLOWING, SPEEDS, speed_heads, speed_remarks, speed_rows
-from drivesizer.output.report.lines.drive import check_row, figure_row
+from drivesizer.output.report.lines.drive import case_of, check_row, figure_row
 from drivesizer.output.report.lines.rows import battery_rows, braking_rows, machine_rows
 from drivesizer.output.report.sections.blocks import (
     Block,
@@ -27,7 +27,9 @@ from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import RANK, STATUS, VALUES, ranked
-from drivesizer.output.report.sections.texts import Number, quantity
+from drivesizer.output.report.sections.texts import Number, Status, quantity
+from drivesizer.output.required import RequiredRow, required_rows
+from drivesizer.output.text import margin
 from drivesizer.results.check_parts import by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
@@ -38,6 +40,7 @@ __all__ = [
     "FOLLOWED",
     "MACHINE",
     "PERMITTED",
+    "REQUIRED",
     "consumers",
     "masses",
     "unknown_consumers",
@@ -144,6 +147,35 @@ def _followed(content: Content) -> Iterator[Block]:
 
 FOLLOWED = Section(name="followed", title="Path following", level=2, blocks=_followed)
 PERMITTED = Section(name="permitted", title="Speed by direction", level=2, blocks=_permitted)
+
+
+# -- requirements
+
+
+def _required(content: Content) -> Iterator[Block]:
+    rows = required_rows(content.drive) if content.drive else []
+    if rows:
+        numbers = (Column(head, "number") for head in ("required", "reached", "margin"))
+        columns = (
+            Column("requirement", "name", 1.0),
+            Column("bound", "small"),
+            *numbers,
+            Column("met", "status"),
+            Column("note"),
+        )
+        yield Table("Requirements on the machine, what is reached, and by what margin", columns, [*map(_demand, rows)])
+
+
+def _demand(row: RequiredRow) -> Row:
+    """A requirement with the load case or passage that it is of."""
+    check = row.check
+    figures = (quantity(value, check.unit, check.kind) for value in (row.required, row.reached))
+    note = "; ".join(filter(None, (case_of(check), check.note)))
+    return Row((check.title, row.bound, *figures, margin(check.margin), (Status(check.status),), note))
+
+
+REQUIRED = Section(name="required", title="Requirements on the machine", blocks=_required)
+
 
 # -- battery
 
