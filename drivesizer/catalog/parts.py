@@ -219,6 +219,10 @@ class Controller:
     continuous_current: float = figure("current", "A")
     peak_current: float = figure("current", "A")
     peak_time: float = figure("time", "s")
+    max_power: float = figure("power", "W")  # of the supply, where the maker limits it beside the current ...
+    max_power_voltage: float = figure("voltage", "V")  # ... up to this supply voltage; from there it falls
+    reduced_power: float = figure("power", "W")  # ... in a straight line to this
+    reduced_power_voltage: float = figure("voltage", "V")  # ... at this supply voltage and above
     max_duty: float = figure("dimensionless", "%")
     voltage_drop: float = figure("voltage", "V")
     pwm_frequency: float = figure("frequency", "kHz")

@@ -52,6 +52,7 @@ _LIFE = (  # of a gear
 EMF = ("motor.back_emf_constant", "motor.speed_constant")  # where the maker prints one
 _DRAWN = (*_WARM, *EMF)
 _FED = (*_DRAWN, "controller.voltage_drop", "controller.max_efficiency")  # what hangs on the power out of the supply
+_POWER = tuple(f"controller.{name}_power{of}" for name in ("max", "reduced") for of in ("", "_voltage"))
 _CHAIN = (*_RATIO, "gearhead.efficiency", *_ROTOR)  # of the paper's torque at the motor
 _BY_CURRENT = (*_CHAIN, "motor.torque_constant", "motor.no_load_current")  # of the paper's current
 _SUPPLIES = ("controller.supply_min", "controller.supply_max")
@@ -159,6 +160,7 @@ _PHYSICS = {
         "Time above continuous current", "time", "s",
         ("CURRENT", "controller.continuous_current", "CONTROLLER_DERATING", "controller.peak_time"), on_inertia=True,
     ),
+    "controller_power": CheckKind("Controller power", *_WATT, (*_FED, *_POWER), on_inertia=True),
     "controller_speed": CheckKind(
         "Controller electrical speed", *_SPEED, (*_RATIO, "motor.pole_pairs", "controller.max_speed_sine")
     ),

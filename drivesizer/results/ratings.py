@@ -17,6 +17,7 @@ from drivesizer.results.drive_set import DriveParts, DriveSet
 __all__ = [
     "continuous_speed_limit",
     "controller_current",
+    "controller_power_limit",
     "lasting_limit",
     "nominal_current_limit",
     "nominal_torque_limit",
@@ -134,6 +135,44 @@ def controller_current(controller: Any, ambient: Array | float) -> Any:
     return np.where(np.isnan(printed), np.nan, found)
 
 
+def controller_power_limit(power: Array | float, controller: Any, voltage: float, **more: Any) -> CheckColumn:
+    r"""The largest power of a drive against what its controller permits at a supply voltage.
+
+    .. math:: P = P_{max} - (P_{max} - P_{red}) \frac{V - V_{max}}{V_{red} - V_{max}}, \qquad P_{red} \le P \le P_{max}
+
+    Parameters
+    ----------
+    power
+        Out of the supply [W].
+    controller
+        Figures by field name: ``max_power`` up to ``max_power_voltage``, ``reduced_power`` from
+        ``reduced_power_voltage`` on. Without the first there is no limit; without the second it is at most the first.
+    voltage
+        Highest of the supply [V].
+    more
+        Further fields of the column.
+
+    Returns
+    -------
+    CheckColumn
+        Of the candidates.
+
+    Examples
+    --------
+    moteus r4.11: 900 W up to 30 V, 400 W from 38 V on:
+
+    >>> r4 = {"max_power": 900.0, "max_power_voltage": 30.0, "reduced_power": 400.0, "reduced_power_voltage": 38.0}
+    >>> [float(controller_power_limit(500.0, r4, volts).limit) for volts in (24.0, 32.0, 44.0)]
+    [900.0, 775.0, 400.0]
+    """
+    most, low = controller["max_power"], controller["reduced_power"]
+    first, last = controller["max_power_voltage"], controller["reduced_power_voltage"]
+    share = np.clip((voltage - first) / (last - first), 0.0, 1.0)
+    limit = np.where(voltage <= np.asarray(first), most, most - (most - low) * share)
+    limit, most = (np.where(np.isnan(most), np.inf, x) for x in (limit, most))
+    return at_most("controller_power", power, limit, most=np.where(np.isnan(limit), most, limit), **more)
+
+
 def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:
     """The RMS current against the nominal one in an ambient.
 
@@ -159,13 +198,22 @@ def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float
     return _rated("motor_nominal_current", rms, motor["nominal_current"], motor, ambient, needed)
 
 
-def nominal_torque_limit(rms: Array, motor: Any, ambient: float, needed: float = 0.0) -> list[CheckColumn]:
-    """The RMS torque against the nominal one, of motors whose current is not known.
+def nominal_torque_limit(
+    rms: Array, speed: Array, motor: Any, ambient: float, needed: float = 0.0
+) -> list[CheckColumn]:
+    r"""The RMS torque against the nominal one, of motors whose current is not known.
+
+    Where the continuous torque at standstill is printed too, that of the cycle lies between: copper and iron share the
+    heat, and the iron's is taken to grow with the speed, which is the most that it can have at part speed.
+
+    .. math:: M^2 = M_0^2 - (M_0^2 - M_N^2) \overline{|\omega|} / \omega_N
 
     Parameters
     ----------
     rms
         RMS torque [N*m].
+    speed
+        Mean speed of the motor over the cycle, without sign [rad/s].
     motor
         Figures by field name.
     ambient
@@ -181,7 +229,9 @@ def nominal_torque_limit(rms: Array, motor: Any, ambient: float, needed: float =
     unjudged = np.isnan(motor["torque_constant"] * motor["nominal_current"]) & ~np.isnan(motor["nominal_torque"])
     if not unjudged.any():
         return []
-    rating = np.where(unjudged, motor["nominal_torque"], np.inf)
+    nominal, still = motor["nominal_torque"], motor["standstill_torque"]
+    between = np.sqrt(np.maximum(still**2 - (still**2 - nominal**2) * speed / motor["nominal_speed"], 0.0))
+    rating = np.where(unjudged, np.where(np.isnan(between), nominal, between), np.inf)
     return [_rated("motor_nominal_torque", rms, rating, motor, ambient, needed)]
 
 

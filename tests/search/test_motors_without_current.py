@@ -10,6 +10,7 @@ import pytest
 from drivesizer.catalog import load
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.machine.problem import problem
+from drivesizer.results.ratings import nominal_torque_limit
 from drivesizer.search.columns.candidates import pairs
 from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.sizing import explain, size
@@ -103,3 +104,14 @@ def test_a_check_that_some_candidates_do_not_have_limits_nothing_there(catalog, 
     assert torque.limit == pytest.approx([2.39, np.inf, 0.64])
     assert torque.failed.tolist() == [False, False, True] and torque.passed[1]
     assert not np.isnan(found["motor_nominal_current"].demand[1])
+
+
+def test_between_standstill_and_nominal_speed_the_torque_is_between():
+    """7 N*m at rest, 5.73 at 2000 rpm (1200 W): at half of it sqrt(49 - (49 - 32.83)/2) = 6.397 N*m."""
+    motor = {"torque_constant": math.nan, "nominal_current": math.nan, "nominal_torque": 5.73, "nominal_speed": 209.44,
+             "standstill_torque": np.array([7.0, 7.0, 7.0, math.nan]), "max_winding_temperature": 428.15,
+             "rated_ambient": 313.15, "data_temperature": math.nan}  # fmt: skip
+    speed = np.array([0.0, 104.72, 209.44, 104.72])
+    (found,) = nominal_torque_limit(np.full(4, 6.0), speed, motor, 313.15)
+    assert found.limit == pytest.approx([7.0, 6.397, 5.73, 5.73], rel=1e-3)
+    assert found.passed.tolist() == [True, True, False, False]

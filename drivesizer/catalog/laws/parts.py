@@ -177,7 +177,8 @@ _ORDERS = {
     "controllers": (
         "supply_min < supply_max", "supply_max <= absolute_max", "supply_min >= absolute_min",
         "peak_current >= continuous_current", "speed_loop <= current_loop", "position_loop <= speed_loop",
-        "max_speed_sine <= max_speed_block", "full_current_ambient < ambient_max",
+        "max_speed_sine <= max_speed_block", "full_current_ambient < ambient_max", "reduced_power < max_power",
+        "max_power_voltage < reduced_power_voltage",
     ),
 }  # fmt: skip
 

@@ -111,7 +111,7 @@ class _Case:
             for a, b in zip(low, high, strict=True)
         ]
         unknown = np.isnan(found[1].power) & ~self.told  # temperature unknown: at most a failure while cold
-        if len(masks) > _POWER and (passing & unknown).any():
+        if any(mask.any() for mask in masks[_POWER:]) and (passing & unknown).any():
             most = found[0]._replace(power=self.coldest)
             colds = waveform_limits(self.spec, most, most, self.columns[3])[_POWER:]
             masks[_POWER:] = [m & ~(unknown & ~c.failed) for m, c in zip(masks[_POWER:], colds, strict=True)]

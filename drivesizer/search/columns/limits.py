@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
+from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.elements.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
@@ -266,10 +266,11 @@ def moving_limits(
     """
     motor, ambient = parts.motor, spec.environment.ambient
     torque, speed = motor_needed(spec), spec.margins.speed
+    mean = cycle.moments[DIRECTION, SPEED] * demand.total_ratio
     found = [
         at_most("motor_speed", demand.peak_speed, motor["max_speed"], needed=speed),
         nominal_current_limit(demand.rms_current, motor, ambient, torque),
-        *nominal_torque_limit(demand.rms_torque, motor, ambient, torque),
+        *nominal_torque_limit(demand.rms_torque, mean, motor, ambient, torque),
         winding_limit(spec, heating.winding, motor),
     ]  # fmt: skip
     if not cycle.acts[SPEED]:

@@ -23,7 +23,7 @@ from drivesizer.physics.thermal import resistance_25
 from drivesizer.physics.waveform import Wave, longest_above, wave
 from drivesizer.physics.winding_course import current_and_winding
 from drivesizer.results.check_columns import CheckColumn, at_most, between
-from drivesizer.results.ratings import controller_current
+from drivesizer.results.ratings import controller_current, controller_power_limit
 from drivesizer.search.columns.limits import winding_limit
 from drivesizer.search.columns.resisted import Resisted, energy_over_time, largest_voltage, most_power
 from drivesizer.spec.robot import RobotSpec
@@ -79,7 +79,7 @@ class Moments(NamedTuple):
 
 WAVEFORM_LIMITS = (
     "winding_temperature", "supply_voltage", "controller_peak_time", "bus_voltage", "common_bus_voltage",
-    "supply_current", "supply_power",
+    "controller_power", "supply_current", "supply_power",
 )  # fmt: skip
 Wanted = Literal["winding", "power", "limits", "all"]
 Exactly = Wanted | bool | NDArray[np.bool_]  # what is computed from the waveform whatever bounds decide; of which rows
@@ -348,6 +348,7 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
         at_most("supply_voltage", found.voltage, usable, needed=speed, time=found.voltage_time),
         at_most("controller_peak_time", found.above, controller["peak_time"]),
         bus_limit(spec, bus, controller["supply_max"], undecided=_STAYS, note=held),
+        controller_power_limit(found.power, controller, supply.highest, needed=torque, time=found.power_time),
     ]
     if supply.current is not None:
         drawn = power / supply.lowest
