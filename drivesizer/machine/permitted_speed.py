@@ -27,7 +27,7 @@ from drivesizer.platform.dynamics import Dynamics, wheel_torques
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 from drivesizer.spec.robot import RobotSpec
@@ -48,6 +48,7 @@ class PermittedSpeeds(NamedTuple):
     speed: dict[int, Array]  # m/s, by the failed wheel, 0 for none; NaN: no motion of these wheels, infinite: no limit
     limit: dict[int, list[str]]  # title of the check that a higher speed fails
     unknown: tuple[str, ...]  # titles of checks that are left out, as a figure of them is unknown
+    estimated: tuple[str, ...]  # figures of the drive that no data sheet gives, at the middle of their bands
 
     def at(self, degrees: int) -> dict[int, tuple[float, str]]:
         """Speed and limit in one of the directions, by the failed wheel."""
@@ -55,7 +56,7 @@ class PermittedSpeeds(NamedTuple):
         return {failed: (float(speed[place]), self.limit[failed][place]) for failed, speed in self.speed.items()}
 
 
-def permitted_speeds(spec: RobotSpec, drive: DriveParts) -> PermittedSpeeds | None:
+def permitted_speeds(spec: RobotSpec, drive: DriveSet) -> PermittedSpeeds | None:
     """Permitted speeds of a platform in all directions, as it is and with the motor of each driven wheel failed.
 
     A wheel whose motor has failed turns freely, or is held where the spec has ``blocked``. Its motor and gearhead
@@ -84,7 +85,8 @@ def permitted_speeds(spec: RobotSpec, drive: DriveParts) -> PermittedSpeeds | No
             continue
         speed[failed], limit[failed], lacking = _fastest(spec, drive, d, np.radians(direction))
         unknown |= dict.fromkeys(lacking)
-    return PermittedSpeeds(direction, speed, limit, tuple(unknown))
+    estimated = (one.title for one in drive.estimated if one.kind != "mass" and one.part != "encoder")
+    return PermittedSpeeds(direction, speed, limit, tuple(unknown), tuple(estimated))
 
 
 def _failed(spec: RobotSpec, wheel: int) -> RobotSpec:

@@ -65,6 +65,8 @@ def speed_remarks(found: PermittedSpeeds, required: float | None) -> Iterator[st
     yield f"Limited by {_listed(by)}{never}." if by else "No limit is known."
     if len(found.speed) > 1:
         yield "Without: the motor of that wheel has failed, and neither it nor its gearhead resists."
+    if found.estimated:
+        yield f"Estimated, at the middle of its band: {_listed(found.estimated)}."
     if found.unknown:
         yield f"Unknown and not looked at: {_listed(found.unknown)}."
 

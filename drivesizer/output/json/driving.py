@@ -88,7 +88,7 @@ def _permitted(speeds: PermittedSpeeds) -> schema.Permitted:
         for degrees in speeds.direction.tolist()
         for speed, limit in [speeds.at(degrees)[failed]]
     ]
-    return {"speeds": every, "unknown": [*speeds.unknown]}
+    return {"speeds": every, "unknown": [*speeds.unknown], "estimated": [*speeds.estimated]}
 
 
 def _measured(spec: RobotSpec) -> list[schema.Measured]:

@@ -196,7 +196,7 @@ Sizing = TypedDict("Sizing", {
 PermittedSpeed = TypedDict("PermittedSpeed", {
     "failed_wheel": Count | None, "direction_deg": Count, "speed_m_per_s": Number, "limited_by": str,
 })  # fmt: skip
-Permitted = TypedDict("Permitted", {"speeds": list[PermittedSpeed], "unknown": list[str]})
+Permitted = TypedDict("Permitted", {"speeds": list[PermittedSpeed], "unknown": list[str], "estimated": list[str]})
 Deviation = TypedDict("Deviation", {"title": str, "si": Number, "si_unit": str, "at_time_s": float, "at_way_m": float})
 Run = TypedDict("Run", {"largest": list[Deviation], "time_at_torque_limit": Number})
 Measured = TypedDict("Measured", {"name": str, "position_m": float, "heading_rad": float})
