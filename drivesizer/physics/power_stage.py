@@ -85,6 +85,15 @@ class Feed(NamedTuple):
         """Voltage that the stage can apply without current [V]; NaN where a figure of it is unknown."""
         return usable_voltage(self.voltage, self.stage.max_duty, self.stage.drop)
 
+    @property
+    def usable_at_most(self) -> Any:
+        """The same, no less where a figure is unknown: an unprinted drop is the smallest, without a duty all of it."""
+        printed = self.usable
+        if not np.isnan(printed).any():
+            return printed
+        most = self._usable_with(ASSUMED_BAND[0])
+        return np.where(np.isnan(most), self.voltage, most)
+
     def usable_for(self, required: Any) -> Any:
         """The usable voltage as it judges a required one; NaN where a figure that decides is unknown [V].
 
@@ -94,15 +103,15 @@ class Feed(NamedTuple):
         printed = self.usable
         if not np.isnan(printed).any():
             return printed
-        most, least = (
-            usable_voltage(
-                self.voltage, self.stage.max_duty, np.where(np.isnan(self.stage.drop), drop, self.stage.drop)
-            )
-            for drop in ASSUMED_BAND
-        )
-        bound = np.where(np.isnan(most), self.voltage, most)
+        least, bound = self._usable_with(ASSUMED_BAND[1]), self.usable_at_most
         decides = np.where(required <= least, least, np.where(required > bound, bound, np.nan))
         return np.where(np.isnan(printed), decides, printed)
+
+    def _usable_with(self, drop: float) -> Any:
+        """The usable voltage with a drop where none is printed."""
+        return usable_voltage(
+            self.voltage, self.stage.max_duty, np.where(np.isnan(self.stage.drop), drop, self.stage.drop)
+        )
 
     @property
     def leads(self) -> Any:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, NamedTuple
@@ -130,6 +130,7 @@ class Asked:
     speed: float
     I_rms: float
     I_peak: float
+    V_start: float  # V, cold
     V_peak: Pair  # at least, at most; the same where heat is known
     copper: float  # W, mean
     settled: float  # K, steady mean
@@ -173,12 +174,11 @@ def asked(
     head: Any,
     ambient: float,
     kept: float = 1.0,
-    losing: Callable[[Asked], tuple[float, float]] | None = None,
+    losing: tuple[float, float] = (0.0, 0.0),
 ) -> Asked:
     """Every demand of one set, the time above a current apart.
 
-    ``losing``: loss per ampere of the controller [V] and the least that it may be, by what is asked of it before its
-    power and energy are known: these hang on that loss.
+    ``losing``: loss per ampere of the controller [V] and the least that it may be.
     """
     total = sum(p.time for p in pieces)
     running = [p for p in pieces if p.way]
@@ -226,6 +226,7 @@ def asked(
         speed=fastest * head.ratio,
         I_rms=I_rms,
         I_peak=I_peak,
+        V_start=at_start,
         V_peak=(V[0], V[-1]),
         copper=copper,
         settled=steady,
@@ -235,7 +236,7 @@ def asked(
         returned=NAN,
         stored=(NAN, NAN),
     )
-    loss, least = losing(before) if losing else (0.0, 0.0)
+    loss, least = losing
     power = [
         largest([x for p, T in zip(fine, Ts, strict=True) for x in _strongest(p, hottest_volts(p, motor, T), loss)])
         for Ts in (both if unknown else both[:1])
@@ -576,31 +577,36 @@ class Wanted(NamedTuple):
 
     carried: float  # A, for ever
     peak: float  # A
-    volts: float
+    volts: float  # of a cold winding
     turning: float  # rad/s, of the commutation; 0 of a brushed motor
     lines: float  # Hz, of the encoder; 0 where none is asked for
 
 
-def controller_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) -> Any | None:
-    """Of those that do what is asked one of which the fewest figures are lacking, of them the smallest."""
-    usable = [c for c in offered if c.supply_min <= spec.supply.lowest and c.supply_max >= spec.supply.highest]
-    usable = [c for c in usable if c.drives in ("", "both", kind) or (kind == "" and c.drives)]
-    usable.sort(key=lambda c: (math.isnan(c.continuous_current), c.continuous_current, c.part))
+def controllers_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) -> list[tuple[int, Any]]:
+    """Those that do what is asked with the number of figures that each lacks: fewest first, of them by current."""
     does = []
-    for c in usable:
+    for c in offered:
+        if c.supply_min > spec.supply.lowest or c.supply_max < spec.supply.highest:
+            continue
+        if c.drives not in ("", "both", kind) and not (kind == "" and c.drives):
+            continue
         given = voltage_of(spec, c)
         if c.continuous_current < wanted.carried or c.peak_current < wanted.peak or given < wanted.volts:
             continue
+        if deciding_voltage(spec, c, wanted.volts) < wanted.volts:  # nothing gives more than its supply, known or not
+            continue
         if c.max_speed_sine < wanted.turning or c.max_encoder_frequency < wanted.lines:
             continue
-        if spec.supply.lowest < wanted.volts:  # nothing gives more than its supply, known or not
-            continue
-        figures = [c.continuous_current, c.peak_current, given]
+        figures = [c.supply_min + c.supply_max, c.continuous_current, c.peak_current, given]
         figures += [c.max_speed_sine] if wanted.turning != 0.0 else []
         figures += [c.max_encoder_frequency] if wanted.lines != 0.0 else []
         figures += [c.peak_time] if c.continuous_current < wanted.peak else []
-        does.append((sum(math.isnan(f) for f in figures), usable.index(c)))
-    return usable[min(does)[1]] if does else usable[-1] if usable else None
+        does.append((sum(math.isnan(f) for f in figures), c))
+    unknown = [math.isnan(c.continuous_current) for _, c in does]
+    order = sorted(
+        range(len(does)), key=lambda n: (does[n][0], unknown[n], does[n][1].continuous_current, does[n][1].part)
+    )
+    return [does[n] for n in order]
 
 
 def voltage_of(spec: Any, controller: Any) -> float:
@@ -649,6 +655,70 @@ def figure(part: Any | None, name: str) -> float:
     return NAN if part is None else getattr(part, name)
 
 
+HANGING = "supply_voltage", "controller_peak_time", "bus_voltage", "supply_current", "supply_power"
+ELECTRICAL = (
+    *HANGING, "winding_temperature", "motor_peak_torque", "controller_continuous_current", "controller_peak_current",
+    "controller_speed", "encoder_speed", "encoder_frequency", "encoder_resolution",
+)  # fmt: skip
+
+
+def chosen(
+    spec: Any,
+    cycle: Any,
+    pieces: list[Piece],
+    of: Callable[[Any | None], Asked],
+    parts: tuple[Any, Any, Any],
+    belt: float,
+    offered: list[Any],
+) -> tuple[dict[str, Verdict], Any, Asked]:
+    """Every check of one set with the first controller of which none fails: by figures that it lacks, then by current.
+
+    One more is better with which fewer are unknown, where it lacks no figure. Where all fail there is none, for others
+    may exist, but where without one a check fails as well. ``of``: demands with a controller, which hang on its loss.
+    """
+
+    def with_one(controller: Any | None) -> dict[str, Verdict]:
+        return checks(spec, cycle, pieces, of(controller), parts, belt, controller)
+
+    idle = () if encoder_required(spec) else ("encoder_speed", "encoder_frequency")
+
+    def fails(some: dict[str, Verdict], names: Sequence[str] = ELECTRICAL) -> bool:
+        return any(some[n].status == "fail" for n in names if n in some and n not in idle)
+
+    def lacking(some: dict[str, Verdict]) -> int:
+        return sum(some[n].status == "unknown" for n in ELECTRICAL if n in some and n not in idle)
+
+    motor, _, encoder = parts
+    found = of(None)
+    does = controllers_for(spec, offered, motor.kind, _wanted(spec, found, motor, encoder))
+    best, one = with_one(does[0][1] if does else None), does[0][1] if does else None
+    if not does or fails(best, [n for n in ELECTRICAL if n not in HANGING]):
+        return best, one, of(one)
+    for lacks, other in does[1:]:
+        if not fails(best) and (lacks or all(best[n].status == "pass" for n in HANGING if n in best)):
+            break
+        if best["supply_voltage"].status == "unknown" and math.isnan(
+            found.V_peak[1]
+        ):  # however much a controller gives
+            break
+        new = with_one(other)
+        if fails(new) < fails(best) or (not fails(new) and not fails(best) and lacking(new) < lacking(best)):
+            best, one = new, other
+    if fails(best) and not fails(with_one(None)):
+        best, one = with_one(None), None
+    return best, one, of(one)
+
+
+def _wanted(spec: Any, found: Asked, motor: Any, encoder: Any) -> Wanted:
+    """What the set asks of a controller, before its own limits are looked at."""
+    more, fast = 1 + spec.margins.torque, 1 + spec.margins.speed
+    return Wanted(
+        more * found.I_rms, more * found.I_peak, fast * found.V_start,
+        0.0 if motor.kind == "brushed" else fast * found.speed * motor.pole_pairs,
+        fast * figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi) if encoder_required(spec) else 0.0,
+    )  # fmt: skip
+
+
 def checks(
     spec: Any,
     cycle: Any,
@@ -656,9 +726,9 @@ def checks(
     found: Asked,
     parts: tuple[Any, Any, Any],
     belt: float,
-    offered: list[Any],
-) -> tuple[dict[str, Verdict], Any]:
-    """Every check of one set, and its controller."""
+    controller: Any | None,
+) -> dict[str, Verdict]:
+    """Every check of one set with a controller or with none."""
     motor, head, encoder = parts
     more, fast = spec.margins.torque, spec.margins.speed
     ambient, i, out = spec.environment.ambient, head.ratio, {}
@@ -696,8 +766,9 @@ def checks(
         at_most(T, motor.max_winding_temperature, spec.margins.temperature, zero=ambient) for T in found.winding
     )
     _wishes(spec, cycle, motor, head, encoder, belt, out)
-    controller, held = _controller(spec, pieces, found, (motor, encoder), offered)
-    out["controller_available"] = Verdict(NAN, NAN, "fail" if controller is None else "pass", NAN)
+    held = above(pieces, figure(controller, "continuous_current"))
+    range_known = not math.isnan(figure(controller, "supply_min") + figure(controller, "supply_max"))
+    out["controller_available"] = Verdict(NAN, NAN, "pass" if range_known else "unknown", NAN)
     limits = [deciding_voltage(spec, controller, V * (1 + fast)) for V in found.V_peak]
     out["supply_voltage"] = bounded(at_most(V, limit, fast) for V, limit in zip(found.V_peak, limits, strict=True))
     out["controller_continuous_current"] = at_most(found.I_rms, figure(controller, "continuous_current"), more)
@@ -713,33 +784,7 @@ def checks(
     limit = math.inf if motor.kind == "brushed" else figure(controller, "max_speed_sine")
     out["controller_speed"] = at_most(turning, limit, fast)
     _supply(spec, found, controller, out)
-    return out, controller
-
-
-def _controller(
-    spec: Any, pieces: list[Piece], found: Asked, parts: tuple[Any, Any], offered: list[Any]
-) -> tuple[Any, float]:
-    """The controller and the longest time above what it bears; where that is too long, one that bears the peak."""
-    motor, encoder = parts
-    more, fast = 1 + spec.margins.torque, 1 + spec.margins.speed
-
-    def wanted_of(volts: float) -> Wanted:
-        return Wanted(
-            more * found.I_rms, more * found.I_peak, fast * volts,
-            0.0 if motor.kind == "brushed" else fast * found.speed * motor.pole_pairs,
-            fast * figure(encoder, "counts_per_turn") * found.speed / (2 * math.pi) if encoder_required(spec) else 0.0,
-        )  # fmt: skip
-
-    wanted = wanted_of(found.V_peak[1])
-    controller = controller_for(spec, offered, motor.kind, wanted)
-    if not usable_for(spec, controller, wanted.volts):  # none for the hottest it may be: one for the coldest
-        wanted = wanted_of(found.V_peak[0])
-        controller = controller_for(spec, offered, motor.kind, wanted)
-    held = above(pieces, figure(controller, "continuous_current"))
-    if at_most(held, figure(controller, "peak_time")).status == "fail":
-        controller = controller_for(spec, offered, motor.kind, wanted._replace(carried=wanted.peak))
-        held = above(pieces, figure(controller, "continuous_current"))
-    return controller, held
+    return out
 
 
 def _supply(spec: Any, found: Asked, controller: Any, out: dict[str, Verdict]) -> None:
@@ -761,14 +806,6 @@ def _supply(spec: Any, found: Asked, controller: Any, out: dict[str, Verdict]) -
             bus = math.sqrt(supply.highest**2 + 2 * stored * sets / supply.capacitance)
         buses.append(bus)
     out["bus_voltage"] = bounded(at_most(bus, figure(controller, "supply_max")) for bus in buses)
-
-
-def usable_for(spec: Any, controller: Any, volts: float) -> bool:
-    """Whether a controller gives a voltage, as far as that is known; true of an unknown voltage."""
-    if controller is None:
-        return False
-    given = voltage_of(spec, controller)
-    return not (given < volts or spec.supply.lowest < volts)
 
 
 def bounded(bounds: Any) -> Verdict:

@@ -172,7 +172,7 @@ def _offered(easy: Offers, hard: Offers, motors: NDArray[np.int64]) -> Offers:
     limits = [(first, easy.motor_limits), (last, [check.on(motors) for check in hard.motor_limits])]
     return Offers(
         encoders,
-        easy.controllers._replace(allowed=easy.controllers.allowed[every]),
+        easy.controllers.of(every),
         scattered(limits, len(every)),
         None if easy.brakes is None or hard.brakes is None else _brakes(easy.brakes, hard.brakes, motors),
     )

@@ -1,8 +1,9 @@
 """A controller for every candidate at once, out of small tables.
 
 Of those with the bus, the voltage and the kind of motor that suffice the smallest, by continuous current; one
-of which all of that is known before one of which something is not. Ties go by part number. Where nothing suffices the
-nearest is named, so that its check can say by how much it falls short.
+of which all of that is known before one of which something is not. Ties go by part number. Where none of them suffices
+a motor has none, for others may still exist: unknown. One that is inside an actuator, or that the spec names, is all
+that there is: the nearest is then named, so that its check can say by how much it falls short.
 """
 
 from __future__ import annotations
@@ -22,12 +23,14 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice
 
 __all__ = [
+    "HANGING",
     "Chosen",
     "Speeds",
     "Usable",
     "controllers",
     "in_order",
     "matching",
+    "no_better_than",
     "offered_buses",
     "offers",
     "selected",
@@ -109,21 +112,26 @@ def in_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64
     return np.lexsort((table["part"], figure))
 
 
-def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The last in order that a mask over it allows, -1 where it allows none."""
-    if not len(order):
-        return np.full(len(mask), -1)
-    place = len(order) - 1 - np.argmax(mask[:, ::-1], 1)
-    return np.where(mask.any(1), order[place], -1)
-
-
 class Usable(NamedTuple):
     """Controllers for the spec's supply and bus, by rising current."""
 
     order: NDArray[np.int64]  # their rows
     allowed: NDArray[np.bool_]  # which of them may drive which motor: (motors, controllers)
+    nearest: NDArray[np.int64]  # of each motor that may have no other; -1 where there is none, or others may exist
+    partial: NDArray[np.bool_]  # which motors may have one that no catalogue lists
+    unclear: NDArray[np.bool_]  # of which of all controllers the supply's range is not wholly known; of none it is
     lowest: float  # V, of the supply
     ambient: float  # K, the hottest
+
+    def of(self, motors: NDArray[np.int64]) -> Usable:
+        """The same of some motors, by their rows."""
+        columns = {name: getattr(self, name)[motors] for name in ("allowed", "nearest", "partial")}
+        return self._replace(**columns)
+
+    def available(self, motor: NDArray[np.int64], row: NDArray[np.int64]) -> CheckColumn:
+        """Whether there is a controller for each motor: unknown where catalogues list none, or its range is unknown."""
+        clear = ~self.unclear[row]
+        return fits("controller_available", (row >= 0) & clear, (row >= 0) & clear | (row < 0) & ~self.partial[motor])
 
 
 def usable_controllers(
@@ -147,22 +155,33 @@ def usable_controllers(
     """
     (lowest, highest), choice = supply or (spec.supply.lowest, spec.supply.highest), spec.select.controller
     key = "controllers", repr(choice), lowest, highest
-    order, allowed = catalog.once(key, lambda: _allowed(choice, catalog, lowest, highest))
-    return Usable(order, allowed, lowest, spec.environment.ambient if ambient is None else ambient)
+    columns = catalog.once(key, lambda: _allowed(choice, catalog, lowest, highest))
+    return Usable(*columns, lowest, spec.environment.ambient if ambient is None else ambient)
 
 
-def _allowed(
-    choice: ControllerChoice, catalog: Catalog, lowest: float, highest: float
-) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Rows of controllers by rising current, and which of them each motor may have."""
-    table = catalog.controllers
+def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest: float) -> tuple[NDArray[Any], ...]:
+    """Rows of controllers by rising current, which of them each motor may have, and the other columns of ``Usable``."""
+    table, box = catalog.controllers, catalog.motors["inside"]
     order = in_order(table, table["continuous_current"])
     order = order[_usable(choice, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
     texts, kind = table["drives"][order], catalog.motors["kind"]
     drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
     can = np.vstack([drives, drives.any(0), texts == "stepper"])  # rows: brushed, brushless, kind unknown, stepper
     allowed = can[np.select([kind == "brushed", kind == "brushless", kind == "stepper"], [0, 1, 3], 2)]
-    return order, allowed & _belongs(catalog, order).T
+    has_own = np.isin(box, distinct(table["inside"][table["inside"] != ""]))
+    place = table["inside"][order]
+    allowed &= np.where(has_own[:, None], place == box[:, None], place == "")  # one inside is for its motor alone
+    partial = ~has_own & (not choice.named)
+    unclear = np.append(np.isnan(table["supply_min"] + table["supply_max"]), False)
+    return order, allowed, np.where(partial, -1, _last(allowed, order)), partial, unclear
+
+
+def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The last in order that a mask over it allows, -1 where it allows none."""
+    if not len(order):
+        return np.full(len(mask), -1)
+    place = len(order) - 1 - np.argmax(mask[:, ::-1], 1)
+    return np.where(mask.any(1), order[place], -1)
 
 
 def controllers(
@@ -174,6 +193,8 @@ def controllers(
     voltage: NDArray[Any] | None = None,
     speeds: Speeds | None = None,
     usable: Usable | None = None,
+    barred: NDArray[np.bool_] | None = None,
+    known: NDArray[np.bool_] | None = None,
 ) -> Chosen:
     """The controller of each candidate.
 
@@ -191,6 +212,11 @@ def controllers(
         What each candidate's controller has to keep up with, where the method looks at it.
     usable
         Which there are for each motor, where that is at hand; it knows the supply in all load cases.
+    barred
+        Which of the usable ones, in their order, a candidate may not have, shape (controllers, rows): it then has none
+        where none of the others suffices.
+    known
+        Which candidates may have only one of which all figures are known, with ``barred``.
 
     Returns
     -------
@@ -198,19 +224,24 @@ def controllers(
         Row of each candidate's controller, shape (rows,), -1 where there is none, and its checks.
     """
     table = catalog.controllers
-    order, allowed, lowest, ambient = usable or usable_controllers(spec, catalog)
-    lasting = controller_current(table, ambient)
+    usable = usable or usable_controllers(spec, catalog)
+    order, lowest = usable.order, usable.lowest
+    lasting = controller_current(table, usable.ambient)
     figure = {name: _beside(table[name], order) for name in ("peak_current", "peak_time")}  # shape (controllers, 1)
     continuous = _beside(lasting, order)
-    enough = allowed.T.take(motor, axis=1)  # shape (controllers, rows): few long rows are quicker than many short ones
+    enough = usable.allowed.T.take(
+        motor, axis=1
+    )  # shape (controllers, rows): few long rows are quicker than many short ones
+    if barred is not None:
+        enough &= ~barred
     enough &= ~(continuous < rms_current)
     enough &= ~(figure["peak_current"] < peak_current)
     lacking = np.isnan(continuous).astype(np.int8) + np.isnan(figure["peak_current"])
+    lacking = lacking + _beside(usable.unclear, order)
     if voltage is not None:
-        delivered = spec.feed({name: _beside(table[name], order) for name in STAGE_FIGURES})
-        usable_voltage = delivered._replace(voltage=lowest).usable
-        enough &= ~(np.fmin(usable_voltage, lowest) < voltage)
-        lacking = lacking + np.isnan(usable_voltage)
+        feed = spec.feed({name: _beside(table[name], order) for name in STAGE_FIGURES})._replace(voltage=lowest)
+        enough &= ~(np.minimum(feed.usable_at_most, lowest) < voltage)
+        lacking = lacking + np.isnan(feed.usable)
         if (untimed := np.isnan(figure["peak_time"])).any():
             lacking = lacking + (untimed & (continuous < peak_current))
     if speeds is not None:
@@ -219,22 +250,56 @@ def controllers(
             enough &= ~(limit < demand)
             if (unknown := np.isnan(limit)).any():
                 lacking = lacking + (unknown & (demand != 0.0))
-    row = _first(order, enough, lacking, _last(allowed, order)[motor])
+    if known is not None:
+        enough &= ~known | (lacking == 0)
+    row = _first(order, enough, lacking, usable.nearest[motor] if barred is None else np.full(len(motor), -1))
     continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
     return Chosen(row, [
-        fits("controller_available", row >= 0, len(table) > 0),  # unknown with catalogues that list no controllers
+        usable.available(motor, row),
         at_most("controller_continuous_current", rms_current, continuous),
         at_most("controller_peak_current", peak_current, peak),
     ])  # fmt: skip
 
 
-def _belongs(catalog: Catalog, order: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Controllers (rows) that may drive motors (columns): one inside an actuator is for its motor alone."""
-    box, whose = catalog.motors["inside"], catalog.controllers["inside"]
-    has_own = np.isin(box, distinct(whose[whose != ""]))
-    place = whose[order][:, None]
-    found: NDArray[np.bool_] = np.where(has_own, place == box, place == "")
-    return found
+HANGING = (  # checks of a drive that hang on its controller and on its cycle, beside what ``controllers`` looks at
+    "supply_voltage", "controller_peak_time", "bus_voltage", "common_bus_voltage", "supply_current", "supply_power",
+)  # fmt: skip
+
+
+def no_better_than(spec: RobotSpec, table: Table[Any], usable: Usable) -> dict[str, NDArray[np.bool_]]:
+    """For each of ``HANGING`` which of the usable controllers meets it no better than which other one, by its figures.
+
+    Parameters
+    ----------
+    spec
+        The requirements.
+    table
+        The controllers of the catalogue.
+    usable
+        Those for the supply.
+
+    Returns
+    -------
+    dict
+        By check: rows are those that meet it no better, columns the others, both in their order.
+    """
+    of = {name: table[name][usable.order] for name in (*STAGE_FIGURES, "continuous_current", "peak_time")}
+    stage = spec.feed(of).stage
+    kept = of["supply_max"], stage.least_loss
+    if spec.supply.capacitance is None and spec.chopper_voltage is None:  # then each has at least its own
+        kept = (*kept, of["continuous_current"])
+    drawn = -stage.loss, -np.broadcast_to(stage.standby, stage.loss.shape)
+    more = {
+        "supply_voltage": (spec.feed(of)._replace(voltage=usable.lowest).usable, -stage.loss, -stage.max_duty),
+        "controller_peak_time": (of["continuous_current"], of["peak_time"]),
+        "bus_voltage": kept,
+        "common_bus_voltage": (of["supply_max"],),
+        "supply_current": drawn,
+        "supply_power": drawn,
+    }
+    return {
+        name: np.logical_and.reduce([column[:, None] <= column for column in columns]) for name, columns in more.items()
+    }
 
 
 def _beside(column: NDArray[Any], order: NDArray[np.int64]) -> NDArray[Any]:
@@ -256,9 +321,9 @@ def _first(
 
 
 def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:
-    """Controllers that the spec allows, with the bus it names, at its supply voltages."""
+    """Controllers that the spec allows, with the bus it names, that are not known to be for other supply voltages."""
     keep = selected(table, choice)
-    keep &= (table["supply_min"] <= lowest) & (table["supply_max"] >= highest)
+    keep &= ~(table["supply_min"] > lowest) & ~(table["supply_max"] < highest)
     bus = choice.bus
     if bus:
         keep &= np.array([any(offers(b, bus) for b in _split(text)) for text in table["buses"]], bool)

@@ -221,7 +221,12 @@ def _over_bands(
         return at(problem, candidates, every)
     favourable, unfavourable = at_ends(problem)
     hard = at(unfavourable, candidates.on(rows), rows)
-    easy = at(favourable, candidates.on(rows)._replace(controller=hard.controller, brake=hard.brake), rows)
+    free = np.where(
+        hard.controller < 0, FREE, hard.controller
+    )  # where none suffices one may that does at the other end
+    easy = at(favourable, candidates.on(rows)._replace(controller=free, brake=hard.brake), rows)
+    if (easy.controller != hard.controller).any():
+        hard = at(unfavourable, candidates.on(rows)._replace(controller=easy.controller, brake=hard.brake), rows)
     middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake), every)
     ends = {e.name: (e, h) for e, h in zip(easy.checks, hard.checks, strict=True)}  # some checks no drive of these has
     checks = [over_band(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]

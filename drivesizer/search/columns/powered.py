@@ -1,13 +1,14 @@
 """Candidates with the smallest controller that does in all load cases, against what is electrical and temperature.
 
-The voltage that a controller must give depends on how warm the winding is, which is known only when the waveform is
-computed; so a controller is chosen for a cold winding first, and another where that one turns out too weak.
+What a controller must give depends on how warm the winding is, and on the controller: for how long the current is
+above its own, what it loses, what its capacitance takes. So one is chosen by moments and extremes for a cold winding
+first, and where it turns out not to suffice others, by rising current.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced, st
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import Chosen, Speeds, controllers
+from drivesizer.search.columns.controllers import HANGING, Speeds, controllers, no_better_than
 from drivesizer.search.columns.decided import decided
 from drivesizer.search.columns.encoders import line_frequency
 from drivesizer.search.columns.exactly import exact
@@ -30,7 +31,6 @@ from drivesizer.spec.altitude import controller_needed
 __all__ = ["Moving", "Powered", "powered"]
 
 Array = NDArray[np.float64]
-_TRIES = 4  # of controllers for a candidate
 
 
 class Moving(NamedTuple):
@@ -93,38 +93,37 @@ def powered(
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
     case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each, staged, nearness)
-    continuous = np.zeros(len(parts.motor.rows), bool)
-    required = case.required
-    chosen = case.controllers(required, [u.cold_voltage.value for u in case.stresses], continuous)
-    free = np.ones_like(continuous) if parts.controller is None else parts.controller.rows == FREE
-    row = chosen.row if parts.controller is None else np.where(free, chosen.row, parts.controller.rows)
-    found = case.judged(row, None)
-    tried, changed = np.zeros_like(continuous), free
-    for _ in range(_TRIES):  # what has not changed would be given the same again
-        settled = ~found.weak | (found.open & tried)  # a voltage that stays open is no reason to overload a controller
-        short = free & ~continuous & found.check("controller_peak_time").failed & ~found.dead & settled
-        again = short | (changed & found.weak & ~found.dead & ~tried)
-        if not again.any():
-            break
-        continuous |= short
-        tried |= found.open
-        row, found, changed = _again(case, required, row, found, continuous, short, np.flatnonzero(again))
+    chosen = case.controllers([u.cold_voltage.value for u in case.stresses])
+    free = np.ones(len(chosen), bool) if parts.controller is None else parts.controller.rows == FREE
+    row = chosen if parts.controller is None else np.where(free, chosen, parts.controller.rows)
+    row, found = _walked(case, row, case.judged(row, None), np.flatnonzero(free))
     figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
-    return Powered(row, [chosen.checks[0], *found.checks], _where_known(figures, cases))
+    available = offered.controllers.available(parts.motor.rows, row)
+    return Powered(row, [available, *found.checks], _where_known(figures, cases))
 
 
 class _Found(NamedTuple):
     """Checks and bounds of candidates with some controllers."""
 
     checks: list[CheckColumn]
-    dead: NDArray[np.bool_]  # by the electrical limits already
-    weak: NDArray[np.bool_]  # the controller has too little voltage, or may have
-    open: NDArray[np.bool_]  # it may have: bounds of the voltage are all that is known, and do not decide
     pairs: list[Pair]  # of each load case
 
-    def check(self, name: str) -> CheckColumn:
-        """The check of a name."""
-        return next(check for check in self.checks if check.name == name)
+    def failed(self, others: bool = False) -> NDArray[np.bool_]:
+        """Whether a check fails; ``others``: one that no other controller changes."""
+        some = [check.failed for check in self.checks if not check.advice and not (others and check.name in HANGING)]
+        found: NDArray[np.bool_] = np.logical_or.reduce(some)
+        return found
+
+    def on(self, rows: NDArray[Any]) -> _Found:
+        """Of some of the candidates."""
+        rows = np.flatnonzero(rows) if rows.dtype == bool else rows
+        return _Found([check.on(rows) for check in self.checks], [(on(a, rows), on(b, rows)) for a, b in self.pairs])
+
+    @property
+    def lacking(self) -> NDArray[np.int64]:
+        """Number of checks that are unknown."""
+        found: NDArray[np.int64] = np.sum([~(c.passed | c.failed) for c in self.checks if not c.advice], axis=0)
+        return found
 
     def replaced(self, rows: NDArray[np.int64], new: _Found, of: NDArray[np.int64]) -> _Found:
         """With some of the candidates found anew; ``of`` says which of the new ones these are."""
@@ -135,9 +134,6 @@ class _Found(NamedTuple):
 
         return _Found(
             [check.with_rows(rows, other.on(of)) for check, other in zip(self.checks, new.checks, strict=True)],
-            put(self.dead, rows, new.dead[of]),
-            put(self.weak, rows, new.weak[of]),
-            put(self.open, rows, new.open[of]),
             [both(*pair) for pair in zip(self.pairs, new.pairs, strict=True)],
         )
 
@@ -188,12 +184,26 @@ class _Cases(NamedTuple):
             motor.rows, rms, largest, Speeds(electrical, lines if spec.wants_encoder else np.zeros_like(lines))
         )
 
-    def controllers(self, required: _Required, voltage: Sequence[Array], continuous: NDArray[np.bool_]) -> Chosen:
-        """The smallest that suffices in the worst of all cases; of some candidates, where those are fewer."""
-        spec, usable = self.problem.spec, self.offered.controllers
+    def controllers(
+        self, voltage: Sequence[Array], barred: NDArray[np.bool_] | None = None, known: NDArray[np.bool_] | None = None
+    ) -> NDArray[np.int64]:
+        """The smallest that suffices in the worst of all cases, as far as that is known before its own limits are."""
+        spec, usable, required = self.problem.spec, self.offered.controllers, self.required
         volts = (1.0 + spec.margins.speed) * np.maximum.reduce(list(voltage))
-        carried, largest = np.where(continuous, required.largest, required.rms), required.largest
-        return controllers(spec, self.problem.catalog, required.motor, carried, largest, volts, required.speeds, usable)
+        demand = required.rms, required.largest, volts, required.speeds
+        return controllers(spec, self.problem.catalog, required.motor, *demand, usable, barred, known).row
+
+    def others(self, found: _Found, barred: NDArray[np.bool_], known: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Of those that are not barred the smallest that may suffice, -1 where none may.
+
+        Of some candidates one of which all is known. The voltage is what was found, at most where that is open, but
+        where leads take of it.
+        """
+        opened = ~next(check.passed | check.failed for check in found.checks if check.name == "supply_voltage")
+        volts = [np.where(opened, np.nan_to_num(high.voltage, nan=np.inf), low.voltage) for low, high in found.pairs]
+        if self.problem.spec.resists:
+            volts = [u.cold_voltage.value for u in self.stresses]
+        return self.controllers(volts, barred, known)
 
     def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
@@ -214,10 +224,7 @@ class _Cases(NamedTuple):
         ]
         limits = [waveform_limits(spec, *pair, parts) for spec, pair in zip(specs, pairs, strict=True)]
         last = worst_of_all(self.problem, lambda k: unknown_where_doubtful(limits[k], complete[k]))
-        volts = [next(check for check in some if check.name == "supply_voltage") for some in limits]
-        weak = ~np.logical_and.reduce([check.passed for check in volts])
-        fails = np.logical_or.reduce([check.failed for check in volts])
-        return _Found([*first, *last], dead, weak, weak & ~fails, pairs)
+        return _Found([*first, *last], pairs)
 
     def _stress(self, k: int, row: NDArray[np.int64]) -> Stress:
         """The stress of one load case, with what resistances before the winding take of the voltage."""
@@ -250,30 +257,59 @@ class _Cases(NamedTuple):
         return Moments(*columns[0]), Moments(*columns[1])
 
 
-def _again(
-    case: _Cases,
-    required: _Required,
-    row: NDArray[np.int64],
-    found: _Found,
-    continuous: NDArray[np.bool_],
-    short: NDArray[np.bool_],
-    rows: NDArray[np.int64],
-) -> tuple[NDArray[np.int64], _Found, NDArray[np.bool_]]:
-    """Other controllers for some candidates, where there are, what is found with them, and who changed."""
-    changed = np.zeros(len(row), bool)
-    opened = found.open[rows] & ~short[rows]
-    volts = [np.where(opened, high.voltage[rows], low.voltage[rows]) for low, high in found.pairs]
-    chosen = case.controllers(on(required, rows), volts, continuous[rows]).row
-    other = np.flatnonzero(chosen != row[rows])
-    if not len(other):
-        return row, found, changed
-    retried = rows[other]
-    before = [(on(low, retried), on(high, retried)) for low, high in found.pairs]
-    new = case.some(retried).judged(chosen[other], before)
-    # where heat is unknown a controller is none the worse that does for a cold winding and not for a hot one
-    better = np.flatnonzero(~opened[other] | ~new.weak)
-    changed[retried[better]] = True
-    return put(row, retried[better], chosen[other[better]]), found.replaced(retried[better], new, better), changed
+def _walked(
+    case: _Cases, row: NDArray[np.int64], found: _Found, rows: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], _Found]:
+    """Candidates whose controller does not suffice with others by rising current, each with its own limits.
+
+    Until one does. None is tried that no figure makes better than one that was, nor one of which something is not known
+    in place of one that only leaves a check unknown. Where all that are listed fail others may exist: it has none.
+    """
+    usable, table = case.offered.controllers, case.problem.catalog.controllers
+    if not len(rows := rows[_wanting(case, row, found)[rows]]):
+        return row, found
+    no_better, place = no_better_than(case.problem.spec, table, usable), np.zeros(len(table), np.int64)
+    place[usable.order] = np.arange(len(usable.order))
+    barred, one, new = np.zeros((len(usable.order), len(rows)), bool), row[rows], found.on(rows)
+    while len(rows):
+        barred |= (usable.order[:, None] == one) | _pointless(new, no_better, place[one])
+        now = found.on(rows)
+        fails = now.failed()
+        one = case.some(rows).others(new, barred, ~fails)
+        going = (one >= 0) | fails & usable.partial[case.parts.motor.rows[rows]]
+        rows, barred, one, now, new = rows[going], barred[:, going], one[going], now.on(going), new.on(going)
+        if not len(rows):
+            break
+        new = case.some(rows).judged(one, new.pairs)
+        fewer = (new.failed() < now.failed()) | ~(new.failed() | now.failed()) & (new.lacking < now.lacking)
+        better = np.flatnonzero(fewer)
+        row, found = put(row, rows[better], one[better]), found.replaced(rows[better], new, better)
+        going = (one >= 0) & ~new.failed(others=True) & _wanting(case.some(rows), row[rows], found.on(rows))
+        rows, barred, one, new = rows[going], barred[:, going], one[going], new.on(going)
+    return row, found
+
+
+def _pointless(found: _Found, no_better: dict[str, NDArray[np.bool_]], tried: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Controllers that cannot do better than those tried: (controllers, candidates).
+
+    No better for one check that fails; where none does, for all that are unknown.
+    """
+    failed, checks = found.failed(), [check for check in found.checks if check.name in no_better]
+    fails = np.logical_or.reduce([no_better[check.name][:, tried] & check.failed for check in checks])
+    lacks = np.logical_and.reduce([no_better[check.name][:, tried] | check.passed for check in checks])
+    barred: NDArray[np.bool_] = np.where(failed, fails, lacks)
+    return barred
+
+
+def _wanting(case: _Cases, row: NDArray[np.int64], found: _Found) -> NDArray[np.bool_]:
+    """Candidates with whose controller a check fails or is unknown that another one may meet."""
+    unmet = np.logical_or.reduce([~check.passed for check in found.checks if check.name in HANGING])
+    unmet &= (row >= 0) & ~found.failed(others=True)
+    if not unmet.any():
+        return unmet
+    known = np.logical_and.reduce([c.demand.complete for c in case.moving])
+    wanting: NDArray[np.bool_] = unmet & (known | found.failed())
+    return wanting
 
 
 def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str, Array]:

@@ -25,7 +25,7 @@ from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
 from drivesizer.physics.stepper.pull_out import amplitude
 from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
 from drivesizer.physics.stress import Parts
-from drivesizer.results.check_columns import CheckColumn, at_least, at_most, fits
+from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.candidates import FREE, Rows
@@ -116,9 +116,8 @@ def stepped(
     given = None if parts.controller is None else parts.controller.rows
     row = chosen.row if given is None else np.where(given == FREE, chosen.row, given)
     parts = parts._replace(controller=Rows(catalog.controllers, row))
-    listed = bool((catalog.controllers["drives"] == STEPPER).any())
     of_driver = [
-        fits("controller_available", row >= 0, listed),
+        offered.controllers.available(motor.rows, row),
         *driver_limits(current, parts.controller, thin, offered.controllers.ambient),
     ]
 
