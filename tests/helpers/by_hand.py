@@ -697,10 +697,8 @@ def chosen(
     for lacks, other in does[1:]:
         if not fails(best) and (lacks or all(best[n].status == "pass" for n in HANGING if n in best)):
             break
-        if best["supply_voltage"].status == "unknown" and math.isnan(
-            found.V_peak[1]
-        ):  # however much a controller gives
-            break
+        if not fails(best) and best["supply_voltage"].status == "unknown" and math.isnan(found.V_peak[1]):
+            break  # however much a controller gives
         new = with_one(other)
         if fails(new) < fails(best) or (not fails(new) and not fails(best) and lacking(new) < lacking(best)):
             best, one = new, other

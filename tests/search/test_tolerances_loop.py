@@ -34,7 +34,7 @@ load: {kind: arm, mass: 1.5 kg +- 0.2 kg, length: 200 mm}
 motion: {profile: triangle, distance: 60 deg, time: 1.2 s, rest_time: 2 s, there_and_back: true}
 supply: {nominal: 24 V, regeneration: 50 %}
 margins: {torque: 80 %, speed: 20 %, temperature: 80 %}
-select: {motor: {family: [DCX 26 L, DCX 22 L, RE 30]}}
+select: {motor: {part: DCX22L01EBKL570}, controller: {part: "409510"}}
 """
 
 

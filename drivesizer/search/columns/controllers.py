@@ -155,12 +155,12 @@ def usable_controllers(
     """
     (lowest, highest), choice = supply or (spec.supply.lowest, spec.supply.highest), spec.select.controller
     key = "controllers", repr(choice), lowest, highest
-    columns = catalog.once(key, lambda: _allowed(choice, catalog, lowest, highest))
-    return Usable(*columns, lowest, spec.environment.ambient if ambient is None else ambient)
+    columns: Usable = catalog.once(key, lambda: _allowed(choice, catalog, lowest, highest))
+    return columns._replace(ambient=spec.environment.ambient if ambient is None else ambient)
 
 
-def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest: float) -> tuple[NDArray[Any], ...]:
-    """Rows of controllers by rising current, which of them each motor may have, and the other columns of ``Usable``."""
+def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest: float) -> Usable:
+    """Controllers for each motor, at an ambient that is not known yet."""
     table, box = catalog.controllers, catalog.motors["inside"]
     order = in_order(table, table["continuous_current"])
     order = order[_usable(choice, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
@@ -173,7 +173,8 @@ def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest:
     allowed &= np.where(has_own[:, None], place == box[:, None], place == "")  # one inside is for its motor alone
     partial = ~has_own & (not choice.named)
     unclear = np.append(np.isnan(table["supply_min"] + table["supply_max"]), False)
-    return order, allowed, np.where(partial, -1, _last(allowed, order)), partial, unclear
+    nearest = np.where(partial, -1, _last(allowed, order))
+    return Usable(order, allowed, nearest, partial, unclear, lowest, np.nan)
 
 
 def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -285,7 +286,7 @@ def no_better_than(spec: RobotSpec, table: Table[Any], usable: Usable) -> dict[s
     """
     of = {name: table[name][usable.order] for name in (*STAGE_FIGURES, "continuous_current", "peak_time")}
     stage = spec.feed(of).stage
-    kept = of["supply_max"], stage.least_loss
+    kept: tuple[NDArray[Any], ...] = (of["supply_max"], stage.least_loss)
     if spec.supply.capacitance is None and spec.chopper_voltage is None:  # then each has at least its own
         kept = (*kept, of["continuous_current"])
     drawn = -stage.loss, -np.broadcast_to(stage.standby, stage.loss.shape)

@@ -219,18 +219,40 @@ def _over_bands(
     rows, every = estimated(problem, candidates, method), slice(None)
     if not len(rows):
         return at(problem, candidates, every)
-    favourable, unfavourable = at_ends(problem)
-    hard = at(unfavourable, candidates.on(rows), rows)
-    free = np.where(
-        hard.controller < 0, FREE, hard.controller
-    )  # where none suffices one may that does at the other end
-    easy = at(favourable, candidates.on(rows)._replace(controller=free, brake=hard.brake), rows)
-    if (easy.controller != hard.controller).any():
-        hard = at(unfavourable, candidates.on(rows)._replace(controller=easy.controller, brake=hard.brake), rows)
+    some, (favourable, unfavourable) = candidates.on(rows), at_ends(problem)
+    hard = at(unfavourable, some, rows)
+    easy = at(favourable, some._replace(controller=hard.controller, brake=hard.brake), rows)
+    if (easy.failed | easy.unknown).any():
+        hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), some, rows)
     middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake), every)
     ends = {e.name: (e, h) for e, h in zip(easy.checks, hard.checks, strict=True)}  # some checks no drive of these has
     checks = [over_band(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
     return middle._replace(candidates=candidates, checks=checks)
+
+
+def _with_others(
+    at: Callable[[Problem, Candidates, Any], Evaluation],
+    hard: tuple[Problem, Evaluation],
+    easy: tuple[Problem, Evaluation],
+    some: Candidates,
+    rows: NDArray[np.int64],
+) -> tuple[Evaluation, Evaluation]:
+    """Both ends of a band, with the controller of the favourable one of candidates of which less then is undecided."""
+    free = at(easy[0], some._replace(controller=np.full(len(rows), FREE), brake=hard[1].brake), rows)
+    if (free.controller == hard[1].controller).all():
+        return hard[1], easy[1]
+    given = some._replace(controller=free.controller, brake=hard[1].brake)
+    other = at(hard[0], given, rows)
+    better = _undecided(other) + _undecided(free) < _undecided(hard[1]) + _undecided(easy[1])
+    given = given._replace(controller=np.where(better, free.controller, hard[1].controller))
+    return at(hard[0], given, rows), at(easy[0], given, rows)
+
+
+def _undecided(found: Evaluation) -> NDArray[np.int64]:
+    """Number of checks that do not pass; what fails counts more than all that are unknown."""
+    checks = [check for check in found.checks if not check.advice]
+    unmet: NDArray[np.int64] = np.sum([~check.passed for check in checks], axis=0) + len(checks) * found.failed
+    return unmet
 
 
 def _with_parts(

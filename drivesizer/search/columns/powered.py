@@ -196,10 +196,10 @@ class _Cases(NamedTuple):
     def others(self, found: _Found, barred: NDArray[np.bool_], known: NDArray[np.bool_]) -> NDArray[np.int64]:
         """Of those that are not barred the smallest that may suffice, -1 where none may.
 
-        Of some candidates one of which all is known. The voltage is what was found, at most where that is open, but
-        where leads take of it.
+        Of candidates that fail nothing one of which all is ``known``, at the highest voltage where that is open. Leads
+        take of the voltage that was found: then it is that of a cold winding.
         """
-        opened = ~next(check.passed | check.failed for check in found.checks if check.name == "supply_voltage")
+        opened = known & ~next(c.passed | c.failed for c in found.checks if c.name == "supply_voltage")
         volts = [np.where(opened, np.nan_to_num(high.voltage, nan=np.inf), low.voltage) for low, high in found.pairs]
         if self.problem.spec.resists:
             volts = [u.cold_voltage.value for u in self.stresses]
@@ -295,7 +295,7 @@ def _pointless(found: _Found, no_better: dict[str, NDArray[np.bool_]], tried: ND
     No better for one check that fails; where none does, for all that are unknown.
     """
     failed, checks = found.failed(), [check for check in found.checks if check.name in no_better]
-    fails = np.logical_or.reduce([no_better[check.name][:, tried] & check.failed for check in checks])
+    fails: Any = np.logical_or.reduce([no_better[check.name][:, tried] & check.failed for check in checks])
     lacks = np.logical_and.reduce([no_better[check.name][:, tried] | check.passed for check in checks])
     barred: NDArray[np.bool_] = np.where(failed, fails, lacks)
     return barred
@@ -303,7 +303,7 @@ def _pointless(found: _Found, no_better: dict[str, NDArray[np.bool_]], tried: ND
 
 def _wanting(case: _Cases, row: NDArray[np.int64], found: _Found) -> NDArray[np.bool_]:
     """Candidates with whose controller a check fails or is unknown that another one may meet."""
-    unmet = np.logical_or.reduce([~check.passed for check in found.checks if check.name in HANGING])
+    unmet: NDArray[np.bool_] = np.logical_or.reduce([~check.passed for check in found.checks if check.name in HANGING])
     unmet &= (row >= 0) & ~found.failed(others=True)
     if not unmet.any():
         return unmet
