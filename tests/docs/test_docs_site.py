@@ -295,3 +295,47 @@ def test_the_tables_of_a_prediction_are_the_document(run):
 @pytest.mark.parametrize("heading", RECORDS)
 def test_the_tables_of_the_json_page_are_the_documents(documents, heading):
     held_against_the_page(heading, RECORDS[heading](*documents))
+
+
+# --- the paper, command by command
+
+
+def commands_of_the_paper():
+    """Rows of the table: what is meant, the command, the exit status that it says."""
+    for meant, command, _ in rows(page("paper"), "## All of the paper, command by command"):
+        found = re.fullmatch(r"`drivesizer ([^`]+)`(?: \(exit status (\d)\))?|–", command)
+        assert found, command
+        yield meant, (found[1] or "").split(), int(found[2] or 0)
+
+
+def test_every_equation_figure_table_and_requirement_of_the_paper_has_a_row():
+    meant = [text.split(":")[0] for text, _, _ in commands_of_the_paper()]
+
+    def numbered(kind):
+        """Numbers behind a word, each of a range as well."""
+        texts = [text.translate({ord("("): None, ord(")"): None}) for text in meant if re.match(kind, text)]
+        for low, high in re.findall(r"(\d+)(?: to (\d+))?", " ".join(texts)):
+            yield from range(int(low), int(high or low) + 1)
+
+    assert set(numbered(r"\(")) == set(range(1, 60))
+    assert sorted(numbered("Figure")) == list(range(1, 14))
+    assert list(numbered("Requirement")) == [1, 2, 3, 4, 5] and list(numbered("Table")) == [1]
+
+
+def test_the_equations_of_the_table_are_printed(run, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    quick = [words for _, words, _ in commands_of_the_paper() if words[:1] == ["equations"] and len(words) == 2]
+    assert len(quick) > 12
+    assert {run(*words)[0] for words in quick} == {0}
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_table_end_as_it_says(run, monkeypatch, tmp_path):
+    """But for the following of a path, which the page on the platform runs."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    every = {
+        (" ".join(words), status) for _, words, status in commands_of_the_paper() if words and "--follow" not in words
+    }
+    assert len({command for command, _ in every}) == len(every)
+    assert {command: run(*command.split())[0] for command, _ in every} == dict(every)
