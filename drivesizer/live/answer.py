@@ -102,6 +102,7 @@ def _parts(result: Any, proofs: Any) -> tuple[dict[str, Any], dict[str, Any], di
 
 def _ranking(result: Any) -> Piece:
     """The drives in a few figures, for what the page shows before the report: the best, and what decides."""
+    from drivesizer.output.counted import meeting
     from drivesizer.results.check import worst
 
     if hasattr(result, "axes"):
@@ -111,7 +112,8 @@ def _ranking(result: Any) -> Piece:
     best = result.shown
     return {
         "machine": False, "status": best.status if best else "fail", "found": bool(result.sets), "axes": [],
-        "considered": result.counts.considered, "feasible": result.counts.feasible, "objective": result.objective,
+        "considered": result.counts.considered, "feasible": result.counts.feasible,
+        "met": meeting(result.counts, best.status if result.sets and best else None), "objective": result.objective,
         "tight": _tight(worst(best.deciding)) if best else None, "sets": [_set(one) for one in listed],
     }  # fmt: skip
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-__all__ = ["number_of"]
+from drivesizer.results.sizing import Counts, Status
+
+__all__ = ["meeting", "number_of"]
 
 
 def number_of(count: int, thing: str, several: str = "") -> str:
@@ -28,3 +30,34 @@ def number_of(count: int, thing: str, several: str = "") -> str:
     ('1 part', '2,345 parts', '0 axes')
     """
     return f"{count:,} {thing if count == 1 else several or thing + 's'}"
+
+
+def meeting(counts: Counts, best: Status | None, of: str = "") -> str:
+    """Number of drives that meet all limits, and that fail none as far as figures are known, in words.
+
+    Parameters
+    ----------
+    counts
+        Of a sizing.
+    best
+        Status of the best drive: where a limit of its machine is unknown no drive is said to meet all.
+    of
+        Whose limits, behind these: " of the drive".
+
+    Returns
+    -------
+    str
+        A predicate.
+
+    Examples
+    --------
+    >>> counts = [Counts(considered=99, feasible=n, passing=k, failed_by={}) for n, k in ((1, 1), (7, 0), (113, 87))]
+    >>> [meeting(count, "pass") for count in counts]
+    ['1 meets all limits', '7 fail no check', '87 meet all limits, 26 more fail none, figures missing']
+    """
+    passing = counts.passing if best in ("pass", None) else 0
+    more = counts.feasible - passing
+    if not passing and more:
+        return f"{more:,} fail{'s' * (more == 1)} no check{of}"
+    meet = f"{passing:,} meet{'s' * (passing == 1)} all limits{of}"
+    return f"{meet}, {more:,} more fail{'s' * (more == 1)} none, figures missing" if more else meet

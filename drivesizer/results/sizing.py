@@ -26,14 +26,15 @@ __all__ = ["Check", "Counts", "Explanation", "Figure", "SizingResult", "Status",
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Counts:
-    """Numbers of drives that were considered, that meet all limits, and that failed on each check."""
+    """Numbers of drives that were considered, that fail no check, that meet all limits, and that failed on each."""
 
     considered: int
-    feasible: int
+    feasible: int  # that fail no check
+    passing: int  # of these, how many meet all limits: none of their checks is unknown or open
     failed_by: dict[str, int]
     left_out: int = 0  # that meet all limits that are known, and ``select: {unknown: reject}`` leaves out
     open: int = 0  # of the feasible, how many pass or fail by estimated figures
-    judged: int = 0  # of those that meet all limits of the drive, the best that were checked in the machine
+    judged: int = 0  # of those that fail no check of the drive, the best that were checked in the machine
     failed_by_budget: dict[str, int] = field(default_factory=dict)  # of these, how many failed on which budget
 
 

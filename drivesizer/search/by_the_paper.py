@@ -65,7 +65,7 @@ def by_the_paper(
     places = {int(row): n for n, row in enumerate(few)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
     return Found(
-        found.on(few), len(best), without_rejected(every.counts, kept), front, below,
+        found.on(few), len(best), without_rejected(every.counts, kept, ~found.unknown), front, below,
         failing_before(kept, every.passing), others=beside, every=every.all_passing(best),
     )  # fmt: skip
 
@@ -105,7 +105,10 @@ def _judged(problem: Problem, objective: Ranking, rejected: bool) -> _Judged:
     passes = ~failed if problem.spec.select.unknown == "allow" else ~failed & ~unknown
     tally = {check.name: count for check, count in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if count}
     left_out = int(np.count_nonzero(~failed & ~passes))
-    counts = Counts(considered=len(every.motor), feasible=int(passes.sum()), left_out=left_out, failed_by=tally)
+    counts = Counts(
+        considered=len(every.motor), feasible=int(passes.sum()), passing=int((~failed & ~unknown).sum()),
+        left_out=left_out, failed_by=tally,
+    )  # fmt: skip
     rank = Rank(unknown.astype(np.int64), missing, value)
     return _Judged(found, margin, rank, order[passes[order]], order[~passes[order]], counts)
 

@@ -141,7 +141,7 @@ def _shown(found: _Searched, wanted: _Wanted, judge: Judge | None, in_machine: K
     places |= {int(row): len(best) + misses + n for n, row in enumerate(extra)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
     return Found(
-        looked_at.shown(best, misses, extra), len(best), without_rejected(counts, in_machine), front, below,
+        looked_at.shown(best, misses, extra), len(best), without_rejected(counts, in_machine, kept.sure), front, below,
         failing_before(in_machine, order), next((places[int(row)] for row in held), None), beside,
         Passing(kept.sets, kept.certainty, kept.figures, best, looked_at.anew),
     )  # fmt: skip

@@ -174,6 +174,38 @@ def test_a_rule_of_thumb_fails_no_drive():
     hold(judged, RULES)
 
 
+# --- what is undecided -----------------------------------------------------------------------------------------------
+
+PLATFORM = """
+name: platform
+load: {kind: wheeled_vehicle, mass: 90 kg, driven_wheels: 2, wheel_diameter: 200 mm, rolling_resistance: 8 %%,
+  inertia: 60 kg*cm^2}
+motion: {speed: 0.6 m/s, acceleration_time: 1 s, cruise_time: 60 s, rest_time: 10 s}
+supply: {nominal: 12 V, current: 60 A, accepts: all}
+select: {catalogs: [%s], unknown: %s}
+"""
+
+
+def test_what_meets_all_limits_is_counted_apart_from_what_is_unknown():
+    """Of those that fail no check as many pass as are left where unknown ones are rejected, but for open ones."""
+    makers = "maxon, cubemars, roboteq, basicmicro"
+    every, known = (size(spec_of(PLATFORM % (makers, unknown))).counts for unknown in ("allow", "reject"))
+    assert 0 < every.passing < every.feasible
+    assert every.passing == known.passing == known.feasible - known.open
+    assert every.feasible == known.feasible + known.left_out
+
+
+def test_of_undecided_drives_those_come_first_of_which_least_is_undecided():
+    """By mass alone a motor of 0.6 kg with 10 unknown checks came before one of 1.1 kg with 4."""
+    makers = "allen_bradley, allied_motion, beckhoff, maxon, rev, roboteq, tq, yaskawa"
+    found = size(spec_of(UGV.replace("beckhoff, maxon, rev", makers)), top=40).sets
+    assert len(found) > 9 and all(one.status == "unknown" for one in found)
+    undecided = [sum(check.status == "unknown" and not check.advice for check in one.checks) for one in found]
+    assert undecided[0] == min(undecided) < max(undecided)
+    for n, count in enumerate(undecided):  # all that is open besides counts as one more
+        assert max(undecided[:n], default=0) <= count + 1
+
+
 # --- what is demanded at rest counts ---------------------------------------------------------------------------------
 
 BATTERY = """

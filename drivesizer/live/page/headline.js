@@ -35,7 +35,7 @@ export function rank(piece) {
   const text = piece.found ? best.label : `No drive meets all limits. The closest: ${best.label}`;
   const shown = [...best.figures];
   if (best.tight) shown.push([`tightest: ${best.tight.title}`, best.tight.said]);
-  shown.push([`${best.status === "pass" || !piece.found ? "passing" : "not failing"}, by ${piece.objective.replaceAll("_", " ")}`, `${count(piece.feasible)} of ${count(piece.considered)}`]);
+  shown.push([`of ${count(piece.considered)}, by ${piece.objective.replaceAll("_", " ")}`, piece.met]);
   put(piece.status, head(piece.status, text), facts(shown));
   return say(`${piece.status}: ${text}`);
 }

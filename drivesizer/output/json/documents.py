@@ -268,6 +268,7 @@ def sizing(result: SizingResult) -> schema.Sizing:
         "counts": {
             "considered": result.counts.considered,
             "feasible": result.counts.feasible,
+            "passing": result.counts.passing,
             "left_out": result.counts.left_out,
             "failed_by": result.counts.failed_by,
             "judged": result.counts.judged,

@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog
-from drivesizer.output.counted import number_of
+from drivesizer.output.counted import meeting, number_of
 from drivesizer.output.no_drive import most_fail_on, not_enough
 from drivesizer.output.pieces_table import by_case
 from drivesizer.output.terminal import tables as tables
@@ -205,15 +205,12 @@ def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
     """Number of drives that were considered and that meet all limits; what the others fail on, where it is wanted."""
     counts = result.counts
     drives = number_of(counts.considered, "drive")
-    one, best = counts.feasible == 1, next(iter((*result.sets, *result.unsure)), None)
-    meet = f"meet{'s' * one} all limits"
-    if best and best.status != "pass":  # what is not known meets nothing
-        meet = f"fail{'s' * one} no check"
-    ranked = f", ranked by {result.objective.replace('_', ' ')}" if counts.feasible > 1 else ""
-    alone = (
-        f" of the drive, {counts.judged:,} were checked in the machine" if 0 < counts.judged < counts.feasible else ""
-    )
-    console.print(f"{drives} considered, {counts.feasible:,} {meet}{alone}{ranked}.")
+    best = next(iter((*result.sets, *result.unsure)), None)
+    some = 0 < counts.judged < counts.feasible
+    said = meeting(counts, best.status if best else None, " of the drive" if some else "")
+    said += f", {counts.judged:,} were checked in the machine" if some else ""
+    said += f", ranked by {result.objective.replace('_', ' ')}" if counts.feasible > 1 else ""
+    console.print(f"{drives} considered, {said}.")
     if counts.left_out:
         console.print(
             f"{counts.left_out:,} more meet all limits that are known; select: {{unknown: reject}} leaves them out."

@@ -57,7 +57,7 @@ def _among(evaluated: Evaluated, rows: NDArray[np.int64]) -> Evaluated:
     return lambda few: evaluated(rows[few])
 
 
-def without_rejected(counts: Counts, kept: Kept) -> Counts:
+def without_rejected(counts: Counts, kept: Kept, sure: NDArray[np.bool_]) -> Counts:
     """The counts without the drives that fail on a budget of the machine.
 
     Parameters
@@ -66,6 +66,8 @@ def without_rejected(counts: Counts, kept: Kept) -> Counts:
         Of drives by their own checks.
     kept
         Of ``in_order``.
+    sure
+        Which drives meet all limits of theirs, as none of their checks is unknown or open.
 
     Returns
     -------
@@ -73,8 +75,8 @@ def without_rejected(counts: Counts, kept: Kept) -> Counts:
         With how many were judged, and how many failed on each budget.
     """
     by = {name: count for name, count in kept.by.items() if count}
-    left = counts.feasible - len(kept.rejected)
-    return replace(counts, feasible=left, judged=kept.judged, failed_by_budget=by)
+    left, passing = counts.feasible - len(kept.rejected), counts.passing - int(sure[kept.rejected].sum())
+    return replace(counts, feasible=left, passing=passing, judged=kept.judged, failed_by_budget=by)
 
 
 def failing_before(kept: Kept, order: NDArray[np.int64]) -> int:

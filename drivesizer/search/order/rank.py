@@ -1,6 +1,7 @@
 """Order of drives before their margins count, and how many of them margins decide between.
 
-Before the objective goes the certainty that a drive passes. Margins need the waveform, so that they are computed of as
+Before the objective goes the certainty that a drive passes: of open ones how probable it is, of unknown ones how few
+checks are undecided. Margins need the waveform, so that they are computed of as
 few as are equal to the last that is shown.
 """
 
@@ -31,7 +32,9 @@ _TENTHS = 12  # places for tenths of a probability, and for what is not sampled
 class Rank(NamedTuple):
     """Columns over drives that pass or may pass: less is better, the first one first."""
 
-    precedence: NDArray[np.int64]  # certainty, and of open drives in tenths how probable it is that none fails
+    precedence: NDArray[
+        np.int64
+    ]  # certainty; of open drives how probable it is that none fails, of unknown ones how few
     missing: NDArray[np.int64]  # parts of which the objective is unknown
     value: Array  # of the objective
 
@@ -90,7 +93,7 @@ def _precedence(
     problem: Problem, kept: Sifted, value: Array, missing: NDArray[np.int64], top: int
 ) -> NDArray[np.int64]:
     """Order that goes before the objective: of open ones as many are sampled as an order of those shown may need."""
-    precedence = _TENTHS * kept.certainty
+    precedence = _TENTHS * kept.certainty + kept.lacking
     opened = np.flatnonzero(kept.certainty == OPEN)
     if len(opened) < 2 or np.count_nonzero(kept.certainty == PASSES) >= top:
         return precedence

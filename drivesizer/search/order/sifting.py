@@ -44,8 +44,11 @@ class Sifted(NamedTuple):
     sets: Candidates
     certainty: NDArray[np.int64]  # PASSES, OPEN by estimated figures, or UNKNOWN by one that has no band
     figures: dict[str, Array]  # that objectives count
-    lacking: NDArray[np.int64]  # number of checks that are unknown, but for those that are so of all
+    lacking: NDArray[
+        np.int64
+    ]  # number of checks that are unknown, but for those that are so of all; 1 more if any is open
     most: Array  # what the smallest margin of each is at most; infinite where that is not known
+    sure: NDArray[np.bool_]  # none of its checks is unknown or open
 
 
 class _Found(NamedTuple):
@@ -99,7 +102,11 @@ def sifted(
     tally = {name: count for name, count in failed_by.items() if count}
     opened = int(np.count_nonzero(passing.certainty == OPEN))
     left_out = sum(len(one.unknown) for one in kept) - len(passing.sets.motor)
-    counts = Counts(considered=total, feasible=len(passing.sets.motor), left_out=left_out, open=opened, failed_by=tally)
+    sure = int(np.count_nonzero(passing.sure))
+    counts = Counts(
+        considered=total, feasible=len(passing.sets.motor), passing=sure, left_out=left_out, open=opened,
+        failed_by=tally,
+    )  # fmt: skip
     return passing, rejected[0][0], counts
 
 
@@ -264,7 +271,7 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
     if not kept:
         none = every.on(slice(0, 0))
         figures, nothing = dict.fromkeys((*COUNTED, "margin", BRAKE), none.belt), np.zeros(0, np.int64)
-        return Sifted(none, nothing, figures, nothing, none.belt)
+        return Sifted(none, nothing, figures, nothing, none.belt, nothing == 0)
     sets = joined([k.sets for k in kept])
     opened, unknown, most = (np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown", "most"))
     figures = {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures}
@@ -273,14 +280,18 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
         middle = figures_by_physics(problem, sets.on(rows), _wanted(names) or True)
         for name in COUNTED:
             figures[name][rows] = middle[name]
+    known = ~unknown.any(axis=1)
     if problem.spec.select.unknown == "reject":
-        known = np.flatnonzero(~unknown.any(axis=1))
-        return _on(Sifted(sets, opened * OPEN, figures, np.zeros(len(opened), np.int64), most), known)
+        none = np.zeros(len(opened), np.int64)
+        return _on(Sifted(sets, opened * OPEN, figures, none, most, ~opened), np.flatnonzero(known))
     own = unknown & ~np.bitwise_and.reduce(unknown, axis=0)  # what all lack sets none back
     lacking = np.unpackbits(own.view(np.uint8), axis=1).sum(axis=1, dtype=np.int64)
-    return Sifted(sets, np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES)), figures, lacking, most)
+    lacking += opened & (lacking > 0)  # some checks of these are open besides
+    certainty = np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES))
+    return Sifted(sets, certainty, figures, lacking, most, known & ~opened)
 
 
 def _on(found: Sifted, rows: NDArray[np.int64]) -> Sifted:
     figures = {name: column[rows] for name, column in found.figures.items()}
-    return Sifted(found.sets.on(rows), found.certainty[rows], figures, found.lacking[rows], found.most[rows])
+    columns = (getattr(found, name)[rows] for name in ("lacking", "most", "sure"))
+    return Sifted(found.sets.on(rows), found.certainty[rows], figures, *columns)

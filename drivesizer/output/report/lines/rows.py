@@ -173,7 +173,8 @@ def count_rows(result: SizingResult) -> Iterator[Row]:
     """The number of combinations examined, of drives that meet all limits, and of those that fail on each check."""
     counts, declared = result.counts, CHECKS[result.method]
     yield row("count", "considered", "Combinations that were examined", value=counts.considered)
-    yield row("count", "feasible", "Drives that meet all limits", value=counts.feasible)
+    yield row("count", "feasible", "Drives that fail no check", value=counts.feasible)
+    yield row("count", "passing", "Drives that meet all limits", value=counts.passing)
     for name, count in counts.failed_by.items():
         yield row("count", f"failed_{name}", f"Fails on: {declared[name].title}", value=count)
     for name, count in counts.failed_by_budget.items():

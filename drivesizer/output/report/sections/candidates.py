@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import isnan, nan
 from typing import Any
 
-from drivesizer.output.counted import number_of
+from drivesizer.output.counted import meeting, number_of
 from drivesizer.output.json.loops import number
 from drivesizer.output.probability import confidence
 from drivesizer.output.report.lines import rows as table
@@ -35,7 +35,7 @@ def _blocks(content: Content) -> Iterator[Block]:
     counts = result.counts
     yield Words(f"{number_of(counts.considered, 'combination')} of motor and gearhead, with the belt, "
                 f"{'was' if counts.considered == 1 else 'were'} examined; "
-                f"{_passing(content)}. "
+                f"of them {meeting(counts, result.sets[0].status if result.sets else None)}. "
                 f"Ranked by {result.objective.replace('_', ' ')}.")  # fmt: skip
     if result.alternatives:
         yield _alternatives(content)
@@ -58,14 +58,6 @@ def _blocks(content: Content) -> Iterator[Block]:
         mass = f"{show(other.mass, 'g', 'mass')}, sum of {' + '.join(other.mass_of)}"
         yield Words(("Without the families and parts that the spec names, the whole catalogue would give ",
                      Strong(other.label), f" ({mass}; {price})."))  # fmt: skip
-
-
-def _passing(content: Content) -> str:
-    """Number of candidates that pass, or that fail no check where the best has unknown ones."""
-    count, sets = content.result.counts.feasible, content.result.sets
-    if sets and sets[0].status != "pass":
-        return f"{count} of them {'fails' if count == 1 else 'fail'} no check"
-    return f"{count} of them {'meets' if count == 1 else 'meet'} all limits"
 
 
 def _alternatives(content: Content) -> Table:

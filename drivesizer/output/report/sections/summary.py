@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from drivesizer.output.counted import meeting, number_of
 from drivesizer.output.no_drive import not_enough
 from drivesizer.output.part_line import PartLine
 from drivesizer.output.part_totals import LEAST, Total, totals
@@ -31,7 +32,6 @@ __all__ = [
     "SUMMARY",
     "change_blocks",
     "check_line",
-    "meet",
     "outcome_texts",
     "priced",
     "summed_tile",
@@ -74,34 +74,6 @@ def change_blocks(content: Content) -> Iterator[Block]:
         yield Words(not_enough(result))
 
 
-def meet(count: int, of: int, status: str = "pass") -> str:
-    """Number of candidates that meet all limits.
-
-    Parameters
-    ----------
-    count, of
-        Those that do, and all.
-    status
-        Of the best of them: where its checks are not all known, no more is said than that none fails.
-
-    Returns
-    -------
-    str
-        The words.
-
-    Examples
-    --------
-    >>> meet(1, 35), meet(7, 35)
-    ('1 of 35 candidates meets all limits', '7 of 35 candidates meet all limits')
-    >>> meet(7, 35, "unknown")
-    '7 of 35 candidates fail no check'
-    """
-    those = f"{count:,}" if count else "None"
-    if status != "pass":
-        return f"{those} of {of:,} candidates {'fails' if count < 2 else 'fail'} no check"
-    return f"{those} of {of:,} candidates {'meets' if count < 2 else 'meet'} all limits"
-
-
 def outcome_texts(content: Content) -> Iterator[Text]:
     """Result of the search, and whether the closed loop passes."""
     yield from _found(content) if content.outcome != "missed" else _missed(content)
@@ -113,18 +85,18 @@ def outcome_texts(content: Content) -> Iterator[Text]:
 def _found(content: Content) -> Iterator[Text]:
     result, best, sampled = content.result, content.drive, content.result.uncertainty
     assert best is not None
-    numbers = meet(result.counts.feasible, result.counts.considered, best.status)
+    counts = result.counts
+    numbers = f"Of {number_of(counts.considered, 'candidate')} {meeting(counts, best.status)}"
     required = confidence(sampled.confidence) if sampled and sampled.confidence is not None else ""
     if content.outcome == "unsure":
         yield (Strong(f"No drive reaches the confidence of {required}."),
-               f" {numbers} at nominal figures; {best.label} is the most probable.")  # fmt: skip
+               f" {numbers}, at nominal figures; {best.label} is the most probable.")  # fmt: skip
         return
     head = Strong(f"A drive was found{', with figures unknown' if best.status == 'unknown' else ''}.")
     if sampled and required:
         reach = "reaches" if sampled.reached == 1 else "reach"
-        numbers += (
-            f" at nominal figures, {sampled.reached} of {sampled.examined} sampled {reach} the confidence of {required}"
-        )
+        numbers += ", at nominal figures; "
+        numbers += f"{sampled.reached} of {sampled.examined} sampled {reach} the confidence of {required}"
     ranked = result.objective.replace("_", " ")
     yield Status(best.status), " ", head, f" {numbers}; {best.label} is the best of them by {ranked}."
 
@@ -135,7 +107,7 @@ def _missed(content: Content) -> Iterator[Text]:
     if best:
         failed = ", ".join(c.title for c in best.deciding if c.status == "fail")
         said = f"The closest rejected drive is {best.label}; it fails on: {failed}."
-    yield Strong("No drive."), f" {meet(0, counts.considered)}. {said}"
+    yield Strong("No drive."), f" None of {counts.considered:,} candidates meets all limits. {said}"
 
 
 def tiles(content: Content, lines: Sequence[PartLine]) -> list[tuple[str, str, str]]:
