@@ -282,8 +282,8 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
             figures[name][rows] = middle[name]
     known = ~unknown.any(axis=1)
     if problem.spec.select.unknown == "reject":
-        none = np.zeros(len(opened), np.int64)
-        return _on(Sifted(sets, opened * OPEN, figures, none, most, ~opened), np.flatnonzero(known))
+        nothing = np.zeros(len(opened), np.int64)
+        return _on(Sifted(sets, opened * OPEN, figures, nothing, most, ~opened), np.flatnonzero(known))
     own = unknown & ~np.bitwise_and.reduce(unknown, axis=0)  # what all lack sets none back
     lacking = np.unpackbits(own.view(np.uint8), axis=1).sum(axis=1, dtype=np.int64)
     lacking += opened & (lacking > 0)  # some checks of these are open besides
