@@ -140,8 +140,9 @@ def _shown(found: _Searched, wanted: _Wanted, judge: Judge | None, in_machine: K
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + misses + n for n, row in enumerate(extra)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
+    counts = without_rejected(counts, in_machine, kept.passes)
     return Found(
-        looked_at.shown(best, misses, extra), len(best), without_rejected(counts, in_machine, kept.sure), front, below,
+        looked_at.shown(best, misses, extra), len(best), counts, front, below,
         failing_before(in_machine, order), next((places[int(row)] for row in held), None), beside,
         Passing(kept.sets, kept.certainty, kept.figures, best, looked_at.anew),
     )  # fmt: skip

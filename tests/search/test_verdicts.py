@@ -202,8 +202,10 @@ def test_of_undecided_drives_those_come_first_of_which_least_is_undecided():
     assert len(found) > 9 and all(one.status == "unknown" for one in found)
     undecided = [sum(check.status == "unknown" and not check.advice for check in one.checks) for one in found]
     assert undecided[0] == min(undecided) < max(undecided)
-    for n, count in enumerate(undecided):  # all that is open besides counts as one more
-        assert max(undecided[:n], default=0) <= count + 1
+    for n, count in enumerate(
+        undecided
+    ):  # all that is open besides counts as one more, and a controller may decide one
+        assert max(undecided[:n], default=0) <= count + 2
 
 
 # --- what is demanded at rest counts ---------------------------------------------------------------------------------

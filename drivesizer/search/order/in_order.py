@@ -57,7 +57,7 @@ def _among(evaluated: Evaluated, rows: NDArray[np.int64]) -> Evaluated:
     return lambda few: evaluated(rows[few])
 
 
-def without_rejected(counts: Counts, kept: Kept, sure: NDArray[np.bool_]) -> Counts:
+def without_rejected(counts: Counts, kept: Kept, passes: NDArray[np.bool_]) -> Counts:
     """The counts without the drives that fail on a budget of the machine.
 
     Parameters
@@ -66,7 +66,7 @@ def without_rejected(counts: Counts, kept: Kept, sure: NDArray[np.bool_]) -> Cou
         Of drives by their own checks.
     kept
         Of ``in_order``.
-    sure
+    passes
         Which drives meet all limits of theirs, as none of their checks is unknown or open.
 
     Returns
@@ -75,7 +75,7 @@ def without_rejected(counts: Counts, kept: Kept, sure: NDArray[np.bool_]) -> Cou
         With how many were judged, and how many failed on each budget.
     """
     by = {name: count for name, count in kept.by.items() if count}
-    left, passing = counts.feasible - len(kept.rejected), counts.passing - int(sure[kept.rejected].sum())
+    left, passing = counts.feasible - len(kept.rejected), counts.passing - int(passes[kept.rejected].sum())
     return replace(counts, feasible=left, passing=passing, judged=kept.judged, failed_by_budget=by)
 
 

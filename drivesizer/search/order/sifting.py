@@ -48,7 +48,7 @@ class Sifted(NamedTuple):
         np.int64
     ]  # number of checks that are unknown, but for those that are so of all; 1 more if any is open
     most: Array  # what the smallest margin of each is at most; infinite where that is not known
-    sure: NDArray[np.bool_]  # none of its checks is unknown or open
+    passes: NDArray[np.bool_]  # none of its checks is unknown or open
 
 
 class _Found(NamedTuple):
@@ -102,9 +102,9 @@ def sifted(
     tally = {name: count for name, count in failed_by.items() if count}
     opened = int(np.count_nonzero(passing.certainty == OPEN))
     left_out = sum(len(one.unknown) for one in kept) - len(passing.sets.motor)
-    sure = int(np.count_nonzero(passing.sure))
+    passes = int(np.count_nonzero(passing.passes))
     counts = Counts(
-        considered=total, feasible=len(passing.sets.motor), passing=sure, left_out=left_out, open=opened,
+        considered=total, feasible=len(passing.sets.motor), passing=passes, left_out=left_out, open=opened,
         failed_by=tally,
     )  # fmt: skip
     return passing, rejected[0][0], counts
@@ -293,5 +293,5 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
 
 def _on(found: Sifted, rows: NDArray[np.int64]) -> Sifted:
     figures = {name: column[rows] for name, column in found.figures.items()}
-    columns = (getattr(found, name)[rows] for name in ("lacking", "most", "sure"))
+    columns = (getattr(found, name)[rows] for name in ("lacking", "most", "passes"))
     return Sifted(found.sets.on(rows), found.certainty[rows], figures, *columns)
