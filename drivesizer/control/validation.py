@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.cascade import Cascade, ControllerGain
+from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.loop_records import Loop
 from drivesizer.files.frozen import dataclass
 from drivesizer.results.check import Check, Figure, Status
@@ -53,6 +54,7 @@ class Beside(NamedTuple):
 class LinearRun:
     """PID and DC motor in python-control along the same profile, beside the engine."""
 
+    train: DriveTrain  # of the model
     figures: tuple[Beside, ...]
     series: dict[str, NDArray[np.float64]]  # SI columns over time, as those of the validation; none of an unstable loop
     left_out: tuple[str, ...]  # what the linear model does without, as sentences

@@ -13,18 +13,9 @@ from drivesizer.results.sizing import Figure
 from drivesizer.units import label, show
 
 __all__ = [
-    "BESIDE",
-    "NONE",
-    "GainRow",
-    "beside",
-    "cell",
-    "gain",
-    "gain_rows",
-    "linear",
-    "loop_figures",
-    "loop_name",
-    "settled",
-]
+    "BESIDE", "NONE", "GainRow", "beside", "cell", "gain", "gain_rows", "left_out", "linear", "loop_figures",
+    "loop_name", "settled",
+]  # fmt: skip
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
 
@@ -76,6 +67,11 @@ BESIDE = "PID and DC motor by python-control, beside the engine"
 def beside(run: LinearRun) -> list[tuple[str, str, str, str, str]]:
     """Rows of the linear simulation beside the engine: title, value and moment by either; empty where one has none."""
     return [(row.linear.title, *_at(row.linear), *_at(row.engine)) for row in run.figures]
+
+
+def left_out(run: LinearRun) -> str:
+    """What the linear model does without, as a sentence."""
+    return f"python-control's model is linear: {'; '.join(run.left_out)}."
 
 
 def _at(figure: Figure | None) -> tuple[str, str]:

@@ -20,7 +20,7 @@ from drivesizer.output.report.figures.field_panels import panels, paper_points
 from drivesizer.output.report.figures.motion import speed_profile
 from drivesizer.output.report.figures.pareto_front import trade_off
 from drivesizer.output.report.figures.style import STYLE, named
-from drivesizer.output.report.figures.time_windows import Window, thinned, windows
+from drivesizer.output.report.figures.time_strips import Window, thinned, windows
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size

@@ -21,7 +21,7 @@ from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.figures.field import torque_speed_each
 from drivesizer.output.report.figures.field_panels import TOGETHER, Panel, alone, leading, panels
 from drivesizer.output.report.figures.load_and_loop import Row, Trace
-from drivesizer.output.report.figures.time_windows import Window
+from drivesizer.output.report.figures.time_strips import Window
 from drivesizer.output.report.figures.wheels import each_over_time
 from drivesizer.output.report.html.candidate_plots import apart
 from drivesizer.output.report.html.page import report_html

@@ -28,7 +28,7 @@ from drivesizer.output.report.figures import motion, path, plan_view, wheels
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.figures.style import COLOURS
-from drivesizer.output.report.figures.time_windows import Window, thinned
+from drivesizer.output.report.figures.time_strips import Window, thinned
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.json import render
 from drivesizer.output.report.lines.machine import driven_over, machine_words

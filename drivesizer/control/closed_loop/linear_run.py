@@ -54,7 +54,7 @@ def linear_run(case: ClosedLoop) -> LinearRun:
     """
     series: dict[str, Array] = {}
     said = [
-        "linear: without limits of voltage and current, the winding at 25 °C",
+        "without limits of voltage and current, the winding at 25 °C",
         "dry friction and the gears' losses act by the reference's direction; the load's inertia is that of driving",
     ]
     if case.controller.counted_over:
@@ -67,7 +67,7 @@ def linear_run(case: ClosedLoop) -> LinearRun:
         said += course.said
     else:
         said.append("an unstable loop has no response")
-    return LinearRun(figures=_beside(case, series), series=series, left_out=tuple(said))
+    return LinearRun(train=case.train, figures=_beside(case, series), series=series, left_out=tuple(said))
 
 
 # --- the course: reference and load torque at the samples

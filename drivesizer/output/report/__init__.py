@@ -217,7 +217,7 @@ def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
     Returns
     -------
     list[Path]
-        ``closed_loop``, ``bode`` and ``step``, each as ``.svg`` and ``.png``.
+        ``diagram``, ``closed_loop``, ``bode`` and ``step``, each as ``.svg`` and ``.png``.
 
     Raises
     ------

@@ -63,7 +63,9 @@ def linear(run: LinearRun) -> Table:
 def _table(found: Sequence[Loop], shown: int, line: str) -> Table:
     """The first figures of each loop; its name and direction on a line or on two."""
     heads = [figure.title.replace(" ", "\n") for figure in loop_figures(found[0])[:shown]]
-    table = bare(("loop", "left"), *((head, "right") for head in heads), title="Linear analysis of the loops")
+    table = bare(
+        ("loop", "left"), *((head, "right") for head in heads), title="Linear analysis of the loops, by python-control"
+    )
     for loop in found:
         name = Text(loop_name(loop).replace(" ", line))
         if not loop.stable:

@@ -289,7 +289,8 @@ def _changes(console: Console, found: DriveSet) -> None:
 
 def validation(proof: Validation) -> None:
     """Print a validation, in closed loop or of a stepper."""
-    from drivesizer.output.terminal.loops import linear, loops  # with what a sizing need not load
+    from drivesizer.output.loop_table import left_out  # with what a sizing need not load
+    from drivesizer.output.terminal.loops import linear, loops
 
     console = tables.console()
     tables.heading(console, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
@@ -301,7 +302,7 @@ def validation(proof: Validation) -> None:
         console.print(loops(proof.loops, console.width))
     if proof.linear:
         console.print(linear(proof.linear))
-        console.print(f"By python-control: {'; '.join(proof.linear.left_out)}.")
+        console.print(left_out(proof.linear))
 
 
 def validations(proofs: Sequence[Validation], objective: str) -> None:

@@ -8,6 +8,7 @@ from math import isfinite, nan
 import drivesizer.output.report.figures.load_and_loop as figures
 from drivesizer.control.validation import Validation
 from drivesizer.output.report.figures.battery import battery, is_known
+from drivesizer.output.report.figures.block_diagram import block_diagram
 from drivesizer.output.report.figures.bode_and_step import bode, step
 from drivesizer.output.report.figures.field import torque_speed, torque_speed_each
 from drivesizer.output.report.figures.field_panels import alone, leading, panels
@@ -32,7 +33,7 @@ __all__ = ["IN_TABLES", "STILL", "Drawing", "loop_drawings", "report_drawings"]
 Drawing = Callable[[Form], bytes]
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
 STILL = (  # what the page shows as the PDF does
-    "way", "tornado", "fields", "efficiency", "demand", "heat", "energy", "permitted", "followed",
+    "way", "tornado", "fields", "efficiency", "demand", "heat", "energy", "permitted", "followed", "diagram",
 )  # fmt: skip
 
 
@@ -56,7 +57,7 @@ def report_drawings(
         Functions that draw, by name: ``way``, the path of a platform, ``profile``, ``cycle``; of a drive ``margins``,
         ``field``, ``fields`` (each load case alone), ``efficiency``, ``demand``, ``heat``, ``energy``, ``permitted``
         (speeds of a platform), ``followed`` (its path) and ``battery``, as far as its figures are known;
-        ``front``; ``tornado``; ``loop``, ``bode`` and ``step``.
+        ``front``; ``tornado``; ``diagram``, ``loop``, ``bode`` and ``step``.
     """
     best = result.shown
     cycles = [(case.name, case.cycle) for case in result.problem.cases]
@@ -105,7 +106,11 @@ def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, 
 
 def loop_drawings(validation: Validation) -> dict[str, Drawing]:
     """The figures of a closed loop; one without records of its loops has no ``bode`` and no ``step``."""
-    made: dict[str, Drawing] = {"closed_loop": lambda form: figures.closed_loop(validation, form)}
+    made: dict[str, Drawing] = {}
+    linear = validation.linear
+    if linear:
+        made["diagram"] = lambda form: block_diagram(validation, linear, form)
+    made["closed_loop"] = lambda form: figures.closed_loop(validation, form)
     if validation.loops:
         made["bode"] = lambda form: bode(validation.loops, form)
         made["step"] = lambda form: step(validation.loops, form)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from drivesizer.machine.warm_up import WarmUp
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, limit, placed
-from drivesizer.output.report.figures.time_windows import Window, thinned
+from drivesizer.output.report.figures.time_strips import Window, thinned
 from drivesizer.units import from_si, label
 
 if TYPE_CHECKING:

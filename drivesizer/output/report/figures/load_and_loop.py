@@ -22,8 +22,7 @@ from drivesizer.output.report.figures.style import (
     placed,
     torque_unit,
 )
-from drivesizer.output.report.figures.time_strips import Strip, across, strip, within
-from drivesizer.output.report.figures.time_windows import Window, windows
+from drivesizer.output.report.figures.time_strips import Strip, Window, across, strip, windows, within
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.units import from_si, label
 
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Row", "Trace", "closed_loop", "closed_loop_rows", "load_over_time", "over_time", "stretches"]
+__all__ = ["LINEAR", "Row", "Trace", "closed_loop", "closed_loop_rows", "load_over_time", "over_time", "stretches"]
 
 
 class Trace(NamedTuple):
@@ -163,6 +162,8 @@ def _changes(cycle: LoadCycle) -> list[Window]:
     return windows({"time": cycle.time.ravel(), "speed_reference": np.append(0.0, np.cumsum(steps))})
 
 
+LINEAR = "python-control"  # the linear model's trace
+
 _ROWS = (  # columns of the series, and how the axis is called
     (("speed_reference", "speed"), "speed"),
     (("error",), "speed error"),
@@ -202,19 +203,20 @@ def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
         The file in that form.
     """
     shown, rows = strip(windows(validation.series)), closed_loop_rows(validation)
+    legend = _LINE if validation.linear and len(shown.windows) > 1 else 0.0  # above the titles of the stretches
 
     def draw(figure: Figure) -> None:
-        grid = [axes for (axes,) in placed(figure, len(rows), left=0.8, top=0.22)]
+        grid = [axes for (axes,) in placed(figure, len(rows), left=0.8, top=0.22 + legend)]
         for axes, (names, title) in zip(grid, rows, strict=True):
             _, unit = validation.series_units[names[-1]]
             axes.set_ylabel("\n".join([*textwrap.wrap(title, _WIDEST), f"({label(unit)})"]))
             _traces(axes, validation, names, shown)
             across(axes, shown, titled=axes is grid[0])
         grid[-1].set_xlabel("time (s)")
-        if len(rows[0][0]) > 1:
-            figure.legend(*grid[0].get_legend_handles_labels(), loc="upper right", ncols=2, borderaxespad=0.2)
+        if len(rows[0][0]) > 1 or validation.linear:
+            figure.legend(*grid[0].get_legend_handles_labels(), loc="upper right", ncols=3, borderaxespad=0.2)
 
-    return drawn(draw, 0.62 * len(rows) + 0.6, form)
+    return drawn(draw, 0.62 * len(rows) + 0.6 + legend, form)
 
 
 _WIDEST = 11  # letters of a row's title on a line
@@ -222,10 +224,19 @@ _WIDEST = 11  # letters of a row's title on a line
 
 def _traces(axes: Axes, validation: Validation, names: tuple[str, ...], shown: Strip) -> None:
     looks = ((COLOURS["vermillion"], (0, (4, 3)), 1.0), (COLOURS["blue"], "solid", 1.4))
-    for layer, (name, (colour, dashes, width)) in enumerate(zip(names, looks[-len(names) :], strict=True)):
+    traces = [
+        (validation.series, name, "reference" if name.endswith("reference") else name, *look)
+        for name, look in zip(names, looks[-len(names) :], strict=True)
+    ]
+    linear = validation.linear.series if validation.linear else {}
+    if names[-1] in linear:
+        traces.append((linear, names[-1], LINEAR, COLOURS["orange"], "solid", 0.7))
+    for layer, (series, name, said, colour, dashes, width) in enumerate(traces):
         kind, unit = validation.series_units[name]
-        said = "reference" if name.endswith("reference") else name
+        above = 3.5 if said == LINEAR else 3 - 0.5 * layer
         for number, window in enumerate(shown.windows):
-            time, values = within(validation.series["time"], validation.series[name], window)
+            if window.start >= series["time"][-1] or window.end <= series["time"][0]:  # of python-control's part
+                continue
+            time, values = within(series["time"], series[name], window)
             axes.plot(shown.place(number, time), from_si(values, unit, kind), color=colour, linestyle=dashes,
-                      linewidth=width, label="" if number else said, zorder=3 - 0.5 * layer)  # fmt: skip
+                      linewidth=width, label="" if number else said, zorder=above)  # fmt: skip

@@ -11,7 +11,7 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_wheels import trajectory_of
 from drivesizer.load_cases.profile import SPEED, profile_of
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, placed
-from drivesizer.output.report.figures.time_windows import Window, thinned
+from drivesizer.output.report.figures.time_strips import Window, thinned
 from drivesizer.spec.motions import Track, Trapezoid, Waypoints
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, label

@@ -14,7 +14,7 @@ from drivesizer.control.path_following.following import Followed
 from drivesizer.errors import InputError
 from drivesizer.machine.permitted_speed import PermittedSpeeds
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, named, placed
-from drivesizer.output.report.figures.time_windows import Window, thinned
+from drivesizer.output.report.figures.time_strips import Window, thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

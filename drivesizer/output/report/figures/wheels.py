@@ -9,8 +9,7 @@ import numpy as np
 
 from drivesizer.output.report.figures.load_and_loop import Row, Trace, stretches
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, named, placed, torque_unit
-from drivesizer.output.report.figures.time_strips import Strip, across, strip, within
-from drivesizer.output.report.figures.time_windows import Window
+from drivesizer.output.report.figures.time_strips import Strip, Window, across, strip, within
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.units import from_si, label
 

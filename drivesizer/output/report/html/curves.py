@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.output.report.figures.time_windows import Window, thinned
+from drivesizer.output.report.figures.time_strips import Window, thinned
 
 __all__ = ["Plot", "above", "dashes", "figure", "line", "numbers", "plain", "rows", "sampled", "whole"]
 

@@ -10,7 +10,7 @@ import numpy as np
 from drivesizer.output.report.figures.load_and_loop import stretches
 from drivesizer.output.report.figures.motion import platform_motion, speed_required
 from drivesizer.output.report.figures.style import CASES, torque_unit
-from drivesizer.output.report.figures.time_windows import windows
+from drivesizer.output.report.figures.time_strips import windows
 from drivesizer.output.report.html.curves import Plot, dashes, figure, line, rows, sampled, whole
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.spec.motions import Track, Waypoints

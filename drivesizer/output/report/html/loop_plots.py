@@ -11,8 +11,8 @@ from drivesizer.control.loop_records import Loop
 from drivesizer.control.validation import Validation
 from drivesizer.output.loop_table import cell, loop_figures, loop_name, settled
 from drivesizer.output.report.figures.bode_and_step import curve_of, look_of, span
-from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
-from drivesizer.output.report.figures.time_windows import windows
+from drivesizer.output.report.figures.load_and_loop import LINEAR, closed_loop_rows
+from drivesizer.output.report.figures.time_strips import windows
 from drivesizer.output.report.html.curves import Plot, dashes, figure, line, numbers, plain, rows, sampled, whole
 from drivesizer.output.thinning import on_curves
 from drivesizer.units import from_si, label
@@ -48,6 +48,15 @@ def _over_time(validation: Validation, names: tuple[str, ...], place: int) -> li
         hover = f"%{{y:.4~r}} {label(unit)}<extra>%{{fullData.name}}</extra>"
         where: Plot = {"yaxis": "y" if place == 1 else f"y{place}", "showlegend": len(names) > 1}
         made.append(line(time[kept], shown, said, *look, hovertemplate=hover, **where))
+    linear, name = validation.linear.series if validation.linear else {}, names[-1]
+    if name in linear:
+        kind, unit = validation.series_units[name]
+        kept = sampled(linear["time"], [linear[name]], views)
+        shown = from_si(linear[name][kept], unit, kind)
+        said = LINEAR if place == 1 else f"{name}, {LINEAR}"
+        hover = f"%{{y:.4~r}} {label(unit)}<extra>{LINEAR}</extra>"
+        where = {"yaxis": "y" if place == 1 else f"y{place}", "showlegend": place == 1}
+        made.append(line(linear["time"][kept], shown, said, "orange", hovertemplate=hover, **where))
     return made
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.loop_table import BESIDE, beside, gain, gain_rows, linear
+from drivesizer.output.loop_table import BESIDE, beside, gain, gain_rows, left_out, linear
 from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
-from drivesizer.output.report.figures.time_windows import windows
+from drivesizer.output.report.figures.time_strips import windows
 from drivesizer.output.report.lines import rows as table
 from drivesizer.output.report.lines.drive import check_row, figure_row
 from drivesizer.output.report.lines.machine import driven_over
@@ -48,6 +48,10 @@ def _blocks(content: Content) -> Iterator[Block]:
     if v.checks:
         yield Checks(f"Checks of the {v.loop}", [*map(check_row, by_part(v.checks))], "loop-checks",
                      grouped=True)  # fmt: skip
+    if v.linear:
+        yield Picture("diagram", "The loop as simulated, after figure 3 of the paper: K is the total ratio, r the "
+                      "radius of the load's travel, J the inertia at the motor with the load.",
+                      "block diagram of the closed loop", about="is its block diagram.", floats=True)  # fmt: skip
     *first, last = [title for _, title in closed_loop_rows(v)]
     shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
     cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
@@ -67,7 +71,7 @@ def _blocks(content: Content) -> Iterator[Block]:
         heads = (Column("figure", "name", 1.0), Column("python-control", "number"), Column("at", "number"),
                  Column("engine", "number"), Column("at", "number"))  # fmt: skip
         yield Table(BESIDE, heads, [Row(row) for row in beside(v.linear)], name="python-control")
-        yield Words(f"By python-control: {'; '.join(v.linear.left_out)}.", "note")
+        yield Words(left_out(v.linear), "note")
     if v.assumptions:
         yield Bullets("Assumptions of the simulation:", list(v.assumptions))
     if v.warnings:
@@ -144,7 +148,10 @@ def _linear(content: Content) -> Iterator[Block]:
     directed, unstable = found["directed"], found["unstable"]
     of_power = (", power flowing in the direction that is nearer to instability; margins and bandwidth are the least "
                 "of both directions") if directed else ""  # fmt: skip
-    yield Words(f"Sampled loops without their limits{of_power}. A loop is stable while all its poles lie inside 1.")
+    yield Words(
+        f"The loops in python-control, sampled, without their limits{of_power}. A loop is stable while all its poles "
+        "lie inside 1."
+    )
     rows = []
     for row in found["rows"]:
         name = row["name"] if row["stable"] else (f"{row['name']} ", Strong("unstable"))
