@@ -70,7 +70,7 @@ def beside(run: LinearRun) -> list[tuple[str, str, str, str, str]]:
 
 
 def left_out(run: LinearRun) -> str:
-    """What the linear model does without, as a sentence."""
+    """A sentence on what the linear model does without."""
     return f"python-control's model is linear: {'; '.join(run.left_out)}."
 
 

@@ -20,4 +20,4 @@ def assert_within_margins(pages: list[np.ndarray], paper: str) -> None:
         assert page.shape[1] == pytest.approx(SHEETS[paper][0] / 25.4 * DOTS, abs=1.5)
         blank = (page[:, :side], page[:, -side:], page[:ends], page[-ends:])
         assert all(part.min() > 0.98 for part in blank), f"page {number}"
-        assert page[:, side:-side].min() < 0.5, f"page {number} is empty"
+        assert page[:, side:-side].min() < 0.8, f"page {number} is empty"  # small print is grey

@@ -195,7 +195,7 @@ def _feedback(axes: Axes, places: dict[str, tuple[float, float]], encoder: str) 
 
 
 def _ahead(axes: Axes, places: dict[str, tuple[float, float]], c: Cascade) -> None:
-    """What a cascade takes of the reference past a loop: its speed past the position loop, its feedforward."""
+    """Reference of a cascade past a loop: its speed past the position loop, its feedforward."""
     tap = places["to the motor"][1] + 0.06
     ends = [("speed", "path's speed")] if "angle" in places else []
     if c.feedforward_velocity or c.feedforward_friction or c.feedforward_acceleration:

@@ -51,7 +51,7 @@ def _blocks(content: Content) -> Iterator[Block]:
     if v.linear:
         yield Picture("diagram", "The loop as simulated, after figure 3 of the paper: K is the total ratio, r the "
                       "radius of the load's travel, J the inertia at the motor with the load.",
-                      "block diagram of the closed loop", about="is its block diagram.", floats=True)  # fmt: skip
+                      "block diagram of the closed loop", about="is its block diagram.")  # fmt: skip
     *first, last = [title for _, title in closed_loop_rows(v)]
     shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
     cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
@@ -70,7 +70,7 @@ def _blocks(content: Content) -> Iterator[Block]:
     if v.linear:
         heads = (Column("figure", "name", 1.0), Column("python-control", "number"), Column("at", "number"),
                  Column("engine", "number"), Column("at", "number"))  # fmt: skip
-        yield Table(BESIDE, heads, [Row(row) for row in beside(v.linear)], name="python-control")
+        yield Table(BESIDE, heads, [Row(row) for row in beside(v.linear)], name="python-control", dense=True)
         yield Words(left_out(v.linear), "note")
     if v.assumptions:
         yield Bullets("Assumptions of the simulation:", list(v.assumptions))
