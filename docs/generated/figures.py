@@ -109,7 +109,8 @@ def _followed(form: str) -> bytes:
 
 FIGURES: dict[str, Callable[[], Drawing]] = {
     **{name: lambda name=name: _robot()[name]
-       for name in ("cycle", "field", "margins", "efficiency", "demand", "heat", "energy", "battery", "diagram", "bode", "step")},
+       for name in ("cycle", "field", "margins", "efficiency", "demand", "heat", "energy", "battery", "diagram", "bode",
+                    "step")},
     "closed_loop": lambda: _robot()["loop"],
     "way": lambda: _platform()["way"],
     "wheels": lambda: _platform()["cycle"],
