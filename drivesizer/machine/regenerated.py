@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivesizer.machine.set_columns import one_row
 from drivesizer.machine.set_cycle import heated
 from drivesizer.machine.supply_power import DrivePower, drive_power, drive_power_in_parts, together
-from drivesizer.physics.elements.brake_resistor import burnt_energy, largest_mean, largest_pulse
+from drivesizer.physics.elements.brake_resistor import burning, burnt_energy, largest_mean, largest_pulse
 from drivesizer.physics.one_pass.drives import Kept, figures, is_long, piece_by_piece
 from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
 from drivesizer.physics.waveform import most_stored
@@ -132,10 +132,11 @@ class Regenerated(NamedTuple):
         """
         if not self.known:
             return Burnt(nan, nan, nan, nan)
+        steady = 0.0 if isnan(continuous) else continuous
         energy = burnt_energy(self.drawn, self.returned, capacity)
-        peak = float(self.returned_peak[energy > 0.0].max(initial=0.0))
-        pulse = largest_pulse(self.duration, energy, 0.0 if isnan(continuous) else continuous)
-        return Burnt(float(energy.sum()), peak, largest_mean(self.duration, energy, window), pulse)
+        course = burning(self.duration, self.returned, self.returned_peak, energy, steady)
+        mean, pulse = largest_mean(*course[:2], window), largest_pulse(*course[:2], steady)
+        return Burnt(float(energy.sum()), course.peak, mean, pulse)
 
     def longest_above(self, power: float) -> float:
         """Longest uninterrupted time in which the power out of the source exceeds one [s], by whole pieces."""

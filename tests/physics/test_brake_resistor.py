@@ -10,6 +10,7 @@ import pytest
 
 from drivesizer.physics.elements import brake_resistor
 from drivesizer.physics.elements.brake_resistor import (
+    burning,
     burnt_energy,
     derated_power,
     largest_mean,
@@ -127,6 +128,53 @@ def test_the_worst_window_is_that_of_all_windows(seed):
     brute = max(sums[count : count + 3000] - sums[:3000]) / count
     found = largest_mean(duration, energy, window)
     assert found == pytest.approx(max(brute, float(energy.sum()) / total), abs=0.01 * max(rate.max(), 1.0))
+
+
+@pytest.mark.parametrize("pieces", [1, 3, 16, 100])
+def test_a_falling_power_is_burnt_as_its_closed_form_says(pieces):
+    """A load braked from 3000 rpm in 0.1 s: 218.6 W fall to 0. The bus of 331 uF from 310 to 380 V takes 7.996 J.
+
+    By hand: then 113.3 W are left, which 1274 ohm burn at 380 V; above the resistor's 80 W they are
+    (113.3^2 - 80^2) / (2 * 2186 W/s) = 1.472 J.
+    """
+    slope, whole = 218.64 / 0.1, 0.1
+    ends = np.linspace(0.0, whole, pieces + 1)
+    power = 218.64 - slope * ends
+    duration = np.append(np.diff(ends), 0.4)  # and a rest in which the drive draws the store empty
+    returned = np.append((power[1:] + power[:-1]) / 2 * np.diff(ends), 0.0)
+    highest, drawn = np.append(power[:-1], 0.0), np.append(np.zeros(pieces), 20.0)
+    capacity = float(storable_energy(331e-6, 380.0, 310.0))
+    assert capacity == pytest.approx(7.994, rel=1e-3)
+    burnt = burnt_energy(drawn, returned, capacity)
+    found = burning(duration, returned, highest, burnt, 80.0)
+    assert found.peak == pytest.approx(113.3, rel=1e-3)
+    assert float(largest_resistance(380.0, found.peak)) == pytest.approx(1274.0, rel=1e-3)
+    assert largest_pulse(found.duration, found.energy, 80.0) == pytest.approx(1.472, rel=2e-3)
+    assert found.duration.sum() == pytest.approx(0.5) and found.energy.sum() == pytest.approx(burnt.sum())
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_course_of_burning_is_that_of_fine_steps(seed):
+    """Straight pieces of any power, the store looked at 20 000 times a cycle."""
+    of = np.random.default_rng(seed)
+    knots = np.where(of.uniform(size=9) < 0.3, 0.0, of.uniform(0.0, 100.0, 9))
+    knots[0] = knots[-1] = 0.0  # the drive draws between the cycles
+    n, k = 400, len(knots) - 1
+    ends = np.interp(np.linspace(0.0, k, n * k + 1), np.arange(k + 1), knots)
+    duration = np.append(np.full(n * k, 1.0 / n), 1.0)
+    returned = np.append((ends[1:] + ends[:-1]) / 2 / n, 0.0)
+    drawn, capacity, power = np.append(np.zeros(n * k), 1e3), of.uniform(5.0, 120.0), of.uniform(10.0, 80.0)
+    fine = burnt_energy(drawn, returned, capacity)
+    coarse = [
+        np.append(np.add.reduceat(x[:-1], np.arange(0, n * k, n // 8)), x[-1]) for x in (duration, returned, drawn)
+    ]
+    highest = np.append(np.maximum(ends[:-1], ends[1:]).reshape(-1, n // 8).max(axis=1), 0.0)
+    found = burning(*coarse[:2], highest, burnt_energy(coarse[2], coarse[1], capacity), power)
+    rate = fine * n
+    assert found.peak == pytest.approx(float(rate[:-1].max()), abs=1.0)
+    assert found.energy.sum() == pytest.approx(float(fine.sum()), abs=1e-6)
+    pulse = largest_pulse(duration, np.where(rate > power, fine, 0.0))
+    assert largest_pulse(found.duration, found.energy, power) == pytest.approx(pulse, abs=1.0)
 
 
 # --- laws and edges -------------------------------------------------------------------------------------------------

@@ -23,14 +23,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import floor, inf, isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "burnt_energy", "derated_power", "largest_mean", "largest_pulse", "largest_resistance", "least_bus_capacitance",
-    "power_while_on", "preferred_resistance", "smallest_resistance", "storable_energy",
+    "Burning", "burning", "burnt_energy", "derated_power", "largest_mean", "largest_pulse", "largest_resistance",
+    "least_bus_capacitance", "power_while_on", "preferred_resistance", "smallest_resistance", "storable_energy",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -194,6 +194,70 @@ def burnt_energy(drawn: Array, returned: Array, capacity: float) -> Array:
             over = max(held - capacity, 0.0)
             held, burnt[piece] = held - over, over
     return burnt
+
+
+class Burning(NamedTuple):
+    """Power of a resistor over one cycle, in pieces that are cut where it starts and where a power is passed."""
+
+    duration: Array  # s, of each piece
+    energy: Array  # J
+    peak: float  # W, at any moment
+
+
+def burning(duration: Array, returned: Array, highest: Array, burnt: Array, power: float = 0.0) -> Burning:
+    r"""Course of a resistor's power over a cycle: straight in each piece, from the moment at which the bus is full.
+
+    The regenerated power runs from its highest in a piece to what makes the piece's energy, falling where the next
+    piece has less. The bus is full when of that energy E only the burnt one is left, at the power
+
+    .. math:: q = \sqrt{p_1^2 + 2 \frac{p_0 - p_1}{t} E_b}
+
+    Parameters
+    ----------
+    duration, returned, highest
+        Of each piece [s], regenerated energy [J], and its largest power [W].
+    burnt
+        Of that energy, by ``burnt_energy`` [J].
+    power
+        Where it is passed, a piece is cut [W].
+
+    Returns
+    -------
+    Burning
+        Of more pieces than the cycle has.
+
+    Examples
+    --------
+    100 W that fall to 0 in 1 s are 50 J. Where the bus takes 18 J, 32 J are left from 80 W on; above 40 W are 24 J:
+
+    >>> braking = np.array([[1.0, 1.0], [50.0, 0.0], [100.0, 0.0], [32.0, 0.0]])
+    >>> found = burning(*braking, 40.0)
+    >>> found.peak, found.duration.round(9).tolist(), found.energy.round(9).tolist()
+    (80.0, [0.2, 0.4, 0.4, 1.0], [0.0, 24.0, 8.0, 0.0])
+    """
+    rows = np.flatnonzero(burnt > 0.0)
+    mean, out = returned / duration, burnt[rows]
+    top = np.maximum(highest, mean)
+    after, before = np.roll(top * (returned > 0.0), -1)[rows], np.roll(top * (returned > 0.0), 1)[rows]
+    top, mean, lasts = top[rows], mean[rows], duration[rows]
+    least = np.maximum(2.0 * mean - top, 0.0)
+    falls = np.where(after > 0.0, after < top, (before == 0.0) | (before > top))
+    braked = np.minimum(lasts, 2.0 * returned[rows] / (top + least))
+    start, end = np.where(falls, top, least), np.where(falls, least, top)
+    full = np.sqrt(np.maximum(end**2 + 2.0 * (start - end) / braked * out, 0.0))
+    on = np.minimum(2.0 * out / (full + end), lasts)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where((full - power) * (end - power) < 0.0, (full - power) / (full - end), 1.0)
+    first = np.minimum(share * (full + share * (end - full) / 2.0) * on, out)
+    parts = np.stack([lasts - on, share * on, (1.0 - share) * on]), np.stack([np.zeros(len(rows)), first, out - first])
+    counts = np.ones(len(duration), np.int64)
+    counts[rows] = 3
+    found = np.repeat(duration, counts), np.zeros(int(counts.sum()))
+    places = (np.cumsum(counts) - counts)[rows] + np.arange(3)[:, None]
+    for column, values in zip(found, parts, strict=True):
+        column[places] = values
+    real = found[0] > _NEARLY * np.repeat(duration, counts)
+    return Burning(found[0][real], found[1][real], float(np.maximum(full, end).max(initial=0.0)))
 
 
 def largest_mean(duration: Array, energy: Array, window: float) -> float:
