@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.shift import cycle_of_shift
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.load_cycle import LoadCycle, middle
 from drivesizer.spec.robot import RobotSpec
@@ -24,7 +24,7 @@ class Trip(NamedTuple):
 
 
 def trip(spec: RobotSpec) -> Trip:
-    """The motion of a load case, as it is specified.
+    """The motion of a load case, as it is specified; with cases that share its time the motion of all of them.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def trip(spec: RobotSpec) -> Trip:
     Returns
     -------
     Trip
-        Of one cycle.
+        Of one cycle, or of the shortest whole in which the cases have their shares.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def trip(spec: RobotSpec) -> Trip:
         if trajectory := trajectory_of(spec):
             fastest = np.hypot(*trajectory.velocity[:2]).max()
             return Trip(trajectory.total, trajectory.length, float(fastest))
-    cycle = load_cycle(spec)
+    cycle = cycle_of_shift(spec)
     fastest = cycle.radius * float(np.abs(cycle.speed).max())
     return Trip(cycle.total, distance_of(spec, cycle), fastest)
 

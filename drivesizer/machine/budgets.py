@@ -172,7 +172,8 @@ def _powers(problem: Problem, one: DriveParts, *, motors: bool = True) -> Iterat
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
         power = together([drive_power(case.spec, one, case.at_belt, motors=motors) for case in some])
-        yield problem.name_of(numbers), some[0].spec, power
+        platform = some[0].spec.platform
+        yield problem.name_of(numbers), some[0].spec, power.slipping(platform.slip) if platform else power
 
 
 def drive_mass(problem: Problem, one: DriveParts) -> float:

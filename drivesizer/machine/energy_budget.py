@@ -191,17 +191,19 @@ def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> t
     tuple of Consumption
         What its motors draw and regenerate, losses of controllers, brakes and cables.
     """
-    share, sets = spec.supply.regeneration, spec.load.motors
+    share, sets, slip = spec.supply.regeneration, spec.load.motors, spec.platform.slip if spec.platform else 0.0
     mean = {name: drive.mean(getattr(drive, name)) for name in _MEANS}
     drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
     released = sets * drive_set.released_power * spec.brake_released
     lost = mean["bus_drawn"] - drawn + returned - share * mean["returned"] - released
     assumed = bool(spec.feed_of(drive_set.controller).stage.assumed)
     found: tuple[Consumption, ...] = (
-        Consumption("drive", sets, drawn, peak, nan, False),
+        Consumption("drive", sets, drawn * (1.0 - slip), peak, nan, False),
         Consumption("regenerated energy", sets, -returned, 0.0, nan, False),
         Consumption("losses of the controllers", sets, lost, 0.0, nan, assumed),
     )
+    if slip:
+        found += (Consumption("slip of the wheels", sets, drawn * slip, 0.0, nan, False),)
     if released:
         found += (Consumption("brakes, released", sets, released, 0.0, nan, False),)
     cables = Consumption("resistance of the supply", 1, mean["resisted"], 0.0, nan, False)
@@ -384,6 +386,8 @@ def _assumptions(
     if guessed:
         found.append(f"power of {', '.join(guessed)} assumed")
     found += assumed
+    if spec.platform and not spec.platform.slip and any(w.kind == "mecanum" for w in spec.platform.places):
+        found.append("slip of the rollers on the floor is not counted: platform.slip")
     if battery.charger:
         found.append("charging at a constant current to the end: with a constant voltage at the end it takes longer")
     if not pack.rests:

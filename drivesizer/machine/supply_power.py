@@ -62,12 +62,21 @@ class DrivePower(NamedTuple):
         columns = {n: factor * getattr(self, n) for n in self._fields if n not in ("duration", "distance")}
         return self._replace(**columns)
 
+    def slipping(self, slip: float) -> DrivePower:
+        """The same where wheels slip: for a travel they turn by 1 / (1 - slip) more, at the same torque.
+
+        Losses of the current stay the same: what is drawn is no more than that, and no more is regenerated.
+        """
+        more = {name: getattr(self, name) / (1.0 - slip) for name in _DRAWN}
+        return self._replace(**more)
+
     def at(self, duration: Array, pieces: Any) -> DrivePower:
         """Some of its pieces in an order, with other durations [s]."""
         columns = {name: getattr(self, name)[pieces] for name in self._fields if name not in ("duration", "distance")}
         return self._replace(duration=duration, **columns)
 
 
+_DRAWN = ("drawn", "bus_drawn", "peak", "motor_drawn", "most")
 _COLUMNS = [name for name in DrivePower._fields if name not in ("duration", "distance")]
 
 

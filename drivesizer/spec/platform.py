@@ -39,6 +39,7 @@ AccelerationLimit = Annotated[float, Quantity("acceleration", above=0.0)]
 JerkLimit = Annotated[float, Quantity("jerk", above=0.0)]
 TurningAcceleration = Annotated[float, Quantity("angular_acceleration", above=0.0)]
 TurningJerk = Annotated[float, Quantity("angular_jerk", above=0.0)]
+Slip = Annotated[float, Quantity("dimensionless", least=0.0, most=0.9)]
 Small = Annotated[float, Quantity("angle", least=0.0, most=math.pi / 2)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 
@@ -134,6 +135,9 @@ class Platform(Section):
     layout: Layout | None = Field(default=None, description="of the wheels, instead of one by one")
     casters: Annotated[list[CasterPlace], Field(max_length=100)] = no_entries()
     roller_resistance: Coefficient = Field(default=0, description="C_rr of rollers on their pins")
+    slip: Slip = Field(
+        default=0, description="share of the wheels' travel that is lost by slip on the floor: of the battery's energy"
+    )
     inertia: InertiaAbove | None = Field(
         default=None,
         description="about the vertical through the centre of mass, without payloads; of a homogeneous box of the "

@@ -219,8 +219,8 @@ class Case(Section):
     def _shared(self) -> Self:
         if self.lasting is not None and self.share is None:
             raise ValueError("lasting: it is of a case with a share of the time; expected share, e.g. 10 %")
-        if self.share is not None and (self.supply or self.environment or self.platform):
-            raise ValueError("share: a case that alternates with others changes load and motion alone; leave it out")
+        if self.share is not None and (self.supply or self.environment):
+            raise ValueError("share: a case that alternates with others keeps supply and environment; leave it out")
         return self
 
     name: str = Field(min_length=1, max_length=60)

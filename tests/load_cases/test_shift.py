@@ -84,7 +84,7 @@ def test_a_case_with_a_share_is_no_case_of_its_own() -> None:
         ([RAMP | {"lasting": "5 min"}], "it is of a case with a share of the time"),
         ([RAMP | {"share": "60 %"}, RAMP | {"name": "b", "share": "50 %"}], "their shares are 110 % together"),
         ([RAMP | {"share": "120 %"}], "at most 0.99"),
-        ([{"name": "cold", "share": "10 %", "environment": {"ambient": "-10 degC"}}], "changes load and motion alone"),
+        ([{"name": "cold", "share": "10 %", "environment": {"ambient": "-10 degC"}}], "keeps supply and environment"),
     ],
 )
 def test_shares_that_cannot_be_are_one_line(cases: list[dict[str, Any]], said: str) -> None:

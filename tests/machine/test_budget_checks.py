@@ -15,12 +15,13 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_record import platform_of
 from drivesizer.load_cases.requirement_checks import requirement_checks
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.machine.platform_budget import mass_part, platform_part
+from drivesizer.machine.platform_budget import mass_part, of_load_cases, platform_part
 from drivesizer.machine.platform_checks import PlatformOnFloor, envelope_checks, grip_checks, machine_mass, mass_checks
 from drivesizer.machine.platform_checks import stability_checks as footing
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.mass import MassRow
+from drivesizer.sizing import explain
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import load_spec
 
@@ -328,8 +329,7 @@ def machine(required, **given):
     cruise = 7000 / 19 / 1.5 - 2.0
     base = {
         "name": "survey",
-        "load": {"kind": "wheeled_vehicle", "mass": "45 kg", "driven_wheels": 4, "wheel_diameter": "152.4 mm",
-                 "rolling_resistance": 0.02, "inertia": "40 kg*cm^2"},
+        "load": vehicle_of(),
         "motion": {"speed": "1.5 m/s", "acceleration_time": "2 s", "cruise_time": f"{cruise} s"},
         "supply": {"nominal": "24 V", "current": "20 A"},
     }  # fmt: skip
@@ -343,6 +343,70 @@ def test_the_time_of_a_survey():
     assert found.demand / 60 == pytest.approx(78.4, abs=0.05) and found.status == "pass"
     assert found.demand == pytest.approx(19 * 247.6, rel=1e-4)
     assert machine({"travel": {"distance": "7 km", "within": "75 min"}})["travel_time"].status == "fail"
+
+
+def test_doors_and_station_take_time_of_a_survey():
+    """19 sections, 19 doors of 1.2 m in 25 s, 84 s in the station for 8 m: 7 km at 7031 m in 5264 s take 87.3 min."""
+    cases = [
+        {"name": "door", "share": 475 / 5264,
+         "motion": {"speed": "0.3 m/s", "acceleration_time": "1 s", "cruise_time": "3 s", "rest_time": "20 s"}},
+        {"name": "station", "share": 84 / 5264,
+         "motion": {"speed": "0.2 m/s", "acceleration_time": "1 s", "cruise_time": "9 s", "rest_time": "10 s",
+                    "there_and_back": True}},
+    ]  # fmt: skip
+    required = {"travel": {"distance": "7 km", "within": "90 min"}, "speed": "1.5 m/s"}
+    found = machine(required, cases=cases)
+    by_hand = 7000 / (7000 + 19 * 1.2 + 8.0) * (19 * 247.614 + 475 + 84)
+    assert found["travel_time"].demand == pytest.approx(by_hand, rel=1e-3)
+    assert found["travel_time"].demand / 60 == pytest.approx(87.3, abs=0.1)
+    assert found["motion_speed"].status == "pass"  # in the sections
+
+
+def test_a_posture_has_a_door_of_its_own():
+    """Raised it is 600 mm high, folded 184 mm; the door of 200 mm is that of the folded one, which tips less easily."""
+    layout = {"kind": "mecanum", "wheelbase": "477 mm", "track": "270 mm"}
+    size_of = {"length": "707 mm", "width": "350 mm"}
+    raised = {"layout": layout, "size": size_of | {"height": "600 mm"}, "centre_of_mass": {"height": "150 mm"}}
+    door = {"name": "door", "width": "400 mm", "height": "200 mm"}
+    folded = {"size": size_of | {"height": "184 mm"}, "centre_of_mass": LOW, "passages": [door]}
+    base = {
+        "name": "survey", "load": vehicle_of(), "motion": {"speed": "1.5 m/s", "acceleration_time": "2 s",
+                                                            "cruise_time": "240 s"},
+        "supply": {"nominal": "24 V"}, "platform": raised,
+        "cases": [{"name": "door", "share": 0.1, "motion": {"speed": "0.3 m/s", "cruise_time": "3 s"},
+                   "platform": folded}],
+    }  # fmt: skip
+    found = of(of_load_cases(load_spec(base)).checks)
+    assert (found["passage_height"].demand, found["passage_height"].status) == (0.184, "pass")
+    assert found["lift_off"].case == "as specified"  # a wheel carries m g / 4 - m a h (cos / 2 L + sin / 2 W)
+    assert found["lift_off"].limit == pytest.approx(G / 4 / (0.150 / 2 * math.hypot(1 / 0.477, 1 / 0.270)))
+
+
+def vehicle_of():
+    return {"kind": "wheeled_vehicle", "mass": "45 kg", "driven_wheels": 4, "wheel_diameter": "152.4 mm",
+            "rolling_resistance": 0.02, "inertia": "40 kg*cm^2"}  # fmt: skip
+
+
+def test_slip_draws_more_of_the_battery():
+    """For a travel the wheels turn by 1 / (1 - 0.2) more: a quarter more is drawn, and the line of slip has a fifth."""
+    battery = {"nominal_voltage": "24 V", "capacity": "14 A*h", "rated_time": "20 h", "peukert_exponent": 1.2}
+    platform = {"layout": {"kind": "mecanum", "wheelbase": "477 mm", "track": "270 mm"}, "inertia": "2 kg*m^2"}
+    found = []
+    for slip in ({}, {"slip": "20 %"}):
+        spec = load_spec({
+            "name": "survey", "load": vehicle_of(), "supply": {"nominal": "24 V", "current": "20 A"},
+            "motion": {"speed": "1.5 m/s", "acceleration_time": "2 s", "cruise_time": "240 s"},
+            "battery": battery, "platform": platform | slip, "select": {"catalogs": ["maxon"]},
+            "transmission": [{"kind": "gearhead"}, {"kind": "belt", "ratio": 1.1, "efficiency": 0.95}],
+        })  # fmt: skip
+        found.append(explain(spec, "118752", "406764")[0].energy)
+    without, slipping = ({one.name: one.mean for one in budget.consumers} for budget in found)
+    assert slipping["drive"] == pytest.approx(without["drive"])
+    assert slipping["slip of the wheels"] == pytest.approx(without["drive"] / 4)
+    drawn = without["drive"] + without["losses of the controllers"]
+    assert found[1].mean_power - found[0].mean_power == pytest.approx(drawn / 4, rel=0.01)
+    said = "slip of the rollers on the floor is not counted: platform.slip"
+    assert said in found[0].assumptions and said not in found[1].assumptions
 
 
 def test_the_speed_of_the_motion_is_held_against_the_required_one():

@@ -125,13 +125,14 @@ def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequenc
     """
     share = spec.supply.regeneration
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
-    mean = (drawn - share * returned) / total + feeds.mean
+    slip = spec.platform.slip if spec.platform else 0.0
+    mean = (drawn / (1.0 - slip) - share * returned) / total + feeds.mean
     full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # of so many parallel strings
     required, distance = required_autonomy(spec, spec.battery), spec.battery.range
     required = np.fmax(required, nan if distance is None else distance / speed)
     drawn_share = np.where(np.isnan(required), feeds.pack.available, required / full)
     left = feeds.pack.start - np.minimum(drawn_share, feeds.pack.available)
-    peak = np.maximum(draws[0].peak, 0.0) + feeds.peak
+    peak = np.maximum(draws[0].peak, 0.0) / (1.0 - slip) + feeds.peak
     emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
     lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
     load = Load(mean=mean, peak=peak, rms=nan, back=nan, speed=speed, full=full, charge=left, lowest=lowest)

@@ -195,7 +195,8 @@ def _alternating(spec: Any) -> None:
         return
     if sum(shares) > _MOST_SHARED:
         raise ValueError(f"cases: their shares are {100.0 * sum(shares):g} % together; expected less than 100 %")
-    if spec.platform is not None:
+    motions = [motion for case in spec.cases if case.share is not None for motion in case.motion]
+    if isinstance(spec.motion, Track | Waypoints) or {"trajectory", "waypoints"} & {*motions}:
         raise ValueError("cases: wheels of a platform on a trajectory do not alternate; leave share out")
 
 
