@@ -11,7 +11,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.tables import Table
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["HEAT", "estimates_off", "selecting", "without"]
+__all__ = ["HEAT", "estimates_off", "poorer", "selecting", "without"]
 
 HEAT = ("max_winding_temperature", "winding_time_constant", "motor_time_constant")
 
@@ -33,3 +33,8 @@ def without(catalog: Catalog, role: str, part: str, *fields: str) -> Catalog:
     for column in columns.values():
         column[table.rows[part]] = np.nan
     return catalog.with_tables({f"{role}s": replace(table, columns={**table.columns, **columns})}, {})
+
+
+def poorer(catalog: Catalog) -> Catalog:
+    """The catalogue without heat and permissible speed of the paper's motor, and without its encoder's code wheel."""
+    return without(without(catalog, "motor", "118752", *HEAT, "max_speed"), "encoder", "225778", "inertia")

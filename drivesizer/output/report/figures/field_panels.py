@@ -101,13 +101,13 @@ def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> 
     }
     chain = {"K_g": drive_set.gearhead.ratio, "eta_gear": drive_set.gearhead.efficiency,
              "i_b": drive_set.belt_ratio, "eta_b": drive_set.belt_efficiency}  # fmt: skip
-    points = (
+    return tuple(
         OperatingPoint(
             name=name, torque=float(eq.maximum_torque_at_motor(torque, **chain)), speed=speed * drive_set.total_ratio
         )
         for name, (torque, speed) in torques.items()
+        if not isnan(torque + speed + sum(chain.values()))  # unknown is nowhere to be marked
     )
-    return tuple(point for point in points if not isnan(point.torque + point.speed))  # unknown is nowhere to be marked
 
 
 def signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
