@@ -72,12 +72,15 @@ def test_the_summary_has_the_answer_in_its_order(result):
     assert made["verdict"]["paragraphs"][0][0] == {"kind": "status", "text": result.sets[0].status}
 
 
+APPENDIX = ("physics", "platform", "repeat", "datasheets")
+
+
 def test_the_grounds_follow_the_answer_and_what_is_seldom_read_is_appendix(result):
     order = [*sections(result)]
     wanted = ["summary", "drive", "checks", "cycle", "machine", "candidates", "specification", "derivation",
               "assumptions", "physics", "repeat", "datasheets"]  # fmt: skip
     assert [name for name in order if name in wanted] == wanted
-    assert [name for name, one in sections(result).items() if one["appendix"]] == ["physics", "repeat", "datasheets"]
+    assert [name for name, one in sections(result).items() if one["appendix"]] == [*APPENDIX]
 
 
 def test_the_method_that_did_not_rank_has_no_verdict(by_physics, result):
