@@ -1,6 +1,10 @@
 """Closed-loop validation (figure 3 of the paper): does the chosen drive follow the profile within its limits?
 
 Reference speed - error at the motor shaft - sampled controller - limited voltage - motor - gearhead, belt, load.
+
+PID and DC motor in python-control are ``control.loop_models``: ``dc_motor`` (states i, w), ``pid``, and the loops that
+they make. ``control.loop_analysis`` has their poles, margins and steps, and ``linear_run`` simulates the profile with
+them; its figures stand beside those of the program's own engine, which adds limits, friction, heat and counts.
 ``loads.profile`` gives the reference motion, ``control.drive_train`` the plant, ``control.closed_loop`` simulation,
 checks and figures. This module makes the record, with assumptions and warnings.
 """

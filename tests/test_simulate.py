@@ -219,6 +219,24 @@ def test_where_the_machine_is_linear_python_control_is_the_engine(example, chose
         assert ours[name][same] == pytest.approx(theirs[name][at[same]], abs=near), name
 
 
+def test_an_unstable_loop_has_no_response_in_python_control(spec, chosen):
+    run = validate(changed(changed(spec, "control", kp=60.0), "motion", cruise_time=1.0), chosen).linear
+    assert not run.series and "an unstable loop has no response" in run.left_out
+    current = run.figures[0]
+    assert math.isnan(current.linear.value) and current.engine.value > 1.0
+
+
+def test_braking_has_the_current_of_the_load_cycle(spec, chosen):
+    """Downhill the gears' losses help the brake: settled, both models hold the load with e/K of its torque."""
+    hill = changed(spec, "load", slope=math.radians(-6.0))
+    proof = validate(hill, chosen, profile=Profile("down", (0.0, 1.0), (1.0, 1.0)))
+    K, e = 3249 / 121 * 1.1, 0.80 * 0.95
+    weight = 45 / 4 * 9.80665 * 0.0762 * (math.sin(math.radians(6.0)) - 0.02 * math.cos(math.radians(6.0)))
+    held = 36.9e-3 - weight * e / K / 23.4e-3  # A
+    assert proof.linear.series["current"] == pytest.approx(held, rel=1e-6)
+    assert proof.series["current"][-1] == pytest.approx(held, rel=1e-6)
+
+
 def test_gains_by_the_rule(spec, chosen):
     train, _ = drive_train(spec, chosen, PERIOD)
     gains = design(changed(spec, "control", bandwidth=20.0), train, PERIOD)

@@ -110,3 +110,14 @@ def test_help_without_words_whose_reader_is_gone(words):
         found = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, check=False)
     assert found.returncode == 2
     assert found.stderr == b"drivesizer: the output cannot be written (no space left on device)\n"
+
+
+@pytest.mark.parametrize(
+    "words", [["SPEC", "--profile"], ["--profile", "SPEC"], ["SPEC", "--profile", "--set", "118752/406764"]]
+)
+def test_a_profile_without_a_value_is_the_spec_s_own(run, example, words):
+    """As one types it who has the paper's trapezoid in the spec; it ended in "--profile has no value"."""
+    words = [str(example) if word == "SPEC" else word for word in words]
+    found = run("validate", *words)
+    assert found == run("validate", *(word for word in words if word != "--profile"))
+    assert "PID and DC motor by python-control, beside the engine" in found[1]

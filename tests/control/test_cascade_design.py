@@ -25,7 +25,7 @@ from drivesizer.control.cascade_rules import (
     symmetrical_optimum,
 )
 from drivesizer.control.drive_train import DriveTrain, Regime, elastic, modes
-from drivesizer.control.loop_analysis import analyse, loop_of
+from drivesizer.control.loop_analysis import analyse, frequency_response, loop_of
 from drivesizer.control.loop_models import (
     current_open_loop,
     dc_motor,
@@ -508,3 +508,16 @@ def test_a_crossover_on_the_grid_of_frequencies_is_found(above):
         crossover = 2.0 / period * math.asin(gain / 2.0)
         assert loop.crossover == pytest.approx(crossover / (2.0 * math.pi), rel=1e-9)
         assert loop.phase_margin == pytest.approx((math.pi - crossover * period) / 2.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("periods", [1, 60])
+def test_the_frequency_response_is_python_control_s(periods):
+    """For all frequencies at once, also of a long delay, whose poles at 0 no eigenvectors tell apart."""
+    h = 4e-4
+    late = control.ss(np.eye(periods, k=-1), np.eye(periods, 1), np.eye(1, periods, periods - 1), 0.0, h)
+    lag = control.ss(control.tf([0.01, 0.002], [1.0, -0.9], h))
+    loop = control.feedback(lag * late, 1) if periods > 1 else lag * late
+    w = np.geomspace(1.0, 0.999 * math.pi / h, 60)
+    theirs = control.frequency_response(loop, w, squeeze=True).complex
+    assert frequency_response(loop)(w)[0] == pytest.approx(theirs, rel=1e-9, abs=1e-12)
+    assert frequency_response(control.ss([], [], [], [[-2.5]], h))(w).tolist() == [[-2.5] * len(w)]

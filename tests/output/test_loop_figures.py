@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import yaml
 from loops_by_hand import CASCADE, UNSTABLE, lag
 from matplotlib.figure import Figure
 from printed import blank_figures, text_of
@@ -23,12 +24,16 @@ from drivesizer.output.json import documents as json_documents
 from drivesizer.output.loop_table import cell, loop_figures, settled
 from drivesizer.output.report import pdf, write_loop_figures
 from drivesizer.output.report.figures import bode_and_step, load_and_loop
+from drivesizer.output.report.figures.block_diagram import block_diagram
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.terminal import sizing as terminal
 from drivesizer.output.terminal.loops import loops
 from drivesizer.output.thinning import extremes, on_curves
 from drivesizer.results.sizing import SizingResult
+from drivesizer.simulate import validate
+from drivesizer.sizing import explain
+from drivesizer.spec.robot import load_spec
 
 VELOCITY = CASCADE[1]
 
@@ -338,3 +343,26 @@ def test_thinning_keeps_peaks_wherever_they_are_and_no_more_than_was_asked_for()
 
 def test_few_points_stay_all():
     assert on_curves((np.arange(7.0),), 200).tolist() == list(range(7)) == extremes(np.arange(7.0), 200).tolist()
+
+
+# -- the block diagram
+
+
+@pytest.mark.parametrize(
+    ("control", "said"),
+    [
+        ({"bandwidth": "20 Hz"}, ["PI", "encoder, 500 lines; counts of", "R 2.32 Ω", "K 29.54", "load torque"]),
+        ({"structure": "cascade", "position": {}, "speed_from": "exact"},
+         ["position P", "velocity PI", "current PI", "feedforward", "path's speed", "speed measured exactly", "angle"]),
+    ],
+    ids=["voltage PID", "cascade"],
+)  # fmt: skip
+def test_the_block_diagram_names_what_is_in_the_loop(example, catalog, control, said):
+    """Figure 3 of the paper: RE 25 with 2.32 ohm behind 26.85 x 1.1."""
+    data = yaml.safe_load(example.read_text(encoding="utf-8"))
+    data["control"] = control
+    spec = load_spec(data)
+    proof = validate(spec, explain(spec, "118752", "406764", catalog=catalog)[0])
+    text = block_diagram(proof, proof.linear, "typeset").decode()
+    for word in said:
+        assert f">{word}" in text, word
