@@ -47,6 +47,7 @@ class Motor:
     kind: str = text()  # brushed or brushless; stepper in the search view alone
     commutation: str = text()  # graphite, precious metal CLL, Hall sensors, integrated electronics ...
     bearing: str = text()
+    controller: str = text()  # the name of the one inside, beside which it takes no other; empty: it needs one
     winding: str = text()  # slotless: without iron teeth, as of ironless windings
     assigned_power: float = figure("power", "W")
     nominal_voltage: float = figure("voltage", "V")

@@ -42,6 +42,8 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | Non
     masses = {row.name: _massed(row) for row in drive_rows(found, drives, catalog, belt)}
     lines = [line_of(role, part, catalog, drives, masses[role]) for role, part in found.parts.items()]
     lines = [replace(x, said=", ".join((x.said, *found.belt_running))) if x.role == "belt" else x for x in lines]
+    if found.without_controller:
+        lines = [replace(x, said=found.without_controller) if x.role == "controller" else x for x in lines]
     if found.chosen_screw:
         lines = [replace(x, said=found.chosen_screw.running) if x.role == "screw" else x for x in lines]
     if _bare_belt(found):

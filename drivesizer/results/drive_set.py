@@ -200,6 +200,11 @@ class DriveSet(DriveParts):
         return tuple(role for role, part in self.parts.items() if part is not None and part.price == part.price)
 
     @property
+    def without_controller(self) -> str:
+        """Why it has no controller, in words; empty where it has one, or no catalogue lists any."""
+        return next((check.note for check in self.own_checks if check.name == "controller_available"), "")
+
+    @property
     def own_checks(self) -> tuple[Check, ...]:
         """The checks of the method that ranked and of the machine."""
         return (*self.checks, *self.budget)

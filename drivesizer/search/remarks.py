@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from math import isnan
 
@@ -72,7 +73,13 @@ def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     found = picked.found
     weighed = (picked.weigh(found.evaluation, row) for row in picked.short)
     budgets = shortfall(weighed, found.better, any_passes=bool(found.passing))
-    return (*picked.weighed, *_of_best(picked.problem, sets), *_held_back(picked, sets), *budgets)
+    return (
+        *_mains(picked.problem.machine),
+        *picked.weighed,
+        *_of_best(picked.problem, sets),
+        *_held_back(picked, sets),
+        *budgets,
+    )
 
 
 def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
@@ -80,6 +87,20 @@ def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
     if spec.method != "physics":
         return ()
     return unstated_temperature(s.motor.part for s in sets if isnan(s.motor.data_temperature))
+
+
+_MAINS = (100, 110, 115, 120, 200, 208, 220, 230, 240, 380, 400, 415, 440, 460, 480)  # V
+
+
+def _mains(spec: RobotSpec) -> tuple[str, ...]:
+    """That a supply of a voltage of the mains is not rectified."""
+    volts = spec.supply.nominal
+    if spec.battery or spec.supply.kind == "battery" or volts not in _MAINS:
+        return ()
+    said, rectified = show(volts, "V", "voltage"), show(math.sqrt(2.0) * volts, "V", "voltage", 3)
+    return (
+        f"supply.nominal {said} is the direct voltage at the controllers; mains of {said}, rectified, give {rectified}",
+    )
 
 
 def _waits(spec: RobotSpec) -> tuple[str, ...]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, fields
+from collections.abc import Iterator
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.reliability import Reliability
 from drivesizer.search.both_methods import compared
 from drivesizer.search.columns.brakes import stops
+from drivesizer.search.columns.controllers import none_suits
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
 from drivesizer.search.columns.shaft_limits import life_of_gearheads
 from drivesizer.search.columns.shaft_loads import shaft_loads
@@ -115,6 +117,7 @@ def drive_set(
     """
     parts = drive_parts(evaluation, index)
     checks, probability = decided(evaluation, index)
+    checks = tuple(_why_none(evaluation, index, checks))
     return DriveSet(
         **_sums(evaluation, index, objective, parts),
         rank=rank,
@@ -168,6 +171,18 @@ def drive_in_brief(
         reliability=reliability,
         **_NOT_IN_BRIEF,
     )
+
+
+def _why_none(evaluation: Evaluation, index: int, checks: tuple[Check, ...]) -> Iterator[Check]:
+    """The checks; that of a controller says why there is none."""
+    problem, motor = evaluation.problem, int(evaluation.candidates.motor[index])
+    needed = {check.name: check.demand * (1.0 + check.needed) for check in checks}
+    currents = tuple(needed.get(f"controller_{name}_current", math.nan) for name in ("continuous", "peak"))
+    for check in checks:
+        if check.name == "controller_available" and evaluation.controller[index] < 0:
+            yield replace(check, note=none_suits(problem.spec, problem.supply, problem.catalog, motor, currents))
+        else:
+            yield check
 
 
 _NOT_IN_BRIEF: dict[str, Any] = {

@@ -59,7 +59,9 @@ class Supply(Section):
         "drives, whose capacitors store; only the other fields count where not given",
     )
     part: str | None = Field(default=None, min_length=1, description="power supply of a catalogue, one for the machine")
-    nominal: Voltage
+    nominal: Voltage = Field(
+        description="direct voltage at the controllers; of drives at the mains that of their bus: 325 V at 230 V"
+    )
     min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
     max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
     resistance: Resistance | None = Field(

@@ -586,7 +586,7 @@ def controllers_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) ->
     """Those that do what is asked with the number of figures that each lacks: fewest first, of them by current."""
     does = []
     for c in offered:
-        if c.supply_min > spec.supply.lowest or c.supply_max < spec.supply.highest:
+        if c.supply_min > spec.supply.lowest or not c.supply_max >= spec.supply.highest:
             continue
         if c.drives not in ("", "both", kind) and not (kind == "" and c.drives):
             continue

@@ -44,6 +44,62 @@ def test_another_makers_controllers_lose_no_drive():
     assert both.controller.part == alone.controller.part == "EPOS4 Module 60/20"
 
 
+SERVO = """
+name: vertical axis
+load: {kind: ball_screw, mass: 25 kg, incline: 90 deg, friction_force: 30 N, lead: 10 mm, efficiency: 0.9,
+       inertia: 0.7 kg*cm^2}
+motion: {profile: move, distance: 400 mm, time: 0.8 s, rest_time: 1.2 s, there_and_back: true}
+transmission: [{kind: direct}]
+supply: {nominal: VOLTS, accepts: all}
+select: {catalogs: [yaskawa, panasonicMORE], motor: {kind: brushless}}
+"""
+
+
+def test_no_controller_for_the_voltage_is_unknown_and_said():
+    """None that maxon lists takes 325 V: the servo motors are what they are without its catalogue."""
+    alone = {
+        s.motor.part for s in size(read(SERVO.replace("VOLTS", "325 V").replace("MORE", "")), top=300, brief=True).sets
+    }
+    found = size(read(SERVO.replace("VOLTS", "325 V").replace("MORE", ", maxon")), top=300, brief=True).sets
+    assert alone and alone <= {s.motor.part for s in found}
+    servo = next(s for s in found if s.motor.part in alone)
+    assert servo.controller is None and servo.status == "unknown"
+    assert check(servo, "controller_available").note == "none is listed for 325 V"
+
+
+def test_the_mains_are_not_the_bus():
+    (said,) = (
+        w for w in size(read(SERVO.replace("VOLTS", "230 V").replace("MORE", "")), top=1).warnings if "mains" in w
+    )
+    assert (
+        said == "supply.nominal 230 V is the direct voltage at the controllers; mains of 230 V, rectified, give 325 V"
+    )
+
+
+WINCH = """
+name: winch of a competition robot
+load: {{kind: hoist, mass: 9 kg, drum_diameter: 50 mm, rope_efficiency: 0.95}}
+motion: {{profile: trapezoid, speed: 0.1 m/s, acceleration_time: 0.3 s, cruise_time: 5 s, rest_time: 20 s}}
+transmission: [{{kind: direct}}, {{kind: gear, ratio: 12, efficiency: 90 %}}]
+supply: {{nominal: 12 V, current: 40 A, accepts: all}}
+select: {{catalogs: [andymark, vex, rev, ctre], motor: {{part: "{motor}"}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("motor", "said"),
+    [
+        ("CIM", "none is listed for a brushed motor"),  # of these makers REV alone has one, for brushless motors
+        ("Kraken X44", "Talon FX is inside the motor; no figures of it are listed"),
+        ("Falcon 500", "Talon FX is inside the motor; no figures of it are listed"),
+    ],
+)
+def test_the_row_says_why_there_is_no_controller(motor, said):
+    (one,) = best(WINCH.format(motor=motor))
+    assert (one.motor.part, one.controller, check(one, "controller_available").note) == (motor, None, said)
+    assert check(one, "controller_available").status == "unknown"
+
+
 MOTORS = ["maxon", "faulhaber", "pololu", "robotis", "gobilda", "feetech", "cubemars", "odrive", "sunnyway", "nanotec"]
 CONTROLLERS = ["technosoft", "odrive", "mjbots", "roboteq", "granite_devices", "vesc", "amc", "cytron", "trinamic"]
 

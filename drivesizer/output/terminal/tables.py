@@ -163,7 +163,8 @@ def checks(checks: Iterable[Check], title: str, *, edged: bool = True) -> Table:
         when = [_seconds(check.at_time)] if timed else []
         where = f" ({check.case})" if check.case in worst_in and check.case else ""
         needed = f"\nneeds {percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
-        table.add_row(Text(check.title + where), *figures, percent(check.margin) + needed, status, *when)
+        reason = f"\n{check.note}" if check.note and isnan(check.demand) and isnan(check.limit) else ""
+        table.add_row(Text(check.title + where + reason), *figures, percent(check.margin) + needed, status, *when)
         if check.band and check.status in ("open", "pass") and check.band.least_margin < _CLOSE:
             worst = _at_worst(check)
             table.add_row(Text("  at worst, by estimates", style="dim"), *worst, percent(check.band.least_margin), "")
@@ -271,7 +272,8 @@ def parts(found: DriveSet, catalog: Catalog) -> Table:
     table = bare(("", "left"), ("", "left"), ("", "left"), headed=False)
     for role, part in found.parts.items():
         if part is None:
-            table.add_row(role, Text("unknown", style="yellow"), "none is listed for this motor")
+            why = found.without_controller if role == "controller" else ""
+            table.add_row(role, Text("unknown", style="yellow"), why or "none is listed for this motor")
         else:
             table.add_row(role, *_part(role, part, catalog, found))
         if role == "motor" and "gearhead" not in found.parts:

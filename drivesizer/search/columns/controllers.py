@@ -21,6 +21,7 @@ from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.ratings import controller_current
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice
+from drivesizer.units import show
 
 __all__ = [
     "HANGING",
@@ -31,6 +32,7 @@ __all__ = [
     "in_order",
     "matching",
     "no_better_than",
+    "none_suits",
     "offered_buses",
     "offers",
     "selected",
@@ -171,7 +173,8 @@ def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest:
     has_own = np.isin(box, distinct(table["inside"][table["inside"] != ""]))
     place = table["inside"][order]
     allowed &= np.where(has_own[:, None], place == box[:, None], place == "")  # one inside is for its motor alone
-    partial = ~has_own & (not choice.named)
+    allowed &= (catalog.motors["controller"] == "")[:, None]
+    partial = ~has_own & ((catalog.motors["controller"] != "") | (not choice.named))
     unclear = np.append(np.isnan(table["supply_min"] + table["supply_max"]), False)
     nearest = np.where(partial, -1, _last(allowed, order))
     return Usable(order, allowed, nearest, partial, unclear, lowest, np.nan)
@@ -322,13 +325,63 @@ def _first(
 
 
 def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:
-    """Controllers that the spec allows, with the bus it names, that are not known to be for other supply voltages."""
+    """Controllers that the spec allows, with the bus it names, for its supply voltages.
+
+    As far as these are printed: of one that is sold apart at least the highest.
+    """
     keep = selected(table, choice)
     keep &= ~(table["supply_min"] > lowest) & ~(table["supply_max"] < highest)
+    keep &= (table["inside"] != "") | ~np.isnan(table["supply_max"])
     bus = choice.bus
     if bus:
         keep &= np.array([any(offers(b, bus) for b in _split(text)) for text in table["buses"]], bool)
     return keep
+
+
+def none_suits(
+    spec: RobotSpec, supply: tuple[float, float], catalog: Catalog, motor: int, currents: tuple[float, float]
+) -> str:
+    """Why no controller is taken: what the catalogues list none for.
+
+    Parameters
+    ----------
+    spec, catalog
+        The requirements, and the parts to choose from.
+    supply
+        Lowest and highest voltage of the supply in all load cases [V].
+    motor
+        Its row.
+    currents
+        RMS and largest, with the margins that the spec requires [A]; NaN unknown.
+
+    Returns
+    -------
+    str
+        Empty where the catalogues list no controllers.
+    """
+    table, (low, high), (rms, peak) = catalog.controllers, supply, currents
+    kind, box, own = (str(catalog.motors[name][motor]) for name in ("kind", "inside", "controller"))
+    if own:
+        return f"{own} is inside the motor; no figures of it are listed"
+    inside = box != "" and bool((table["inside"] == box).any())
+    rows = (table["inside"] == (box if inside else "")) & selected(table, spec.select.controller)
+    if not rows.any():
+        return ""
+    bus = spec.select.controller.bus or ""
+    volts = show(high, "V", "voltage") if low == high else f"{low:.4g} to {show(high, 'V', 'voltage')}"
+    able = {
+        f"a {kind} motor": np.array([_can_drive(text, kind) for text in table["drives"]], bool),
+        f"the bus {bus}": np.array([not bus or any(offers(b, bus) for b in _split(t)) for t in table["buses"]], bool),
+        volts: (table["supply_min"] <= low) & (table["supply_max"] >= high),  # as far as it is printed
+        f"{show(rms, 'A', 'current')} RMS": ~(table["continuous_current"] < rms),
+        f"{show(peak, 'A', 'current')} at the peak": ~(table["peak_current"] < peak),
+    }
+    who = "the one inside is not" if inside else "none is listed"
+    for what, good in able.items():
+        rows &= good
+        if not rows.any():
+            return f"{who} for {what}"
+    return f"{who} that meets all limits" if not inside else ""
 
 
 def _split(buses: str) -> list[str]:
