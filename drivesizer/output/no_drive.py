@@ -26,7 +26,32 @@ def most_fail_on(result: SizingResult) -> str:
 
 
 def not_enough(result: SizingResult) -> str:
-    """The figures of the spec of which none, moved alone, lets a drive pass."""
+    """The figures of the spec of which none, moved alone, lets a drive pass; first what is not known of any drive."""
+    if undecided := _undecided(result):
+        return undecided
     if not result.tried:
         return "The spec has no single figure whose change was tried."
     return f"None of these figures is enough, changed alone by up to a factor of 20: {', '.join(result.tried)}."
+
+
+_OF_THE_BATTERY = {  # figures that its limits need, where the drive gives and takes what it may
+    "continuous_current", "peak_current", "max_charge_current", "charge_voltage", "cutoff_voltage", "resistance",
+    "open_circuit",
+}  # fmt: skip
+
+
+def _undecided(result: SizingResult) -> str:
+    """Unknown figures that leave drives out where the spec rejects such: the battery's first, then the drives'."""
+    spec, left_out = result.spec, result.counts.left_out
+    if spec.select.unknown != "reject":
+        return ""
+    battery, said = spec.battery, list[str]()
+    if battery is not None and battery.part is None:
+        lacking = [f"battery.{name}" for name in type(battery).model_fields if name in _OF_THE_BATTERY]
+        lacking = [name for name in lacking if getattr(battery, name.removeprefix("battery.")) is None]
+        if lacking:
+            said.append(f"The battery is not wholly known, so no drive is: give {', '.join(lacking)}.")
+    if left_out:
+        fail = "1 drive fails nothing" if left_out == 1 else f"{left_out:,} drives fail nothing"
+        said.append(f"{fail}, but figures are missing: select: {{unknown: allow}} shows which.")
+    return " ".join(said)

@@ -201,7 +201,7 @@ class DriveSet(DriveParts):
 
     @property
     def without_controller(self) -> str:
-        """Why it has no controller, in words; empty where it has one, or no catalogue lists any."""
+        """Reason why it has no controller, in words; empty where it has one, or no catalogue lists any."""
         return next((check.note for check in self.own_checks if check.name == "controller_available"), "")
 
     @property

@@ -22,13 +22,14 @@ from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, MotorChoice
-from drivesizer.units import show
+from drivesizer.units import show, to_si
 
 __all__ = ["changes_for", "relaxations", "tried"]
 
 _STEPS = (1.1, 1.25, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)  # times
 _NEAR_ENOUGH = 1.01
-_ROOM = 298.15  # K, 25 degC: the ambient of data sheets
+_STEP, _ROUNDINGS = 2e-3, 8  # of a factor, until what is printed of a figure is on the side that passes
+_ROOM, _ICE = 298.15, 273.15  # K: 25 degC, the ambient of data sheets, and 0 degC
 
 
 class _Passing(NamedTuple):
@@ -67,7 +68,7 @@ def relaxations(
         found = best_in_machine(moved, objective)
         if found is None:
             raise AssertionError("a drive that passes ranks nowhere")
-        return found.label
+        return found.label if found.status == "pass" else f"{found.label}, {found.status}"
 
     def passes(moved: Problem) -> bool:
         going_on()
@@ -149,14 +150,28 @@ def _found(problem: Problem, passing: _Passing) -> list[Relaxation]:
 def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
     turns = problem.spec.load.axis == "rotary"
     for figure, now in movable(problem):
-        factor = _least_change(partial(_passes_at, problem, passing, figure.path, now), figure.direction)
+        passes = partial(_passes_at, problem, passing, figure.path, now)
+        factor = _least_change(passes, figure.direction)
         if factor is not None:
             kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
+            steps = (factor * (1.0 + _STEP * figure.direction * n) for n in range(_ROUNDINGS))
+            printed = (show(now * step, unit, kind, 3) for step in steps)
+            needed = next(
+                (text for text in printed if passes(to_si(text, kind) / now)), show(now * factor, unit, kind, 9)
+            )
+            after = to_si(needed, kind)
             yield Relaxation(
-                field=".".join(figure.path), now=show(now, unit, kind), needed=show(now * factor, unit, kind, 3),
-                set_label=passing.label(_changed(problem, figure.path, factor)), share=abs(factor - 1.0),
-                kind=kind, unit=unit, before=now, after=now * factor,
+                field=".".join(figure.path), now=show(now, unit, kind), needed=needed + _together(problem, figure.path),
+                set_label=passing.label(_changed(problem, figure.path, after / now)), share=abs(after / now - 1.0),
+                kind=kind, unit=unit, before=now, after=after,
             )  # fmt: skip
+
+
+def _together(problem: Problem, path: tuple[str, ...]) -> str:
+    """Words on the limits of a supply's voltage that move with it, where they are given."""
+    supply = problem.spec.supply
+    given = [name for name in ("min", "max") if path == ("supply", "nominal") and getattr(supply, name) is not None]
+    return f" ({' and '.join(given)} in proportion)" if given else ""
 
 
 def _passes_at(problem: Problem, passing: _Passing, path: tuple[str, ...], now: float, factor: float) -> bool:
@@ -180,11 +195,14 @@ def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
             high = middle
         else:
             low = middle
-    yield Relaxation(
-        field=".".join(_AMBIENT), now=show(now, "degC", "temperature"),
-        needed=show(now - high, "degC", "temperature", 3), set_label=passing.label(cooled(high)), share=high / now,
-        kind="temperature", unit="degC", before=now, after=now - high,
-    )  # fmt: skip
+    needed = show(np.floor(10.0 * (now - high - _ICE)) / 10.0 + _ICE, "degC", "temperature", 4)
+    after = to_si(needed, "temperature")
+    if passing.any(cooled(now - after)):
+        yield Relaxation(
+            field=".".join(_AMBIENT), now=show(now, "degC", "temperature"), needed=needed,
+            set_label=passing.label(cooled(now - after)), share=1.0 - after / now, kind="temperature", unit="degC",
+            before=now, after=after,
+        )  # fmt: skip
 
 
 def _changed(problem: Problem, path: tuple[str, ...], factor: float) -> Problem:

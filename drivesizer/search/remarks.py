@@ -93,7 +93,7 @@ _MAINS = (100, 110, 115, 120, 200, 208, 220, 230, 240, 380, 400, 415, 440, 460, 
 
 
 def _mains(spec: RobotSpec) -> tuple[str, ...]:
-    """That a supply of a voltage of the mains is not rectified."""
+    """A warning of a supply that has a voltage of the mains, which are rectified."""
     volts = spec.supply.nominal
     if spec.battery or spec.supply.kind == "battery" or volts not in _MAINS:
         return ()

@@ -177,10 +177,10 @@ def _why_none(evaluation: Evaluation, index: int, checks: tuple[Check, ...]) -> 
     """The checks; that of a controller says why there is none."""
     problem, motor = evaluation.problem, int(evaluation.candidates.motor[index])
     needed = {check.name: check.demand * (1.0 + check.needed) for check in checks}
-    currents = tuple(needed.get(f"controller_{name}_current", math.nan) for name in ("continuous", "peak"))
+    rms, peak = (needed.get(f"controller_{name}_current", math.nan) for name in ("continuous", "peak"))
     for check in checks:
         if check.name == "controller_available" and evaluation.controller[index] < 0:
-            yield replace(check, note=none_suits(problem.spec, problem.supply, problem.catalog, motor, currents))
+            yield replace(check, note=none_suits(problem.spec, problem.supply, problem.catalog, motor, (rms, peak)))
         else:
             yield check
 

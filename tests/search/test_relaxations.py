@@ -62,7 +62,7 @@ def moves(given, monkeypatch, passes=lambda _: False):
 
     def best(moved, objective):
         assert passes(ratios(moved)) and objective == "price"
-        return SimpleNamespace(label="a drive")
+        return SimpleNamespace(label="a drive", status="pass")
 
     monkeypatch.setattr(module, "any_in_machine", found)
     monkeypatch.setattr(module, "best_in_machine", best)

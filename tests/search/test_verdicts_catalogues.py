@@ -5,11 +5,12 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
+from drivesizer.output.no_drive import not_enough
 from drivesizer.search.order import ranking
 from drivesizer.search.order.sifting import sifted
 from drivesizer.search.parts_offered import load_parts
 from drivesizer.sizing import size
-from drivesizer.spec.robot import read_spec
+from drivesizer.spec.robot import load_spec, read_spec
 
 VEHICLE = """
 name: vehicle of 300 kg
@@ -98,6 +99,42 @@ def test_the_row_says_why_there_is_no_controller(motor, said):
     (one,) = best(WINCH.format(motor=motor))
     assert (one.motor.part, one.controller, check(one, "controller_available").note) == (motor, None, said)
     assert check(one, "controller_available").status == "unknown"
+
+
+TABLE = {
+    "name": "table",
+    "load": {"kind": "rotary_table", "inertia": "0.09 kg*m^2", "friction_torque": "0.37 N*m"},
+    "motion": {"speed": "71 rpm", "acceleration_time": "0.13 s", "cruise_time": "0.6 s", "rest_time": "0.9 s"},
+    "transmission": [{"kind": "gearhead"}],
+    "supply": {"nominal": "17 V", "current": "2.3 A", "accepts": "all"},
+    "needs": {"mass": "211 g"},
+    "environment": {"ambient": "47 degC"},
+    "select": {"catalogs": ["maxon"], "motor": {"family": ["EC 45 flat", "DCX 22 S", "DCX 26 L"]}},
+}
+
+
+def test_what_is_proposed_lets_a_drive_pass():
+    """Each change as it is printed, typed into the spec: a drive passes, with the status that is said."""
+    found = size(load_spec(TABLE), top=1)
+    assert not found.sets and len(found.relaxations) > 2
+    for change in found.relaxations:
+        section, name = change.field.split(".")
+        changed = TABLE | {section: TABLE[section] | {name: change.needed}}
+        (one, *_) = size(load_spec(changed), top=1, brief=True).sets
+        said = one.label if one.status == "pass" else f"{one.label}, {one.status}"
+        assert change.set_label == said, change.field
+
+
+def test_a_battery_that_is_not_wholly_known_is_named_before_any_figure():
+    """No figure helps where an unknown check of the battery leaves every drive out."""
+    battery = {"nominal_voltage": "17 V", "capacity": "4 A*h", "cutoff_voltage": "14 V", "resistance": "25 mohm"}
+    select = TABLE["select"] | {"unknown": "reject"}
+    spec = TABLE | {"battery": battery, "mission": {"duration": "1 h"}, "select": select, "needs": {}}
+    spec["supply"] = {"nominal": "17 V", "min": "14 V", "max": "21 V"}
+    said = not_enough(size(load_spec(spec), top=1))
+    lacking = "charge_voltage, battery.open_circuit, battery.continuous_current, battery.peak_current"
+    assert said.startswith(f"The battery is not wholly known, so no drive is: give battery.{lacking}")
+    assert "None of these figures" not in said
 
 
 MOTORS = ["maxon", "faulhaber", "pololu", "robotis", "gobilda", "feetech", "cubemars", "odrive", "sunnyway", "nanotec"]

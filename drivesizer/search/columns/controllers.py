@@ -341,7 +341,7 @@ def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest:
 def none_suits(
     spec: RobotSpec, supply: tuple[float, float], catalog: Catalog, motor: int, currents: tuple[float, float]
 ) -> str:
-    """Why no controller is taken: what the catalogues list none for.
+    """Reason why no controller is taken: what the catalogues list none for.
 
     Parameters
     ----------
