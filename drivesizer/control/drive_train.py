@@ -178,8 +178,9 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
             raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; no closed loop without")
     said = list(unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
     motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
-    encoder = drive_set.encoder.inertia if drive_set.encoder else 0.0
-    brake = _known(drive_set.brake_inertia, "inertia of the brake", said)
+    for inertia, of in ((drive_set.brake_inertia, "brake"), (gearhead.inertia, "gearhead"),
+                        (drive_set.encoder.inertia if drive_set.encoder else 0.0, "encoder")):  # fmt: skip
+        _known(inertia, f"inertia of the {of}", said)
     gear_efficiency, idle = gear_loss(by_name(gearhead))
     coulomb, viscous = (float(x) for x in friction(by_name(motor)))
     train = DriveTrain(
@@ -189,10 +190,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
         back_emf_constant=float(back_emf_constant(by_name(motor))),
         friction=_known(coulomb, "friction of the motor", said) + float(idle),
         viscous=_known(viscous, "viscous friction of the motor", said),
-        motor_inertia=motor.rotor_inertia
-        + _known(gearhead.inertia, "inertia of the gearhead", said)
-        + _known(encoder, "inertia of the encoder", said)
-        + brake,
+        motor_inertia=drive_set.inertia(unknown=0.0),
         gear_ratio=gearhead.ratio,
         gear_efficiency=float(gear_efficiency),
         belt_ratio=drive_set.belt_ratio,

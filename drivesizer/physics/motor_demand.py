@@ -8,6 +8,7 @@ Symbols: i ratio, e efficiency, J inertia [kg*m^2], T torque [N*m], w speed [rad
 from __future__ import annotations
 
 from itertools import combinations
+from math import isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,8 +28,8 @@ from drivesizer.physics.cycle_at_gearhead import (
 from drivesizer.physics.products import once_per_part
 
 __all__ = [
-    "DRY_SHARE", "SLOTLESS", "Coefficients", "Demands", "coefficients", "demands", "flange_loss", "friction",
-    "gear_loss", "lost_in_gearhead", "mean_gear_loss", "nominal_friction",
+    "DRY_SHARE", "SLOTLESS", "Coefficients", "Demands", "coefficients", "demands", "drive_inertia", "flange_loss",
+    "friction", "gear_loss", "lost_in_gearhead", "mean_gear_loss", "nominal_friction",
 ]  # fmt: skip
 
 SLOTLESS = "slotless"  # a winding without iron teeth
@@ -156,21 +157,53 @@ def coefficients(acts: NDArray[np.bool_], motor: Any, gearhead: Any, encoder: An
     coulomb, viscous = nominal_friction(motor)
     c = np.empty((len(i), 6))
     left_out = np.zeros(c.shape, np.bool_)
-    unknown = {ACCELERATION: gearhead["inertia"] + motor["rotor_inertia"] + braking, DIRECTION: coulomb, SPEED: viscous}
+    inertia = drive_inertia(motor, gearhead, encoder, braking)
+    unknown = {ACCELERATION: inertia, DIRECTION: coulomb, SPEED: viscous}
     for place, figure in unknown.items():
         left_out[:, place] = np.isnan(figure) & acts[place]
     c[:, DRIVING] = 1 / (i * e)
     c[:, BRAKING] = e / i
     c[:, AT_REST] = 1 / i
-    c[:, ACCELERATION] = sum(np.nan_to_num(part["inertia"]) for part in (gearhead, encoder)) * i
-    c[:, ACCELERATION] += np.nan_to_num(motor["rotor_inertia"]) * i
-    if np.any(braking != 0.0):  # NaN too: then it is left out
-        c[:, ACCELERATION] += np.nan_to_num(braking) * i
+    known = drive_inertia(motor, gearhead, encoder, braking, unknown=0.0) if left_out.any() else inertia
+    c[:, ACCELERATION] = known * i
     c[:, DIRECTION] = np.nan_to_num(coulomb) + idle
     c[:, SPEED] = np.nan_to_num(viscous) * i
     for place in np.flatnonzero(~acts).tolist():
         c[np.isnan(c[:, place]), place] = 0.0
     return Coefficients(c, left_out, back_emf_constant(motor))
+
+
+def drive_inertia(motor: Any, gearhead: Any, encoder: Any = None, braking: Any = 0.0, *, unknown: float = nan) -> Any:
+    r"""Inertia of a drive at its motor's shaft, :math:`J_m + J_g + J_e + J_b` [kg*m^2].
+
+    Parameters
+    ----------
+    motor, gearhead, encoder
+        Figures by field name, of one or columns; None without an encoder. An unknown inertia of an encoder, thousands
+        of times smaller than a load's, counts 0.
+    braking
+        Of a brake as the motor's shaft feels it [kg*m^2].
+    unknown
+        What an unknown inertia of the others counts [kg*m^2].
+
+    Returns
+    -------
+    float or array
+        NaN where one is unknown, unless that counts.
+
+    Examples
+    --------
+    >>> motor, gearhead, encoder = {"rotor_inertia": 10e-7}, {"inertia": 0.8e-7}, {"inertia": 0.1e-7}
+    >>> round(float(drive_inertia(motor, gearhead, encoder, 1.3e-7)), 12)
+    1.22e-06
+    >>> round(float(drive_inertia(motor, {"inertia": nan}, encoder, unknown=0.0)), 12)
+    1.01e-06
+    """
+    found = [motor["rotor_inertia"], gearhead["inertia"], braking]
+    if not isnan(unknown):
+        found = [np.nan_to_num(x, nan=unknown) for x in found]
+    own = 0.0 if encoder is None else np.nan_to_num(encoder["inertia"])
+    return found[1] + own + found[0] + found[2]
 
 
 @once_per_part

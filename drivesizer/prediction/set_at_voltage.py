@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.back_emf import ELECTRONICS
-from drivesizer.physics.motor_demand import friction, gear_loss
+from drivesizer.physics.motor_demand import drive_inertia, friction, gear_loss
 from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, resistance_25, resistance_at, two_bodies
@@ -123,7 +123,7 @@ def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
         viscous=viscous,
         ratio=gearhead["ratio"],
         efficiency=efficiency,
-        inertia=motor["rotor_inertia"] + gearhead["inertia"],
+        inertia=drive_inertia(motor, gearhead),
         bodies=two_bodies(motor),
         losses=housing_loss(motor, whole),
     )

@@ -8,9 +8,11 @@ from typing import Any
 
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.catalog.parts import by_name
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 from drivesizer.files.frozen import dataclass
 from drivesizer.physics.elements.braking import released_power
+from drivesizer.physics.motor_demand import drive_inertia
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.energy import EnergyBudget
@@ -80,11 +82,16 @@ class DriveParts:
             return 0.0
         return self.brake.inertia / (self.total_ratio**2 if self.brake.shaft == "load" else 1.0)
 
+    def inertia(self, unknown: float = nan) -> float:
+        """Its inertia at the motor's shaft, brake and encoder included, by ``drive_inertia`` [kg*m^2]."""
+        motor, gearhead = by_name(self.motor), by_name(self.gearhead)
+        encoder = by_name(self.encoder) if self.encoder else None
+        return float(drive_inertia(motor, gearhead, encoder, self.brake_inertia, unknown=unknown))
+
     @property
     def rotors_at_load(self) -> float:
-        """Inertia of motor and gearhead at the load's shaft, K² (J_m + J_g), as far as it is known [kg*m^2]."""
-        known = (one for one in (self.motor.rotor_inertia, self.gearhead.inertia) if one == one)
-        return self.total_ratio**2 * sum(known)
+        """The same at the load's shaft, as far as it is known [kg*m^2]."""
+        return self.total_ratio**2 * self.inertia(unknown=0.0)
 
     @property
     def released_power(self) -> float:

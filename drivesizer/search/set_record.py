@@ -359,9 +359,7 @@ def _braking(evaluation: Evaluation, index: int, parts: DriveParts) -> list[Figu
     brake = parts.brake
     if brake is None:
         return []
-    motor, gearhead, encoder = parts.motor, parts.gearhead, parts.encoder
-    own = motor.rotor_inertia + gearhead.inertia + parts.brake_inertia
-    own += encoder.inertia if encoder and not math.isnan(encoder.inertia) else 0.0
+    gearhead, own = parts.gearhead, parts.inertia()
     worst, radius, axis = Stop(0.0, 0.0, 0.0), 1.0, "rotary"
     for case in evaluation.problem.cases:
         cycle = case.at_belt.behind(parts.belt_ratio)

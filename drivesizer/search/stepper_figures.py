@@ -58,7 +58,7 @@ def stepper_figures(problem: Problem, parts: DriveParts, values: dict[str, float
     motor, cycle = parts.motor, problem.cases[0].cycle
     steps, total = 4.0 * motor.pole_pairs, parts.total_ratio
     rotor = motor.rotor_inertia
-    inertia = rotor + parts.gearhead.inertia + float(cycle.inertia) / total**2
+    inertia = parts.inertia() + float(cycle.inertia) / total**2
     fastest = float(np.abs(cycle.speed).max()) * total
     speeds, volts = np.array([0.0, fastest]), problem.spec.supply.lowest
     at_rest, at_speed = torque_of_part(problem.catalog, motor.part, speeds, volts).tolist()

@@ -655,7 +655,7 @@ def figure(part: Any | None, name: str) -> float:
     return NAN if part is None else getattr(part, name)
 
 
-HANGING = "supply_voltage", "controller_peak_time", "bus_voltage", "supply_current", "supply_power"
+HANGING = "supply_voltage", "controller_peak_time", "bus_voltage", "controller_power", "supply_current", "supply_power"
 ELECTRICAL = (
     *HANGING, "winding_temperature", "motor_peak_torque", "controller_continuous_current", "controller_peak_current",
     "controller_speed", "encoder_speed", "encoder_frequency", "encoder_resolution",
@@ -787,6 +787,7 @@ def checks(
 
 def _supply(spec: Any, found: Asked, controller: Any, out: dict[str, Verdict]) -> None:
     supply, sets, more = spec.supply, spec.load.motors, spec.margins.torque
+    out["controller_power"] = bounded(at_most(P, math.inf, more) for P in found.power)  # maxon limits currents alone
     if supply.current is not None:
         out["supply_current"] = bounded(at_most(P * sets / supply.lowest, supply.current, more) for P in found.power)
     if supply.power is not None:
@@ -816,7 +817,8 @@ def bounded(bounds: Any) -> Verdict:
 
 def _wishes(spec: Any, cycle: Any, motor: Any, head: Any, encoder: Any, belt: float, out: dict[str, Verdict]) -> None:
     needs, K = spec.needs, head.ratio * belt
-    own = (motor.rotor_inertia + head.inertia) * K**2
+    counts = figure(encoder, "inertia")
+    own = (motor.rotor_inertia + head.inertia + (0.0 if math.isnan(counts) else counts)) * K**2
     if needs.backlash_at_load is not None:
         out["backlash_at_load"] = at_most(head.backlash / belt, needs.backlash_at_load)
     if needs.radial_load is not None:

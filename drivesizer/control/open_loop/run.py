@@ -164,7 +164,6 @@ def _stepper(
     motor, gearhead, damping = drive_set.motor, drive_set.gearhead, spec.control.damping_ratio
     found = {"gearhead": gearhead.inertia, "brake": drive_set.brake_inertia, "load": shaft.inertia}
     said += [f"the {_SMALL[name]} is unknown and taken as 0" for name, one in found.items() if math.isnan(one)]
-    inertia = {name: 0.0 if math.isnan(one) else one for name, one in found.items()}
     efficiency, idle = gear_loss(asdict(gearhead))
     return Stepper(
         teeth=motor.pole_pairs,
@@ -172,8 +171,8 @@ def _stepper(
         top_speed=0.0,
         microstep=2.0 * math.pi / (4.0 * motor.pole_pairs * microsteps),
         damping_ratio=DAMPING_RATIO if damping is None else damping,
-        motor_inertia=motor.rotor_inertia + inertia["gearhead"] + inertia["brake"],
-        load_inertia=inertia["load"],
+        motor_inertia=drive_set.inertia(unknown=0.0),
+        load_inertia=0.0 if math.isnan(shaft.inertia) else shaft.inertia,
         ratio=gearhead.ratio * drive_set.belt_ratio,
         efficiency=float(efficiency) * drive_set.belt_efficiency,
         friction=float(idle),

@@ -19,6 +19,7 @@ from drivesizer.catalog import Brake, Catalog, Table
 from drivesizer.catalog.view.own_brake import OWN
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.elements.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
+from drivesizer.physics.motor_demand import drive_inertia
 from drivesizer.results.check_columns import CheckColumn, at_most, between, fits
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE
@@ -217,13 +218,13 @@ def _suits(
     passing: NDArray[np.bool_] = np.ones(brake["static_torque"].shape, bool)
     failing = ~passing
     motor, gearhead, encoder = parts
-    turning = motor["rotor_inertia"] + gearhead["inertia"] + np.nan_to_num(encoder["inertia"])
     for case, cycle in zip(problem.cases, cycles, strict=True):
         spec, checks = case.spec, list[CheckColumn]()
         if spec.needs.hold_unpowered:
             checks = [_holding(spec, cycle, motor, gearhead, brake)]
         if spec.needs.emergency_stops:
-            inertia = turning + at_motor(brake, "inertia", gearhead["ratio"] * cycle.belt)
+            braking = at_motor(brake, "inertia", gearhead["ratio"] * cycle.belt)
+            inertia = drive_inertia(motor, gearhead, encoder, braking)
             checks += _stop_limits(spec, cycle, gearhead, brake, inertia)
         for check in checks:
             passing &= check.passed

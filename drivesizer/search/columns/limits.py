@@ -18,7 +18,7 @@ from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.elements.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.load_cycle import OwnLimit
-from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.motor_demand import Demands, drive_inertia
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
@@ -326,8 +326,8 @@ def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts)
     """Inertia ratio and first resonance: motor and load as two masses on the belt's stiffness."""
     needs, found = spec.needs, []
     total = demand.total_ratio * cycle.belt
-    own = parts.motor["rotor_inertia"] + parts.gearhead["inertia"]
-    own = (own if parts.brake is None else own + at_motor(parts.brake, "inertia", total)) * total**2
+    braking = 0.0 if parts.brake is None else at_motor(parts.brake, "inertia", total)
+    own = drive_inertia(parts.motor, parts.gearhead, parts.encoder, braking) * total**2
     if needs.inertia_ratio is not None:
         found.append(at_most("inertia_ratio", cycle.load_cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
