@@ -12,6 +12,7 @@ checks and figures. This module makes the record, with assumptions and warnings.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,9 +24,11 @@ from drivesizer.control.closed_loop.figures import figures, series, series_units
 from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.closed_loop.run import ClosedLoop, run
 from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning
-from drivesizer.control.validation import Gains, Validation
+from drivesizer.control.remedies import other_gains, rounded_ramps
+from drivesizer.control.validation import Gains, Remedy, Validation
 from drivesizer.control.voltage_loop_design import COMPUTING
 from drivesizer.errors import InputError
+from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.at_shaft import motion_of
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.profile import SPEED
@@ -40,12 +43,13 @@ from drivesizer.machine.pull_out import torque_of_drive
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.losses import loss_assumptions
+from drivesizer.results.problem import SHIFT
 from drivesizer.results.screws import for_drive
-from drivesizer.results.sizing import Check, SizingResult, verdict
+from drivesizer.results.sizing import Check, SizingResult, verdict, worst
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["hardest_case", "validate", "validate_all"]
+__all__ = ["hardest_case", "validate", "validate_all", "with_remedies"]
 
 _STILL_COLD = (
     "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass if they "
@@ -53,6 +57,7 @@ _STILL_COLD = (
     "they fail with it cold"
 )
 _ALL = 1e-6  # of the duration: a smaller part that was not simulated is not reported
+_OTHERS = 2  # drives that are tried where one fails
 _KEPT = 0.5  # of the RMS current: a smaller current at rest is not reported
 
 
@@ -73,10 +78,37 @@ def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
     """
     spec = for_drive(spec, drive_set.chosen_screw)
     names = [name for _, name, _ in load_cases(spec)]
-    met = [c for c in drive_set.every_check if c.name in _MET_BY_THE_LOOP and c.case in names]
+    met = [c for c in drive_set.every_check if c.name in _MET_BY_THE_LOOP and c.case in {*names, SHIFT}]
     order = {"fail": 0, "unknown": 1, "open": 1, "pass": 1}
     known = [c for c in met if not math.isnan(c.margin)]
-    return min(known, key=lambda c: (order[c.status], c.margin)).case if known else names[0]
+    hardest = min(known, key=lambda c: (order[c.status], c.margin)).case if known else names[0]
+    if hardest in names:
+        return hardest
+    peaks = {name: np.abs(load_cycle(case).torque).max() for name, case in _of_shift(spec).items()}
+    return max(peaks, key=lambda name: peaks[name])
+
+
+def _of_shift(spec: RobotSpec) -> dict[str, RobotSpec]:
+    """Load cases that alternate, by name."""
+    alternating = [id(case) for _, _, case in spec.shift]
+    return {name: case for name, case in spec.load_cases if id(case) in alternating}
+
+
+_OF_THE_SHIFT = {
+    "controller_continuous_current", "motor_nominal_current", "winding_temperature", "gearhead_continuous_torque",
+    "gearhead_continuous_speed",
+}  # fmt: skip
+
+
+def _by_share(found: tuple[Check, ...]) -> tuple[Check, ...]:
+    """Checks of a load case that has a share of the time: what lasts is informational."""
+    note = "of this load case alone, informational: it has a share of the time, and `size` checks the whole shift"
+    return tuple(
+        replace(c, advice=True, title=f"{c.title} (advice)", note=note)
+        if c.name in _OF_THE_SHIFT and not c.advice
+        else c
+        for c in found
+    )
 
 
 _MET_BY_THE_LOOP = {
@@ -117,6 +149,7 @@ def validate(
     profile = None if profile == "spec" else profile
     cases = {name: case for _, name, case in load_cases(spec)}
     driven = next(iter(cases)) if load_case is None else load_case
+    shared = driven in _of_shift(spec)
     spec = cases[driven]
     motion = _motion(spec, profile)
     name = driven if len(cases) > 1 else ""
@@ -127,7 +160,7 @@ def validate(
         assumptions, warnings = (*proof.assumptions, *more), (*proof.warnings, *farther)
         return replace(proof, assumptions=assumptions, warnings=warnings)
     case = run(spec, drive_set, motion)
-    found = checks(case)
+    found = _by_share(checks(case)) if shared else checks(case)
     own, lacking = _own_units(case)
     return Validation(
         spec=spec,
@@ -163,6 +196,52 @@ def _open_loop(spec: RobotSpec, drive_set: DriveSet, motion: Profile, name: str)
     lowest = spec.supply.lowest
     case = run.run(spec, drive_set, motion, lambda speed: torque_of_drive(drive_set, speed, lowest))
     return record.record(case, drive_set, name)
+
+
+def with_remedies(
+    proof: Validation, spec: RobotSpec, others: Sequence[DriveSet], *, profile: str | Profile | None = None
+) -> Validation:
+    """A simulation that fails with what helps: rounded ramps, another bandwidth, another drive, each tried by itself.
+
+    Parameters
+    ----------
+    proof
+        The simulation; one that does not fail is returned as it is.
+    spec
+        The machine with all its load cases.
+    others
+        Further drives of its search, best first.
+    profile
+        Over which was simulated; a motion of its own is not changed.
+
+    Returns
+    -------
+    Validation
+        With all that was tried: of each kind no more once one helps, six simulations at most.
+    """
+    if proof.status != "fail":
+        return proof
+    own = profile is None or profile == "spec"
+    kinds = (
+        ((c.what, c.entry, c.spec, proof.drive_set) for c in (rounded_ramps(spec, proof) if own else ())),
+        ((c.what, c.entry, c.spec, proof.drive_set) for c in other_gains(spec, proof)),
+        (("another drive", f"--set {one.order_numbers}", spec, one) for one in _others(proof, others)),
+    )
+    tried: list[Remedy] = []
+    for kind in kinds:
+        for what, entry, changed, one in kind:
+            try:
+                found = validate(changed, one, profile=profile, load_case=proof.case or None)
+            except InputError:  # as a bandwidth that the loop's delay does not allow
+                continue
+            tried.append(Remedy(what, entry, found.status, worst(found.checks)))
+            if found.status != "fail":
+                break
+    return replace(proof, tried=tuple(tried))
+
+
+def _others(proof: Validation, drives: Sequence[DriveSet]) -> list[DriveSet]:
+    return [one for one in drives if one.label != proof.drive_set.label][:_OTHERS]
 
 
 def validate_all(

@@ -28,13 +28,14 @@ def proven(result: Any, profile: str | None = None, axis: str = "") -> tuple[Any
     tuple
         The sizing, and the Validation; None where no drive passes or a figure is unknown that the simulation needs.
     """
-    from drivesizer.simulate import hardest_case, validate
+    from drivesizer.simulate import hardest_case, validate, with_remedies
 
     if not result.sets:
         return result, None
     best = result.sets[0]
     try:
-        return result, validate(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
+        proof = validate(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
+        return result, with_remedies(proof, result.spec, result.sets, profile=profile)
     except NoLoopError as error:
         reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
         print_notes((f"{axis}: {reason}" if axis else str(error),))

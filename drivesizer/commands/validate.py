@@ -46,8 +46,9 @@ def validate(
 ) -> None:
     """Simulate a drive over the profile in closed loop: every demand against its limit."""
     from drivesizer.output.report import accept
-    from drivesizer.simulate import hardest_case
+    from drivesizer.simulate import hardest_case, with_remedies
     from drivesizer.simulate import validate as validated
+    from drivesizer.sizing import size as sized
 
     robot = load_whole(spec, catalogs, axis)
     accept([], tables=[csv] if csv else [])
@@ -64,6 +65,8 @@ def validate(
     found = pick(robot, chosen)
     with simulating("simulating the drive in closed loop"):
         proof = validated(robot, found, profile=profile, load_case=case or hardest_case(robot, found))
+        if proof.status == "fail":
+            proof = with_remedies(proof, robot, sized(robot, top=3).sets, profile=profile)
     if drawings:
         from drivesizer.output.report import write_loop_figures
 

@@ -11,11 +11,11 @@ from drivesizer.control.cascade import Cascade, ControllerGain
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.loop_records import Loop
 from drivesizer.files.frozen import dataclass
-from drivesizer.results.check import Check, Figure, Status
+from drivesizer.results.check import Check, Figure, Status, in_a_sentence
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Beside", "Gains", "LinearRun", "Stepping", "Validation"]
+__all__ = ["Beside", "Gains", "LinearRun", "Remedy", "Stepping", "Validation"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,6 +60,15 @@ class LinearRun:
     left_out: tuple[str, ...]  # what the linear model does without, as sentences
 
 
+class Remedy(NamedTuple):
+    """A change that was tried on a drive that fails in its loop, and how the loop is with it."""
+
+    what: str
+    entry: str  # of the spec, or the option, as one writes it
+    status: Status
+    tightest: Check | None  # the check of the smallest margin
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Validation:
     """A drive simulated along a profile: in closed loop, or a stepper in open loop."""
@@ -79,6 +88,7 @@ class Validation:
     controller_gains: tuple[ControllerGain, ...] = ()  # the same in the controller's own units, where known
     loops: tuple[Loop, ...] = ()  # linear analysis of each, from the inside out
     linear: LinearRun | None = None  # None of a stepper
+    tried: tuple[Remedy, ...] = ()  # of a drive that fails
 
     @property
     def loop(self) -> str:
@@ -89,6 +99,11 @@ class Validation:
     def set_up(self) -> str:
         """Settings of the controller in a word."""
         return "Pulses" if isinstance(self.gains, Stepping) else "Gains"
+
+    @property
+    def failed(self) -> str:
+        """Titles of the checks that fail; empty where none does."""
+        return ", ".join(in_a_sentence(c.title) for c in self.checks if c.status == "fail" and not c.advice)
 
     @property
     def over(self) -> str:

@@ -10,7 +10,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import faults, text_of, whole
 
-__all__ = ["answer", "of_result"]
+__all__ = ["answer", "of_result", "ranking"]
 
 _LATER = "data:,"  # address of a still figure until it is drawn
 _PAUSE = 0.12  # s without a newer request, after which the whole report is computed
@@ -36,14 +36,14 @@ def answer(held: Held, request: Piece) -> Iterator[Piece]:
         text = text_of(held, request)
         source = YamlSource(text, held.name)
         yield {"kind": "spec", "text": text, "data": source.data}
-        yield {"kind": "ranking", **_ranking(whole(held, text, brief=True))}
+        yield {"kind": "ranking", **ranking(whole(held, text, brief=True))}
         held.rest(_PAUSE)
         result = whole(held, text, front=True)
     except InputError as error:
         yield {"kind": "wrong", "text": text, "lines": list(error.lines), "faults": faults(error, held.name)}
         return
     if not hasattr(result, "axes") and not result.sets:
-        yield {"kind": "ranking", **_ranking(result)}  # the closest rejected are of the whole sizing
+        yield {"kind": "ranking", **ranking(result)}  # the closest rejected are of the whole sizing
     yield from of_result(held, result)
 
 
@@ -100,18 +100,34 @@ def _parts(result: Any, proofs: Any) -> tuple[dict[str, Any], dict[str, Any], di
     return page_parts(Content(result, proofs))
 
 
-def _ranking(result: Any) -> Piece:
-    """The drives in a few figures, for what the page shows before the report: the best, and what decides."""
-    from drivesizer.output.counted import meeting
-    from drivesizer.results.check import worst
+def ranking(result: Any, proofs: Any = None) -> Piece:
+    """The drives in a few figures, for what the page shows before the report: the best, and what decides.
 
+    Parameters
+    ----------
+    result
+        Of a spec or of a machine.
+    proofs
+        Its closed loop, or that of each axis: the verdict is that of all.
+
+    Returns
+    -------
+    Piece
+    """
+    from drivesizer.output.counted import meeting
+    from drivesizer.results.check import gravest, worst
+
+    found = proofs if isinstance(proofs, dict) else {proofs.loop: proofs} if proofs else {}
+    loops = [[name, f"{one.status}: {one.failed}".removesuffix(": ")] for name, one in found.items()]
+    made = [one.status for one in found.values()]
     if hasattr(result, "axes"):
         axes = [{"axis": one.name, **_set(one.best)} if one.best else {"axis": one.name} for one in result.axes]
-        return {"machine": True, "status": result.status, "axes": axes, "sets": []}
+        return {"machine": True, "status": gravest([result.status, *made]), "axes": axes, "sets": [], "loops": loops}
     listed = result.sets or result.misses
     best = result.shown
     return {
-        "machine": False, "status": best.status if best else "fail", "found": bool(result.sets), "axes": [],
+        "machine": False, "status": gravest([best.status if best else "fail", *made]), "loops": loops,
+        "found": bool(result.sets), "axes": [],
         "considered": result.counts.considered, "feasible": result.counts.feasible,
         "met": meeting(result.counts, best.status if result.sets and best else None), "objective": result.objective,
         "tight": _tight(worst(best.deciding)) if best else None, "sets": [_set(one) for one in listed],

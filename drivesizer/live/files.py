@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.live.answer import of_result
+from drivesizer.live.answer import of_result, ranking
 from drivesizer.live.held import Held, Piece
 from drivesizer.live.reading import text_of, whole
 
@@ -49,7 +49,7 @@ def document(held: Held, request: Piece) -> Iterator[Piece]:
 
 
 def loop(held: Held, request: Piece) -> Iterator[Piece]:
-    """The answer once more with its closed loop: sections, figures, still figures.
+    """The answer once more with its closed loop: ranking, sections, figures, still figures.
 
     Parameters
     ----------
@@ -63,6 +63,7 @@ def loop(held: Held, request: Piece) -> Iterator[Piece]:
     Piece
     """
     result, proofs = _proven(held, request)
+    yield {"kind": "ranking", **ranking(result, proofs)}
     yield from of_result(held, result, proofs)
 
 

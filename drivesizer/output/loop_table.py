@@ -8,13 +8,15 @@ from typing import Any, NamedTuple
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.loop_records import Loop
-from drivesizer.control.validation import Gains, LinearRun, Stepping
+from drivesizer.control.validation import Gains, LinearRun, Stepping, Validation
+from drivesizer.output.text import margin
+from drivesizer.results.check import Status, in_a_sentence
 from drivesizer.results.sizing import Figure
 from drivesizer.units import label, show
 
 __all__ = [
     "BESIDE", "NONE", "GainRow", "beside", "cell", "gain", "gain_rows", "left_out", "linear", "loop_figures",
-    "loop_name", "settled",
+    "loop_name", "remedies", "settled",
 ]  # fmt: skip
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
@@ -161,3 +163,24 @@ def gain_rows(gains: Gains | Cascade | Stepping) -> list[GainRow]:
     """Gains and periods of a controller, without the paths that it does not have; pulses of a stepper's driver."""
     rows = [GainRow(name, title, float(getattr(gains, name)), unit) for name, title, unit in _TABLES[type(gains)]]
     return [row for row in rows if row.value or row.name not in _MAY_BE_OFF.get(type(gains), ())]
+
+
+def remedies(proof: Validation) -> tuple[str, list[tuple[str, str, str, Status]]]:
+    """Changes that help a drive that fails in its loop, and those that were tried in vain.
+
+    Parameters
+    ----------
+    proof
+        The simulation.
+
+    Returns
+    -------
+    tuple
+        A title; and of each change its words, how it is entered, the check of the smallest margin, and the status.
+    """
+    rows = []
+    for one in sorted(proof.tried, key=lambda one: one.status == "fail"):
+        tight = f"{in_a_sentence(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
+        rows.append((one.what, one.entry, tight, one.status))
+    helps = any(one.status != "fail" for one in proof.tried)
+    return "What helps, each simulated by itself" if helps else "Nothing that was simulated helps", rows

@@ -113,6 +113,11 @@ class DriveParts:
         return f"{self.motor_name} + {gearhead}{belt}"
 
     @property
+    def order_numbers(self) -> str:
+        """Motor and gearhead, or the actuator, as ``--set`` takes them."""
+        return self.actuator.part if self.actuator else f"{self.motor.part}/{self.gearhead.part or DIRECT}"
+
+    @property
     def belt_name(self) -> str:
         """The belt's ratio, by the teeth of its pulleys where they are known; empty without a belt."""
         if self.belt_drive:

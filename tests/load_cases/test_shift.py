@@ -12,6 +12,7 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.shift import counts, cycle_of_shift
 from drivesizer.machine.problem import problem
 from drivesizer.physics.load_cycle import rms
+from drivesizer.simulate import hardest_case, validate
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import RobotSpec, load_spec
 
@@ -76,6 +77,23 @@ def test_heat_and_battery_count_a_ramp_by_its_share() -> None:
 def test_a_case_with_a_share_is_no_case_of_its_own() -> None:
     result = size(robot(RAMP | {"share": "10 %"}, {"name": "loaded", "load": {"mass": "220 kg"}}), top=1)
     assert [case.name for case in result.problem.cases] == ["whole shift", "loaded"]
+
+
+def test_a_case_with_a_share_is_simulated_for_its_peaks() -> None:
+    """The ramp alone has too much continuous current; by its share the whole shift has not, and its peaks count."""
+    spec = robot(RAMP | {"share": "10 %"}, control={"rate": "1 kHz"})
+    (drive,) = explain(spec, "305013", "326664")
+    assert hardest_case(spec, drive) == "up the ramp"  # the largest torque of the shift
+    alone, shared = (
+        {check.name: check for check in validate(one, drive, load_case="up the ramp").checks}
+        for one in (robot(RAMP, control={"rate": "1 kHz"}), spec)
+    )
+    lasting = {"motor_nominal_current", "winding_temperature", "gearhead_continuous_torque"}
+    assert {name for name in lasting if alone[name].advice} == set()
+    assert {name for name in lasting if shared[name].advice} == lasting
+    assert not shared["gearhead_intermittent_torque"].advice
+    for name, check in shared.items():  # as much as alone, judged otherwise
+        assert check.demand == pytest.approx(alone[name].demand, nan_ok=True)
 
 
 @pytest.mark.parametrize(

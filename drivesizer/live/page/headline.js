@@ -23,9 +23,9 @@ function put(kind, ...inside) {
   headline.replaceChildren(...inside);
 }
 
-/** What to buy, and what decides. */
-export function rank(piece) {
-  document.documentElement.dataset.state = "ranked";
+/** What to buy, and what decides; with its closed loop the whole answer is there. */
+export function rank(piece, state = "ranked") {
+  document.documentElement.dataset.state = state;
   if (piece.machine) return machine(piece);
   const best = piece.sets[0];
   if (!best) {
@@ -34,6 +34,7 @@ export function rank(piece) {
   }
   const text = piece.found ? best.label : `No drive meets all limits. The closest: ${best.label}`;
   const shown = [...best.figures];
+  shown.push(...piece.loops);
   if (best.tight) shown.push([`tightest: ${best.tight.title}`, best.tight.said]);
   shown.push([`of ${count(piece.considered)}, by ${piece.objective.replaceAll("_", " ")}`, piece.met]);
   put(piece.status, head(piece.status, text), facts(shown));
@@ -58,6 +59,7 @@ function machine(piece) {
   const text = `Machine of ${piece.axes.length} axes${without.length ? `, ${without.length} without a drive that meets all limits` : ""}`;
   const shown = [...without, ...others].slice(0, MOST).map((one) => [one.axis, one.label ?? "no drive"]);
   if (piece.axes.length > MOST) shown.push(["and", `${piece.axes.length - MOST} more`]);
+  shown.push(...piece.loops.filter(([, said]) => said !== "pass").map(([axis, said]) => [`${axis} in closed loop`, said]));
   put(`${piece.status} several`, head(piece.status, text), facts(shown));
   say(`${piece.status}: ${text}`);
 }

@@ -131,6 +131,7 @@ function read(text, mine) {
 
 /** Pieces of a report, of an answer or of a closed loop. */
 function found(piece) {
+  if (piece.kind === "ranking") headline.rank(piece, "whole");
   if (piece.kind === "sections") {
     answer.sections(piece.sections);
     compare.boxes(piece.drives ?? []);

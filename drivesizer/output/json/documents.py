@@ -318,6 +318,15 @@ def validation(proof: Validation) -> schema.Proof:
         "assumptions": list(proof.assumptions),
         "warnings": list(proof.warnings),
         "linear": _linear(proof.linear) if proof.linear else None,
+        "tried": [
+            {
+                "change": one.what,
+                "entry": one.entry,
+                "status": one.status,
+                "tightest": check_document(one.tightest) if one.tightest else None,
+            }
+            for one in proof.tried
+        ],
     }
 
 

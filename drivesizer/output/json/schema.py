@@ -169,12 +169,17 @@ Linear = TypedDict("Linear", {
     "figures": Annotated[dict[str, Beside], Field(description="by python-control and by the engine")],
     "left_out": list[str],
 })  # fmt: skip
+Remedy = TypedDict("Remedy", {
+    "change": str, "entry": Annotated[str, Field(description="as one writes it in the spec, or the option")],
+    "status": Status, "tightest": Annotated[Check | None, Field(description="the check of the smallest margin")],
+})  # fmt: skip
 Proof = TypedDict("Proof", {
     "schema_version": Version, "drivesizer": str, "spec": dict[str, Any], "case": Text, "profile": str,
     "status": Status, "set": Set, "gains": dict[str, Any], "controller_gains": list[ControllerGain],
     "figures": dict[str, Figure], "checks": list[Check], "loops": list[Loop], "assumptions": list[str],
     "warnings": list[str],
     "linear": Annotated[Linear | None, Field(description="PID and DC motor in python-control; null: a stepper")],
+    "tried": Annotated[list[Remedy], Field(description="of a drive that fails: changes simulated one at a time")],
 })  # fmt: skip
 Pareto = TypedDict("Pareto", {"objectives": list[str], "sets": list[Set]})
 Counts = TypedDict("Counts", {

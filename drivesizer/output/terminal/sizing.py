@@ -289,7 +289,7 @@ def _changes(console: Console, found: DriveSet) -> None:
 
 def validation(proof: Validation) -> None:
     """Print a validation, in closed loop or of a stepper."""
-    from drivesizer.output.loop_table import left_out  # with what a sizing need not load
+    from drivesizer.output.loop_table import left_out, remedies  # with what a sizing need not load
     from drivesizer.output.terminal.loops import linear, loops
 
     console = tables.console()
@@ -297,6 +297,12 @@ def validation(proof: Validation) -> None:
     console.print(Text(proof.drive_set.label))
     console.print(tables.gains(proof))
     console.print(tables.checks(proof.checks, f"Checks in {proof.loop}"))
+    if proof.tried:
+        title, rows = remedies(proof)
+        table = tables.bare(("change", "left"), ("entered as", "left"), ("tightest", "left"), ("", "left"), title=title)
+        for *cells, status in rows:
+            table.add_row(*map(Text, cells), Text(MARK[status], style=STYLE[status]))
+        console.print(table)
     console.print(tables.loose(proof.figures, f"Figures of the {proof.loop}"))
     if proof.loops:
         console.print(loops(proof.loops, console.width))

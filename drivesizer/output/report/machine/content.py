@@ -16,7 +16,7 @@ from drivesizer.output.report.figures.axes_power import axes_power
 from drivesizer.output.report.figures.field import torque_speed_each
 from drivesizer.output.report.figures.field_panels import Panel, panels
 from drivesizer.output.report.sections.content import Content
-from drivesizer.results.check import Status
+from drivesizer.results.check import Status, gravest
 from drivesizer.results.machine import AxisSizing, MachineSizing
 
 __all__ = ["AxisContent", "MachineContent"]
@@ -52,6 +52,11 @@ class MachineContent:
 
     sizing: MachineSizing
     proofs: Mapping[str, Validation] = field(default_factory=dict)  # closed loops, by the name of the axis
+
+    @property
+    def status(self) -> Status:
+        """The gravest of the machine's verdict and those of all closed loops."""
+        return gravest([self.sizing.status, *(proof.status for proof in self.proofs.values())])
 
     @cached_property
     def axes(self) -> list[AxisContent]:

@@ -35,7 +35,7 @@ def summary_blocks(content: MachineContent) -> Iterator[Block]:
     Iterator of blocks
     """
     sizing = content.sizing
-    yield Verdict(sizing.status != "fail", [(Status(sizing.status), " ", *verdict_text(content))])
+    yield Verdict(sizing.status != "fail", [(Status(content.status), " ", *verdict_text(content))])
     yield _axes_table(content)
     if sizing.checks:
         yield Checks("Checks of all axes together", [*map(check_row, sizing.checks)], "machine_checks")
@@ -69,11 +69,13 @@ def verdict_text(content: MachineContent) -> tuple[Any, ...]:
 
 def _simulated(content: MachineContent) -> tuple[Any, ...]:
     """Verdict of all closed loops: those that fail by name."""
-    failed = [name for name, proof in content.proofs.items() if proof.status == "fail"]
+    failed = [
+        f"{name} fails on {proof.failed}".removesuffix(" on ")
+        for name, proof in content.proofs.items()
+        if proof.status == "fail"
+    ]
     if failed:
-        return (
-            Strong(f" Simulated in its hardest load case, {', '.join(failed)} fail{'s' if len(failed) == 1 else ''}."),
-        )
+        return (Strong(f" Simulated in its hardest load case, {'; '.join(failed)}."),)
     passed = all(proof.status == "pass" for proof in content.proofs.values())
     said = f" Simulated in its hardest load case, {'every axis passes' if passed else 'no axis fails'}."
     return (said,) if len(content.proofs) == len(content.axes) else ()

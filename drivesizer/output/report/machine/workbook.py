@@ -116,7 +116,7 @@ def _machine(content: MachineContent) -> Sheet:
     sizing = content.sizing
     rows: list[table.Row] = [{"title": "Machine", "note": sizing.machine.name}]
     rows += [{"title": name, "note": value} for name, value in content.title_block]
-    rows += [{"title": "Verdict", "status": sizing.status, "note": text_of(verdict_text(content))},
+    rows += [{"title": "Verdict", "status": content.status, "note": text_of(verdict_text(content))},
              {"title": "Drives", "value": Cell(content.drives, "count")}]  # fmt: skip
     rows += [{"part": "Smallest margin of each axis"}, *map(_tight, content.axes)]
     if sizing.checks:

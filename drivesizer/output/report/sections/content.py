@@ -14,6 +14,7 @@ from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.lines.machine import first_wheel
 from drivesizer.output.report.lines.reliability import outcome
 from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.results.check import Status, gravest
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult
 
@@ -32,6 +33,13 @@ class Content:
     def drive(self) -> DriveSet | None:
         """The drive that is reported: the best, else the most probable, else the closest rejected one."""
         return self.result.shown
+
+    @property
+    def status(self) -> Status:
+        """The gravest of the reported drive's verdict and that of its closed loop; a fail without a drive."""
+        return gravest(
+            [self.drive.status if self.drive else "fail", *([self.validation.status] if self.validation else [])]
+        )
 
     @property
     def outcome(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.loop_table import BESIDE, beside, gain, gain_rows, left_out, linear
+from drivesizer.output.loop_table import BESIDE, beside, gain, gain_rows, left_out, linear, remedies
 from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
 from drivesizer.output.report.figures.time_strips import windows
 from drivesizer.output.report.lines import rows as table
@@ -48,6 +48,11 @@ def _blocks(content: Content) -> Iterator[Block]:
     if v.checks:
         yield Checks(f"Checks of the {v.loop}", [*map(check_row, by_part(v.checks))], "loop-checks",
                      grouped=True)  # fmt: skip
+    if v.tried:
+        title, tried = remedies(v)
+        heads4 = Column("change", "name", 1.0), Column("entered as", "code", 1.4), Column("tightest", "small", 0.8)
+        made = [Row((what, (Code(entry),), tight, (Status(found),))) for what, entry, tight, found in tried]
+        yield Table(title, (*heads4, Column("", "status")), made)
     if v.linear:
         yield Picture("diagram", "The loop as simulated, after figure 3 of the paper: K is the total ratio, r the "
                       "radius of the load's travel, J the inertia at the motor with the load.",

@@ -79,7 +79,7 @@ def outcome_texts(content: Content) -> Iterator[Text]:
     yield from _found(content) if content.outcome != "missed" else _missed(content)
     v = content.validation
     if v:
-        yield f"{v.loop.capitalize()} over {driven_over(v)}: ", Status(v.status)
+        yield f"{v.loop.capitalize()} over {driven_over(v)}: ", Status(v.status), f" {v.failed}" if v.failed else ""
 
 
 def _found(content: Content) -> Iterator[Text]:
@@ -92,13 +92,17 @@ def _found(content: Content) -> Iterator[Text]:
         yield (Strong(f"No drive reaches the confidence of {required}."),
                f" {numbers}, at nominal figures; {best.label} is the most probable.")  # fmt: skip
         return
-    head = Strong(f"A drive was found{', with figures unknown' if best.status == 'unknown' else ''}.")
+    v = content.validation
+    but = (
+        f", which fails in {v.loop}" if v and v.failed else ", with figures unknown" if best.status == "unknown" else ""
+    )
+    head = Strong(f"A drive was found{but}.")
     if sampled and required:
         reach = "reaches" if sampled.reached == 1 else "reach"
         numbers += ", at nominal figures; "
         numbers += f"{sampled.reached} of {sampled.examined} sampled {reach} the confidence of {required}"
     ranked = result.objective.replace("_", " ")
-    yield Status(best.status), " ", head, f" {numbers}; {best.label} is the best of them by {ranked}."
+    yield Status(content.status), " ", head, f" {numbers}; {best.label} is the best of them by {ranked}."
 
 
 def _missed(content: Content) -> Iterator[Text]:
@@ -227,7 +231,7 @@ def texts(title: str, lines: Sequence[str]) -> Iterator[table.Row]:
 
 def _verdict(content: Content) -> Iterator[table.Row]:
     result, best = content.result, content.drive
-    status = result.sets[0].status if result.sets else "fail"
+    status = content.status if result.sets else "fail"
     yield {"title": "Machine", "note": result.spec.name}
     yield from ({"title": name, "note": value} for name, value in content.title_block)
     yield {"title": "Kind", "note": machine_words(result.spec)}

@@ -1,0 +1,151 @@
+"""Changes of a spec that may let a drive pass in closed loop: rounded ramps, and another bandwidth.
+
+Each is written as one enters it, and made of what is written: what is tried is what is printed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from drivesizer.control.validation import Validation
+from drivesizer.load_cases.profile import profile_of
+from drivesizer.spec.control import Control, VelocityLoop
+from drivesizer.spec.motions import Move, SCurve, Trapezoid, Triangle
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show, to_si
+
+__all__ = ["Change", "other_gains", "rounded_ramps"]
+
+_JERK_TIME = 0.25  # of a straight ramp
+_FOLLOWING = {"tracking_error", "bandwidth"}  # checks that a faster loop may pass; the others a slower one
+_GAINS = ("kp", "ki", "kd")
+_UNITS = {
+    "linear": {
+        "distance": ("length", "m"), "speed": ("speed", "m/s"), "acceleration": ("acceleration", "m/s^2"),
+        "jerk": ("jerk", "m/s^3"),
+    },
+    "rotary": {
+        "distance": ("angle", "deg"), "speed": ("rotary_speed", "rpm"),
+        "acceleration": ("angular_acceleration", "rad/s^2"), "jerk": ("angular_jerk", "rad/s^3"),
+    },
+}  # fmt: skip
+
+
+class Change(NamedTuple):
+    """A change of a spec."""
+
+    what: str
+    entry: str  # as one writes it
+    spec: RobotSpec
+
+
+def rounded_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
+    """The motion as an S-curve of the same distance, speed and acceleration, or with half its jerk.
+
+    Parameters
+    ----------
+    spec
+        The machine with all its load cases; those with the motion that was simulated change.
+    proof
+        The simulation.
+
+    Yields
+    ------
+    Change
+        None of a motion that has no straight ramps or is recorded.
+    """
+    before = proof.spec.motion
+    figures = None if before is None else _limits(before)
+    if figures is None:
+        return
+    units = _UNITS[proof.spec.load.axis]
+    fields: dict[str, Any] = {"profile": "s_curve"}
+    for name, figure in figures.items():
+        kind, unit = units[name]
+        fields[name] = show(figure, unit, kind, 3 if name == "jerk" else 6)
+    if before.rest_time:
+        fields["rest_time"] = show(before.rest_time, "s", "time", 6)
+    if before.there_and_back:
+        fields["there_and_back"] = True
+    for name in ("payload", "payload_back"):
+        if getattr(before, name):
+            fields[name] = show(getattr(before, name), "kg", "mass", 6)
+    made = SCurve.model_validate(fields, context={"axis": proof.spec.load.axis})
+    longer = profile_of(proof.spec.alone(motion=made)).duration - profile_of(proof.spec).duration
+    what = f"rounded ramps, the cycle {show(longer, 's', 'time', 3)} longer"
+    entry = ", ".join(f"{name}: {'true' if text is True else text}" for name, text in fields.items())
+
+    def change(one: RobotSpec) -> RobotSpec:
+        return one.model_copy(update={"motion": made} if one.motion == before else {})
+
+    yield Change(what, f"motion: {{{entry}}}", spec.changed(change))
+
+
+def _limits(motion: Any) -> dict[str, float] | None:
+    """Distance, speed, acceleration and jerk of an S-curve in the place of a motion."""
+    if isinstance(motion, SCurve):
+        return {name: getattr(motion, name) for name in _UNITS["linear"]} | {"jerk": motion.jerk / 2}
+    if isinstance(motion, Trapezoid):
+        ramps = (motion.acceleration_time, motion.deceleration_time or motion.acceleration_time)
+        speed, distance = motion.speed, motion.speed * (sum(ramps) / 2 + motion.cruise_time)
+    elif isinstance(motion, Triangle):
+        ramps, distance = (motion.time / 2, motion.time / 2), motion.distance
+        speed = 2 * distance / motion.time
+    elif isinstance(motion, Move) and motion.law in ("trapezoid", "triangle"):
+        ramps, distance = motion.ramps, motion.distance
+        speed = distance / (motion.time - sum(ramps) / 2)
+    else:
+        return None
+    acceleration = speed / max(ramps)
+    jerk = acceleration / (_JERK_TIME * max(ramps))
+    return {"distance": distance, "speed": speed, "acceleration": acceleration, "jerk": jerk}
+
+
+def other_gains(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
+    """Gains that are designed where some are given, and those of other bandwidths.
+
+    Parameters
+    ----------
+    spec
+        The machine with all its load cases.
+    proof
+        The simulation.
+
+    Yields
+    ------
+    Change
+        None of a stepper.
+    """
+    velocity = next((loop for loop in proof.loops if loop.name == "velocity"), None)
+    if velocity is None:
+        return
+    cascade = spec.control.structure == "cascade"
+    place, own = ("control.velocity", spec.control.velocity) if cascade else ("control", spec.control)
+    blank: Control | VelocityLoop = VelocityLoop() if cascade else Control()
+    without = {name: getattr(blank, name) for name in (*_GAINS, *(("phase_margin",) if cascade else ()))}
+    if own.kp is not None:
+        yield Change("gains as they are designed", f"{place} without {', '.join(_GAINS)}", _with(spec, without))
+    if math.isnan(velocity.bandwidth):
+        return
+    failed = {check.name for check in proof.checks if check.status == "fail"}
+    for factor in (2.0, 0.5) if failed & _FOLLOWING else (0.5, 0.25):
+        text = show(factor * velocity.bandwidth, "Hz", "frequency", 3)
+        bandwidth = to_si(text, "frequency")
+        what = f"a {'higher' if factor > 1.0 else 'lower'} bandwidth of the velocity loop"
+        yield Change(what, f"{place}.bandwidth: {text}", _with(spec, without | {"bandwidth": bandwidth}))
+
+
+def _with(spec: RobotSpec, figures: dict[str, Any]) -> RobotSpec:
+    """The spec with other figures of its velocity loop, in all load cases."""
+
+    def change(one: RobotSpec) -> RobotSpec:
+        control = one.control
+        if control.structure == "cascade":
+            figured = {"velocity": control.velocity.model_copy(update=figures)}
+        else:
+            figured = figures
+        return one.model_copy(update={"control": control.model_copy(update=figured)})
+
+    return spec.changed(change)
