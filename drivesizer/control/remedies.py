@@ -57,8 +57,7 @@ def rounded_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
         None of a motion that has no straight ramps or is recorded.
     """
     before = proof.spec.motion
-    figures = None if before is None else _limits(before)
-    if figures is None:
+    if not isinstance(before, SCurve | Trapezoid | Triangle | Move) or (figures := _limits(before)) is None:
         return
     units = _UNITS[proof.spec.load.axis]
     fields: dict[str, Any] = {"profile": "s_curve"}
@@ -83,7 +82,7 @@ def rounded_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
     yield Change(what, f"motion: {{{entry}}}", spec.changed(change))
 
 
-def _limits(motion: Any) -> dict[str, float] | None:
+def _limits(motion: SCurve | Trapezoid | Triangle | Move) -> dict[str, float] | None:
     """Distance, speed, acceleration and jerk of an S-curve in the place of a motion."""
     if isinstance(motion, SCurve):
         return {name: getattr(motion, name) for name in _UNITS["linear"]} | {"jerk": motion.jerk / 2}
@@ -93,10 +92,10 @@ def _limits(motion: Any) -> dict[str, float] | None:
     elif isinstance(motion, Triangle):
         ramps, distance = (motion.time / 2, motion.time / 2), motion.distance
         speed = 2 * distance / motion.time
-    elif isinstance(motion, Move) and motion.law in ("trapezoid", "triangle"):
+    elif motion.law in ("trapezoid", "triangle"):
         ramps, distance = motion.ramps, motion.distance
         speed = distance / (motion.time - sum(ramps) / 2)
-    else:
+    else:  # its ramps are rounded
         return None
     acceleration = speed / max(ramps)
     jerk = acceleration / (_JERK_TIME * max(ramps))
