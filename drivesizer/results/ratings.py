@@ -15,6 +15,8 @@ from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet
 
 __all__ = [
+    "ASSUMED",
+    "ASSUMED_AMBIENT",
     "continuous_speed_limit",
     "controller_current",
     "controller_power_limit",
@@ -23,10 +25,14 @@ __all__ = [
     "nominal_torque_limit",
     "short_limit",
     "unless_printed",
+    "unstated_ambient",
     "unstated_temperature",
 ]
 
 Array = NDArray[np.float64]
+_USUAL = (273.15, 313.15)  # K, 0 and 40 degC: ambients of IEC 60034-1 where nothing else is stated
+ASSUMED = "assumed, by select.assume"
+ASSUMED_AMBIENT = "assumed: 0 to 40 °C of IEC 60034-1, as the maker states no range"
 _COLDER = "at most: the permitted winding temperature is unknown"
 _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
 
@@ -267,6 +273,54 @@ def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> Check
     estimated = drive.estimated if isinstance(drive, DriveSet) else ()
     most = [one.high for one in estimated if (one.part, one.figure) == ("actuator", figure)]
     return replace(column, failed=column.failed & (column.demand > most[0])) if most else column
+
+
+def in_range(name: str, ambient: float, least: Any, most: Any, *, waived: bool = False) -> CheckColumn:
+    """The ambient within a range: outside of a known end it fails, within both it passes.
+
+    An end that the maker does not state is that of IEC 60034-1, 6.2 and 6.4, at which it passes as an assumption.
+
+    Parameters
+    ----------
+    name
+        Of the check.
+    ambient
+        Temperature around the part [K].
+    least, most
+        Ends of the permitted range [K]; NaN unknown.
+    waived
+        Whether the spec assumes any ambient to be permitted where an end is unknown.
+
+    Returns
+    -------
+    CheckColumn
+        Unknown where an end is unknown beyond which the ambient may be.
+    """
+    least, most = np.asarray(least), np.asarray(most)
+    cold, hot = ambient < least, ambient > most
+    known = (ambient >= np.where(np.isnan(least), _USUAL[0], least)) & (
+        ambient <= np.where(np.isnan(most), _USUAL[1], most)
+    )
+    passed = ~(cold | hot) & (known | waived)
+    limit = np.where(cold, least, np.where(hot | passed, np.where(np.isnan(most), _USUAL[1], most), np.nan))
+    column = at_most(name, ambient, limit, zero=np.nan, at_best=ASSUMED if waived else ASSUMED_AMBIENT)
+    unstated = np.isnan(least) | np.isnan(most)
+    return replace(column, passed=passed, failed=cold | hot, bounded=passed & unstated)
+
+
+def unstated_ambient(sets: Iterable[DriveSet]) -> tuple[str, ...]:
+    """Assumption for drives of which a maker does not state at which ambient they may run."""
+    names = {"motor_temperature_range": "motor", "gearhead_temperature_range": "gearhead"}
+    parts = (
+        getattr(one, names[check.name]).part
+        for one in sets
+        for check in one.checks
+        if check.name in names and check.note == ASSUMED_AMBIENT
+    )
+    said = ", ".join(dict.fromkeys(parts))
+    return (
+        (f"no catalogue says at which ambient {said} may run: 0 to 40 °C are assumed, of IEC 60034-1",) if said else ()
+    )
 
 
 def unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:

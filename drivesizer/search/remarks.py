@@ -13,7 +13,7 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.problem import Problem
-from drivesizer.results.ratings import unstated_temperature
+from drivesizer.results.ratings import unstated_ambient, unstated_temperature
 from drivesizer.search.machine_filter import shortfall
 from drivesizer.search.shortlist import Shortlist
 from drivesizer.search.stepper_figures import STEPPER_ASSUMPTIONS
@@ -83,10 +83,12 @@ def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
 
 
 def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
-    """Motors whose resistance is of a temperature that nobody states; the paper's method does not use it."""
+    """Motors whose figures are of a temperature that nobody states, and parts without an ambient range; by physics."""
     if spec.method != "physics":
         return ()
-    return unstated_temperature(s.motor.part for s in sets if isnan(s.motor.data_temperature))
+    given = tuple(sets)
+    stated = unstated_temperature(s.motor.part for s in given if isnan(s.motor.data_temperature))
+    return (*stated, *unstated_ambient(given))
 
 
 _MAINS = (100, 110, 115, 120, 200, 208, 220, 230, 240, 380, 400, 415, 440, 460, 480)  # V

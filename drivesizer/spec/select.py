@@ -8,8 +8,8 @@ from drivesizer.files.fields import Names, Ratio, Section, at_defaults
 from drivesizer.files.frozen import dataclass
 
 __all__ = [
-    "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "MotorChoice", "Objective", "ObjectiveKind", "Select",
-    "Weighted",
+    "ASSUMABLE", "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "MotorChoice", "Objective",
+    "ObjectiveKind", "Select", "Weighted",
 ]  # fmt: skip
 
 
@@ -47,6 +47,13 @@ OBJECTIVES: dict[str, ObjectiveKind] = {
         by_waveform=True,
     ),
 }  # fmt: skip
+
+
+ASSUMABLE: dict[str, tuple[str, ...]] = {  # checks that pass where a figure is missing, if the spec says so
+    "ambient_range": ("motor_temperature_range", "gearhead_temperature_range"),
+    "backlash": ("backlash_at_load",),
+    "peak_time": ("controller_peak_time",),
+}
 
 
 class Choice(Section):
@@ -105,6 +112,9 @@ class Select(Section):
     brake: Choice = at_defaults()
     objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
     unknown: Literal["allow", "reject"] = Field(default="allow", description="drives with a check that is unknown")
+    assume: list[Literal["ambient_range", "backlash", "peak_time"]] = Field(
+        default=[], description="checks that pass where their figure is missing, shown as assumed"
+    )
 
     estimates: Literal["on", "off"] = Field(
         default="on", description="figures that data sheets leave out, from those of their peers"

@@ -566,10 +566,11 @@ def at_most(demand: float, limit: float, needed: float = 0.0, zero: float = 0.0)
 
 
 def within(value: float, least: float, most: float) -> Verdict:
-    """A temperature within a range of which an end may be missing: who knows what is beyond it."""
+    """A temperature within a range, of which an end that is missing is that of IEC 60034-1: 0 or 40 degC."""
     if value < least or value > most:
         return Verdict(value, NAN, "fail", NAN)
-    return Verdict(value, NAN, "unknown" if math.isnan(least) or math.isnan(most) else "pass", NAN)
+    beyond = (math.isnan(least) and value < 273.15) or (math.isnan(most) and value > 313.15)
+    return Verdict(value, NAN, "unknown" if beyond else "pass", NAN)
 
 
 class Wanted(NamedTuple):

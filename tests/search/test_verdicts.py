@@ -95,7 +95,7 @@ select: {catalogs: [allen_bradley]}
 HOPELESS = {
     "vehicle": (UGV, "AM8011-wByz", {"motor_nominal_current"}),
     **{f"wheel at {t}": (WHEEL % t, "AM8011-wByz", {"motor_nominal_current"}) for t in (25, 39, 40, 41)},
-    "joint": (JOINT, "BaneBots RS-775", {"supply_voltage", "controller_peak_current"}),
+    "joint": (JOINT, "BaneBots RS-775", {"supply_voltage"}),
     **{f"arm at rest for {t}": (ARM % t, "TS4862", {"motor_nominal_torque"}) for t in (0.5, 0.503, 1)},
     "flywheel": (SPIN, "beta 0.2/5000is", {"motor_peak_torque"}),
     "heavy arm": (HEAVY, "AM8011-wByz", {"motor_nominal_current"}),
@@ -198,14 +198,54 @@ def test_what_meets_all_limits_is_counted_apart_from_what_is_unknown():
 def test_of_undecided_drives_those_come_first_of_which_least_is_undecided():
     """By mass alone a motor of 0.6 kg with 10 unknown checks came before one of 1.1 kg with 4."""
     makers = "allen_bradley, allied_motion, beckhoff, maxon, rev, roboteq, tq, yaskawa"
-    found = size(spec_of(UGV.replace("beckhoff, maxon, rev", makers)), top=40).sets
-    assert len(found) > 9 and all(one.status == "unknown" for one in found)
+    every = size(spec_of(UGV.replace("beckhoff, maxon, rev", makers)), top=40).sets
+    found = [one for one in every if one.status == "unknown"]
+    assert len(found) > 9 and all(one.status in ("pass", "open") for one in every[: -len(found)])
     undecided = [sum(check.status == "unknown" and not check.advice for check in one.checks) for one in found]
     assert undecided[0] == min(undecided) < max(undecided)
     for n, count in enumerate(
         undecided
     ):  # all that is open besides counts as one more, and a controller may decide one
         assert max(undecided[:n], default=0) <= count + 2
+
+
+# --- a minor figure that is missing is an assumption -----------------------------------------------------------------
+
+# of a Damiao DM-J4340 no range of ambients is printed, nor for how long its 27 N*m last
+ELBOW = """
+name: elbow
+load: {kind: arm, mass: 2 kg, length: 400 mm, start_angle: -60 deg}
+motion: {profile: move, distance: 120 deg, time: 1.2 s, rest_time: 1 s, there_and_back: true}
+environment: {ambient: %s degC}
+transmission: [{kind: gearhead}]
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [damiao], assume: [%s]}
+"""
+
+
+def test_what_nearly_every_drive_meets_is_assumed_and_said():
+    def judged(celsius: float, assume: str, status: str, note: str) -> None:
+        drive = explain(spec_of(ELBOW % (celsius, assume)), "DM-J4340-2EC")[0]
+        found = {check.name: check for check in drive.checks}
+        assert "controller_peak_time" not in found and drive.status != "fail"
+        for name in ("motor_temperature_range", "gearhead_temperature_range"):
+            assert (found[name].status, found[name].note) == (status, note)
+
+    iec, own = "assumed: 0 to 40 °C of IEC 60034-1, as the maker states no range", "assumed, by select.assume"
+    hold(judged, {"room": (25, "", "pass", iec), "at its end": (40, "", "pass", iec), "hot": (45, "", "unknown", ""),
+                  "cold": (-5, "", "unknown", ""), "waived": (45, "ambient_range", "pass", own)})  # fmt: skip
+    said = size(spec_of(ELBOW % (25, ""))).assumptions
+    assert any("at which ambient" in line and "IEC 60034-1" in line for line in said)
+
+
+def test_a_missing_backlash_may_be_waived():
+    """Of an XM430 none is printed."""
+    text = SERVO.replace("estimates:", "assume: [%s], estimates:") + "needs: {backlash_at_load: 1 deg}\n"
+    for assume, status in (("", "unknown"), ("backlash", "pass")):
+        drive = explain(spec_of(text % (0.1, assume, "off")), _SERVO)[0]
+        assert next(check.status for check in drive.checks if check.name == "backlash_at_load") == status
+    with pytest.raises(InputError, match=r"robot\.yaml:8: select\.assume"):
+        spec_of(ELBOW % (25, "gravity"))
 
 
 # --- what is demanded at rest counts ---------------------------------------------------------------------------------

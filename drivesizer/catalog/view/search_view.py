@@ -253,7 +253,8 @@ def _encoder(actuators: Table[Any]) -> _Inside:
 
 
 def _controller(actuators: Table[Any]) -> _Inside:
-    free = dict.fromkeys(("max_encoder_frequency", "max_speed_sine", "max_speed_block"), np.inf)
+    # the actuator's peak torque lasts as long as its winding permits
+    free = dict.fromkeys(("max_encoder_frequency", "max_speed_sine", "max_speed_block", "peak_time"), np.inf)
     figures: dict[str, Any] = {
         name: actuators[name] for name in ("buses", "supply_min", "supply_max", "peak_current", "standby_current")
     }

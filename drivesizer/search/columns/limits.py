@@ -23,8 +23,10 @@ from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.ratings import (
+    ASSUMED,
     continuous_speed_limit,
     controller_current,
+    in_range,
     lasting_limit,
     nominal_current_limit,
     nominal_torque_limit,
@@ -37,6 +39,7 @@ from drivesizer.search.columns.shaft_loads import THRUST
 from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
 from drivesizer.spec.lives import required_life
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import ASSUMABLE
 from drivesizer.spec.transmission import BeltStage
 
 __all__ = [
@@ -49,6 +52,7 @@ __all__ = [
     "own_limit",
     "size_limits",
     "unpowered_limits",
+    "waived",
 ]
 
 Array = NDArray[np.float64]
@@ -173,13 +177,13 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[C
                 **short_limit(gearhead["intermittent_input_speed"], gearhead["continuous_input_speed"]), **speed),
         at_most("gearhead_continuous_power", cycle.mean_power, gearhead["continuous_power"], **torque),
         at_most("gearhead_intermittent_power", cycle.peak_power, gearhead["intermittent_power"], **torque),
-        _in_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"]),
+        in_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"],
+                 waived="ambient_range" in spec.select.assume),
     ]  # fmt: skip
     needs = spec.needs
     if needs.backlash_at_load is not None:
-        found.append(
-            at_most("backlash_at_load", lost_at_load(spec, gearhead["backlash"], cycle.belt), needs.backlash_at_load)
-        )
+        lost = lost_at_load(spec, gearhead["backlash"], cycle.belt)
+        found.append(waived(spec, at_most("backlash_at_load", lost, needs.backlash_at_load)))
     if needs.shock_torque is not None:
         found += shock_limits(spec, needs.shock_torque, cycle, gearhead)
     required = required_life(needs.life, "gearhead")
@@ -204,16 +208,16 @@ def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
         Its range of ambient temperatures.
     """
     ambient = spec.environment.ambient
-    return [_in_range("motor_temperature_range", ambient, motor["ambient_min"], motor["ambient_max"])]
+    waived = "ambient_range" in spec.select.assume
+    return [in_range("motor_temperature_range", ambient, motor["ambient_min"], motor["ambient_max"], waived=waived)]
 
 
-def _in_range(name: str, ambient: float, least: Any, most: Any) -> CheckColumn:
-    """The ambient within a range: outside of a known end it fails, within both it passes, else it is unknown."""
-    cold, hot = ambient < np.asarray(least), ambient > np.asarray(most)
-    passed = (ambient >= np.asarray(least)) & (ambient <= np.asarray(most))
-    limit = np.where(cold, least, np.where(hot | passed, most, np.nan))
-    column = at_most(name, ambient, limit, zero=np.nan)
-    return replace(column, passed=passed, failed=cold | hot)
+def waived(spec: RobotSpec, column: CheckColumn) -> CheckColumn:
+    """A check that passes where its figure is missing, if the spec assumes so."""
+    if not any(column.name in ASSUMABLE[name] for name in spec.select.assume):
+        return column
+    missing = ~(column.passed | column.failed) & np.isnan(column.limit + column.demand)
+    return replace(column, passed=column.passed | missing, bounded=missing, at_best=ASSUMED)
 
 
 def size_limits(spec: RobotSpec, motor: Any, gearhead: Any, brake: Any = None) -> list[CheckColumn]:

@@ -24,7 +24,7 @@ from drivesizer.physics.waveform import Wave, longest_above, wave
 from drivesizer.physics.winding_course import current_and_winding
 from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.results.ratings import controller_current, controller_power_limit
-from drivesizer.search.columns.limits import winding_limit
+from drivesizer.search.columns.limits import waived, winding_limit
 from drivesizer.search.columns.resisted import Resisted, energy_over_time, largest_voltage, most_power
 from drivesizer.spec.robot import RobotSpec
 
@@ -346,7 +346,7 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     checks = [
         winding_limit(spec, found.winding, parts.motor, found.winding_time),
         at_most("supply_voltage", found.voltage, usable, needed=speed, time=found.voltage_time),
-        at_most("controller_peak_time", found.above, controller["peak_time"]),
+        waived(spec, at_most("controller_peak_time", found.above, controller["peak_time"])),
         bus_limit(spec, bus, controller["supply_max"], undecided=_STAYS, note=held),
         controller_power_limit(found.power, controller, supply.highest, needed=torque, time=found.power_time),
     ]
