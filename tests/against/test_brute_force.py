@@ -257,8 +257,8 @@ def test_the_peak_of_the_winding_by_simulation_in_small_steps(name, worked, cata
 
 
 def ranked(spec, sets, mine, objective, *, whole=True):
-    """Rows of the sets that pass or are unknown: those that lack what others have last, then what is known of all
-    parts, then the better one, then the larger smallest margin. ``whole``: the sets are all there are."""
+    """Rows of the sets that pass or are unknown: those that lack least of what others have first, then what is known of
+    all parts, then the better one, then the larger smallest margin. ``whole``: the sets are all there are."""
     rows, idle = [], () if by_hand.encoder_required(spec) else ("encoder_speed", "encoder_frequency")
     for row, (every, _, asked, _) in enumerate(mine):
         checks = {name: verdict for name, verdict in every.items() if name not in idle}
@@ -279,7 +279,7 @@ def ranked(spec, sets, mine, objective, *, whole=True):
         key = (lacks, len(figures) - len(known), sum(known), -margin)
         rows.append((key, motor.part, head.part, float(sets.belt[row])))
     alike = set.intersection(*(row[0][0] for row in rows)) if whole else set()
-    return sorted(((bool(key[0] - alike), *key[1:]), *names) for key, *names in rows)
+    return sorted(((len(key[0] - alike), *key[1:]), *names) for key, *names in rows)
 
 
 @pytest.mark.parametrize(
