@@ -203,9 +203,8 @@ def test_of_undecided_drives_those_come_first_of_which_least_is_undecided():
     assert len(found) > 9 and all(one.status in ("pass", "open") for one in every[: -len(found)])
     undecided = [sum(check.status == "unknown" and not check.advice for check in one.checks) for one in found]
     assert min(undecided) < max(undecided)
-    for n, count in enumerate(
-        undecided
-    ):  # all that is open besides counts as one more, and a controller may decide one
+    # all that is open besides counts as one more, and a controller may decide one
+    for n, count in enumerate(undecided):
         assert max(undecided[:n], default=0) <= count + 2
 
 
