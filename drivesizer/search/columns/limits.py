@@ -213,7 +213,20 @@ def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
 
 
 def waived(spec: RobotSpec, column: CheckColumn) -> CheckColumn:
-    """A check that passes where its figure is missing, if the spec assumes so."""
+    """A check that passes where its figure is missing, if the spec assumes so.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    column
+        Of the candidates.
+
+    Returns
+    -------
+    CheckColumn
+        As it was, where the spec does not name it.
+    """
     if not any(column.name in ASSUMABLE[name] for name in spec.select.assume):
         return column
     missing = ~(column.passed | column.failed) & np.isnan(column.limit + column.demand)
