@@ -66,9 +66,10 @@ def _of(word: str, drive_set: DriveSet) -> list[str]:
     if word == "HOUSING":
         iron = ["motor.max_winding_temperature", "motor.nominal_current", "motor.nominal_speed"]
         return [] if motor.kind == "brushed" else iron
-    known = not isnan(motor.friction_torque + motor.viscous_friction)
-    rubbing = ["motor.friction_torque", "motor.viscous_friction"] if known else ["motor.no_load_current"]
-    rubbing += [] if known or motor.kind == "brushed" else ["motor.no_load_speed"]
+    rubbing = [f"motor.{name}" for name in ("friction_torque", "viscous_friction") if not isnan(getattr(motor, name))]
+    if len(rubbing) < 2:  # the rest is what the no-load current leaves
+        by_speed = bool(rubbing) or motor.kind != "brushed"
+        rubbing += ["motor.no_load_current", *(["motor.no_load_speed"] if by_speed else [])]
     idle = [] if isnan(gearhead.no_load_torque) else ["gearhead.no_load_torque", "gearhead.continuous_torque"]
     own = ["encoder.inertia"] if encoder and not isnan(encoder.inertia) else []
     return [*_GEAR, *rubbing, *idle, *own]

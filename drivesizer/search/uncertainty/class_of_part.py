@@ -72,8 +72,8 @@ def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
     if figure in _OF_THE_MODEL:
         return bool(table[STEPPER][row] not in catalog.pull_outs.stepper)
     if figure == "dry_friction":
-        printed = table["friction_torque"][row] + table["viscous_friction"][row]
-        return bool(table["kind"][row] != "brushed" and printed != printed)
+        printed = [table[name][row] for name in ("friction_torque", "viscous_friction")]
+        return bool(table["kind"][row] != "brushed" and all(value != value for value in printed))
     if figure == "peak_torque":
         one = _sold_as(catalog, part, row)
         return bool(one and one.table["peak_torque"][one.row] == one.table["stall_torque"][one.row])
