@@ -21,7 +21,7 @@ from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTIO
 from drivesizer.physics.load_cycle import integral
 from drivesizer.physics.motor_demand import friction, mean_gear_loss
 from drivesizer.physics.power_stage import at_input, lost_in_source
-from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
+from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
 from drivesizer.physics.waveform import energy
 
 __all__ = ["EnergyFlow", "energy_flow"]
@@ -103,7 +103,8 @@ def _of_a_stepper(found: SetCycle) -> dict[str, float]:
     copper, standby = copper_loss(motor["nominal_current"], motor["resistance"]), float(found.feed.stage.standby)
     torque = functions @ found.demands.coefficients[0]
     speed = functions[:, :, SPEED] * found.demands.total_ratio[0]
-    sums = electrical_energy(cycle.duration, torque[None], speed[None], copper + standby)
+    loss = copper * idle_loss(speed, found.spec.control.idle_current)
+    sums = electrical_energy(cycle.duration, torque[None], speed[None], loss[None] + standby)
     drawn, returned = (float(side[0]) / cycle.total for side in sums[:2])
     return {
         "drawn": drawn,
@@ -111,7 +112,7 @@ def _of_a_stepper(found: SetCycle) -> dict[str, float]:
         "controller": standby,
         "returned": returned,
         "stored": returned * found.spec.supply.regeneration,
-        "copper": float(copper[0]),
+        "copper": float(loss @ cycle.duration) / cycle.total,
     }
 
 

@@ -18,7 +18,7 @@ from drivesizer.load_cases.trip import distance_of
 from drivesizer.machine.set_cycle import set_cycle, supplied_in_parts, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.power_stage import Feed, at_inputs, lost_in_source, of_the_source
-from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
+from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
 from drivesizer.physics.waveform import Energy, Wave, energy, extreme_powers, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
@@ -171,7 +171,7 @@ def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePow
     standby = float(spec.feed_of(drive_set.controller).stage.standby)
     torque = functions @ demand.coefficients[0]
     speed = functions[:, :, SPEED] * demand.total_ratio[0]
-    loss = np.full(len(duration), copper)
+    loss = copper * idle_loss(speed, spec.control.idle_current)
     piece, torque, speed = np.ones(1), torque[:, None], speed[:, None]  # every piece a motor of its own
     drawn, returned, peak = electrical_energy(piece, torque, speed, loss + standby)
     own_drawn, own_returned, _ = electrical_energy(piece, torque, speed, loss)

@@ -95,6 +95,9 @@ _PHYSICS = {
         "Pull-out torque at the speed", *_NM,
         (*_RATIO, "gearhead.efficiency", "gearhead.inertia", *_ROTOR, "PULL_OUT"), on_inertia=True,
     ),
+    "idle_torque": CheckKind(
+        "Holding torque at idle current", *_NM, (*_RATIO, "gearhead.efficiency", "PULL_OUT")
+    ),
     "start_speed": CheckKind(
         "Start without a ramp", *_SPEED,
         (*_INERTIA, "gearhead.efficiency", "motor.start_speed", "motor.holding_torque", "motor.pull_out_share"),

@@ -33,7 +33,8 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
         except UnknownCatalogError as error:
             raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
     _offers_motors(spec, catalog)
-    return view_for(catalog, spec.select.motor.kind, estimates=spec.select.estimates == "on")
+    estimates = spec.select.estimates == "on"
+    return view_for(catalog, spec.select.motor.kind, estimates, spec.control.phase_current)
 
 
 def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:

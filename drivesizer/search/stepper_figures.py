@@ -16,7 +16,9 @@ __all__ = ["STEPPER_ASSUMPTIONS", "stepper_figures"]
 
 STEPPER_ASSUMPTIONS = (
     "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well",
-    "a stepper's driver gives its rated current at any time, at rest too; it loses 2 R I^2, at high speed less",
+    "a stepper's driver gives the current that it is set to, the rated one where control.phase_current gives none, and "
+    "that of control.idle_current from the beginning of a rest; it loses 2 R I^2, at high speed less; holding and "
+    "pull-out torque go with it, at high speed, where the voltage limits, they fall less",
     "pull-out torque is that of the printed curve of the highest voltage that the lowest supply reaches, compressed "
     "along the speed to a lower one; without a curve that of the ideal two-phase model times an estimated share",
     "a stepper's own friction is in its pull-out torque; losses of its driver are not counted",
@@ -27,7 +29,7 @@ _TABLE = (
     ("energy", "Energy per cycle, all drives", "energy", "J"),
     ("returned", "Regenerated energy per cycle", "energy", "J"),
     ("power", "Largest supply power, all drives", "power", "W"),
-    ("joule_heat", "Heat of both windings at rated current", "power", "W"),
+    ("joule_heat", "Heat of both windings, mean", "power", "W"),
     ("peak_current", "Amplitude of the phase current to set", "current", "A"),
     ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
     ("pull_out_at_rest", "Pull-out torque at low speed", "torque", "N*m"),

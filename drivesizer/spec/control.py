@@ -4,7 +4,18 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Angle, Duration, Frequency, Gain, Part, Section, Stiffness, at_defaults
+from drivesizer.files.fields import (
+    Angle,
+    Current,
+    Duration,
+    Frequency,
+    Gain,
+    Part,
+    Section,
+    Share,
+    Stiffness,
+    at_defaults,
+)
 
 __all__ = ["Control", "Plant"]
 
@@ -74,6 +85,13 @@ class Control(Section):
     microsteps: Annotated[int, Field(ge=1)] | None = Field(
         default=None,
         description="of a stepper's driver, to a full step, in size and validate; its finest where not given",
+    )
+    phase_current: Current | None = Field(
+        default=None, description="that a stepper's driver is set to; the stepper's rated current where not given"
+    )
+    idle_current: Share | None = Field(
+        default=None,
+        description="of a stepper's current at rest, as a share of that in motion; all of it where not given",
     )
     damping_ratio: Part | None = Field(
         default=None, description="of the swings of a stepper's rotor; 0.1 where not given"

@@ -48,9 +48,11 @@ def _as_written(name: str, text: str) -> RobotSpec | None:
 
 
 @lru_cache(maxsize=8)
-def _catalog(names: tuple[str, ...], beside: str, kind: str | None, estimates: bool) -> Catalog:
+def _catalog(
+    names: tuple[str, ...], beside: str, kind: str | None, estimates: bool, phase_current: float | None
+) -> Catalog:
     """Catalogues for the search, loaded once in a process."""
-    return view_for(load(names, beside=Path(beside)), kind, estimates)
+    return view_for(load(names, beside=Path(beside)), kind, estimates, phase_current)
 
 
 def document_of(job: Job, variant: Variant) -> YamlSource:
@@ -112,7 +114,13 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
 def parts_for(spec: RobotSpec) -> Catalog:
     """The catalogues that a spec names."""
     kind = STEPPER if spec.steps else None
-    return _catalog(tuple(spec.select.catalogs), str(Path(spec.file).parent), kind, spec.select.estimates == "on")
+    return _catalog(
+        tuple(spec.select.catalogs),
+        str(Path(spec.file).parent),
+        kind,
+        spec.select.estimates == "on",
+        spec.control.phase_current,
+    )
 
 
 def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part:

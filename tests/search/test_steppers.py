@@ -283,6 +283,65 @@ def test_the_battery_feeds_steppers(path: Path) -> None:
     assert found.sets[0].energy.mean_power == pytest.approx(12.8, rel=1e-6)
 
 
+def figure(drive: DriveSet, name: str) -> float:
+    return next(one.value for one in drive.figures if one.name == name)
+
+
+def test_the_current_that_is_set_by_hand(path: Path) -> None:
+    """A2 at 1.5 of 2 A: 3/4 of 0.59 N·m and of the printed 0.42 N·m; 2·1.6·1.5² W, at rest a quarter, 0.3 of 1.1 s."""
+    select = {"motor": {"kind": "stepper", "part": "A2"}}
+    control = {"phase_current": "1.5 A", "idle_current": "50 %"}
+    (rated, *_), (drive, *_) = (sized(path, select=select, **more).sets for more in ({}, {"control": control}))
+    assert drive.motor.holding_torque == pytest.approx(0.75 * 0.59)
+    for name in ("pull_out_at_rest", "pull_out_at_speed"):
+        assert figure(drive, name) == pytest.approx(0.75 * figure(rated, name))
+    assert check(drive, "pull_out_torque").limit == pytest.approx(0.75 * check(rated, "pull_out_torque").limit)
+    heat = 7.2 * (0.8 + 0.25 * 0.3) / 1.1
+    assert figure(drive, "joule_heat") == pytest.approx(heat)
+    assert figure(drive, "peak_current") == pytest.approx(1.5 * math.sqrt(2.0))
+    assert figure(drive, "energy") == pytest.approx(1.1 * heat, rel=1e-6)  # the flywheel's goes into the windings
+    nominal = check(drive, "motor_nominal_current")
+    assert (nominal.demand, nominal.limit, nominal.status) == (1.5, 2.0, "pass")
+    assert figure(drive, "natural_frequency") == pytest.approx(math.sqrt(0.75) * figure(rated, "natural_frequency"))
+
+
+def test_more_than_the_rated_current_fails(path: Path) -> None:
+    found = sized(path, control={"phase_current": "2.5 A"})
+    assert {one.motor.part for one in found.sets} <= {"A3", "A4", "B2"}  # of 2.8, 4.2 and 3 A
+    assert found.counts.failed_by["motor_nominal_current"] == 3
+
+
+def test_idle_current_holds_less_at_rest(path: Path) -> None:
+    """0.8 kg on a drum of 40 mm: 0.157 N·m, held by 40 % of the 0.42 N·m of the curve."""
+    given = {
+        "load": {"kind": "hoist", "mass": "0.8 kg", "drum_diameter": "40 mm"}, "margins": {"pull_out": 1},
+        "motion": {"speed": "0.1 m/s", "acceleration_time": "0.3 s", "cruise_time": "0.5 s", "rest_time": "1 s",
+                   "there_and_back": True},
+        "supply": {"nominal": "24 V", "accepts": "all"},
+        "select": {"motor": {"kind": "stepper", "part": "A2"}, "catalogs": [str(path)]},
+    }  # fmt: skip
+    held, lost = (
+        size(load_spec({**spec_of(path), **given, "control": {"idle_current": idle}}), top=1)
+        for idle in ("40 %", "30 %")
+    )
+    idle = check(held.sets[0], "idle_torque")
+    assert (idle.demand, idle.limit) == (pytest.approx(0.8 * 9.80665 * 0.02), pytest.approx(0.4 * 0.42))
+    assert idle.status == "pass"
+    assert not lost.sets
+    assert check(lost.misses[0], "idle_torque").status == "fail"
+
+
+def test_idle_current_wherever_energy_is_counted(path: Path) -> None:
+    control = {"phase_current": "1.5 A", "idle_current": "50 %"}
+    battery = {"nominal_voltage": "24 V", "capacity": "5 A*h"}
+    found = sized(path, select={"motor": {"kind": "stepper", "part": "A2"}}, control=control, battery=battery)
+    drive, mean = found.sets[0], 7.2 * (0.8 + 0.25 * 0.3) / 1.1
+    flow = energy_flow(set_cycle(found.problem.spec, drive))
+    assert (flow.drawn, flow.copper) == (pytest.approx(1.1 * mean, rel=1e-6), pytest.approx(1.1 * mean))
+    assert drive.energy is not None
+    assert drive.energy.mean_power == pytest.approx(mean, rel=1e-6)
+
+
 def test_energy_of_a_cycle_is_all_accounted_for(path: Path) -> None:
     """What is drawn less what is returned is lost in windings and gears, done on the load, or in the rotor."""
     load = {"kind": "rotary_table", "inertia": "1e-3 kg*m^2", "friction_torque": "0.15 N*m"}
@@ -344,6 +403,8 @@ def test_json_names_the_stepper_and_its_checks(path: Path) -> None:
         ({"method": "paper"}, "the paper treats DC motors, no steppers; expected method: physics"),
         ({"select": {"catalogs": ["vex"]}}, "vex without steppers; expected e.g. stepperonline"),
         ({"margins": {"pull_out": 0.5}}, "pull_out"),
+        ({"control": {"idle_current": "50 %"}, "select": {"motor": {}}}, "control.idle_current: it is of steppers"),
+        ({"control": {"phase_current": "1.5"}}, "phase_current"),
         ({"needs": {"start_speed": "-5 rpm"}}, "start_speed"),
         ({"needs": {"start_speed": "5 rpm"}, "select": {"motor": {}}}, "start_speed: it is of steppers; expected sel"),
     ],

@@ -254,9 +254,10 @@ def test_size_with_a_required_confidence(path: Path, parts: Catalog) -> None:
     assert '"pull_out_at_rest"' in as_text(sizing(found))
 
 
-def test_figures_over_samples_are_those_of_the_drive(path: Path, parts: Catalog) -> None:
+@pytest.mark.parametrize("control", ["", "control: {idle_current: 40 %}\n"])
+def test_figures_over_samples_are_those_of_the_drive(path: Path, parts: Catalog, control: str) -> None:
     """At nominal figures: those that ``size`` shows."""
-    spec, one = read(path, TABLE + SLOW + SUPPLY), rows_of(parts, "A2", "D2")
+    spec, one = read(path, TABLE + SLOW + SUPPLY + control), rows_of(parts, "A2", "D2")
     given = given_of(spec, parts, one)
     ready = prepared(problem(spec, parts), given, np.array([[a.nominal for a in given]]), every=True)
     (block,) = blocks(ready, parts, [1.0])
@@ -288,9 +289,10 @@ BATTERY = """battery: {series: 2, nominal_voltage: 12 V, capacity: 7 A*h +- 5 %,
 """
 
 
-def test_the_battery_of_a_nominal_sample_is_that_of_the_drive(path: Path, parts: Catalog) -> None:
+@pytest.mark.parametrize("control", ["", "control: {idle_current: 40 %}\n"])
+def test_the_battery_of_a_nominal_sample_is_that_of_the_drive(path: Path, parts: Catalog, control: str) -> None:
     """Autonomy, peak and voltages, which no candidate's columns have."""
-    spec, one = read(path, TABLE + SLOW + SUPPLY + BATTERY), rows_of(parts, "A2", "D2")
+    spec, one = read(path, TABLE + SLOW + SUPPLY + BATTERY + control), rows_of(parts, "A2", "D2")
     given = given_of(spec, parts, one)
     ready = prepared(problem(spec, parts), given, np.array([[a.nominal for a in given]]), every=True)
     (block,) = blocks(ready, parts, [1.0])

@@ -39,7 +39,7 @@ def has_steppers(catalog: Catalog) -> bool:
     return STEPPER in catalog.motors.columns
 
 
-def view_for(catalog: Catalog, kind: str | None, estimates: bool = True) -> Catalog:
+def view_for(catalog: Catalog, kind: str | None, estimates: bool = True, phase_current: float | None = None) -> Catalog:
     """The catalogue as a search for a kind of motor takes it.
 
     Parameters
@@ -50,16 +50,18 @@ def view_for(catalog: Catalog, kind: str | None, estimates: bool = True) -> Cata
         Of the motor, as the spec selects it.
     estimates
         Whether estimated figures are put in where there is none.
+    phase_current
+        That drivers of steppers are set to [A]; the rated one where not given.
 
     Returns
     -------
     Catalog
         Its steppers as motors where these are selected; else without them.
     """
-    return stepper_view(catalog, estimates) if kind == STEPPER else search_view(catalog, estimates)
+    return stepper_view(catalog, estimates, phase_current) if kind == STEPPER else search_view(catalog, estimates)
 
 
-def stepper_view(catalog: Catalog, estimates: bool = True) -> Catalog:
+def stepper_view(catalog: Catalog, estimates: bool = True, phase_current: float | None = None) -> Catalog:
     """The catalogue with its steppers as motors, with clamping hubs and direct drive.
 
     Parameters
@@ -68,6 +70,8 @@ def stepper_view(catalog: Catalog, estimates: bool = True) -> Catalog:
         As it was loaded; one that was made by this function is returned as it is.
     estimates
         Whether figures that are estimated are put in where there is none.
+    phase_current
+        That drivers are set to [A]: the motors' torque is as much less as it is below their rated one.
 
     Returns
     -------
@@ -77,12 +81,12 @@ def stepper_view(catalog: Catalog, estimates: bool = True) -> Catalog:
     if has_steppers(catalog):
         return catalog
     if not estimates:
-        return _viewed(catalog)
+        return _viewed(catalog, phase_current)
     own = estimates_of(catalog.steppers)
     if "pull_out_share" in own:  # a printed curve needs none
         own["pull_out_share"] = _without(own["pull_out_share"], catalog.pull_outs.stepper)
     found = replace(catalog, estimates={**estimates_kept(catalog), "steppers": own})
-    middle, *ends = (_viewed(found.with_tables(completed(found, end), {})) for end in (MIDDLE, *ENDS))
+    middle, *ends = (_viewed(found.with_tables(completed(found, end), {}), phase_current) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
 
 
@@ -91,11 +95,15 @@ def _without(one: Estimates, rows: NDArray[np.int32]) -> Estimates:
     return Estimates(one.rows[keep], one.value[keep], one.low[keep], one.high[keep], one.fit[keep])
 
 
-def _viewed(catalog: Catalog) -> Catalog:
-    steppers = catalog.steppers
+def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
+    steppers, curves = catalog.steppers, catalog.pull_outs
+    less = np.ones(len(steppers))
+    if phase_current is not None:
+        less = np.minimum(phase_current / steppers["phase_current"], 1.0)
     alone = dict.fromkeys(("motor_gearhead", "motor_encoder", "motor_brake"), _NO_PAIRS)
     moved = replace(
-        catalog.with_tables({"motors": _as_motors(steppers)}, alone),
+        catalog.with_tables({"motors": _as_motors(steppers, phase_current, less)}, alone),
+        pull_outs=curves._replace(torque=curves.torque * less[curves.stepper]),
         estimates=_renamed(catalog.estimates),
         notes=tuple(
             note._replace(section="motors", fields=tuple(_NAMES.get(name, name) for name in note.fields))
@@ -112,13 +120,15 @@ def _viewed(catalog: Catalog) -> Catalog:
     return fitted.with_tables({}, {"motor_gearhead": pairs})
 
 
-def _as_motors(steppers: Table[Any]) -> Table[Any]:
+def _as_motors(steppers: Table[Any], phase_current: float | None, less: NDArray[np.float64]) -> Table[Any]:
     """The steppers as a table of motors; what a stepper has not is unknown."""
     count = len(steppers)
     figures: dict[str, Any] = {name: steppers[name] for name in _ALIKE}
     figures |= {
         "kind": STEPPER, "commutation": steppers["wiring"], "phases": 2.0,
-        "nominal_current": steppers["phase_current"], "pole_pairs": rotor_teeth(steppers["full_steps"]),
+        "nominal_current": steppers["phase_current"] if phase_current is None else phase_current,
+        "holding_torque": steppers["holding_torque"] * less, "start_speed": steppers["start_speed"] * np.sqrt(less),
+        "pole_pairs": rotor_teeth(steppers["full_steps"]),
     }  # fmt: skip
     columns: dict[str, NDArray[Any]] = {}
     for name, column in columns_of("motors").items():

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["copper_loss", "electrical_energy"]
+__all__ = ["copper_loss", "electrical_energy", "idle_loss"]
 
 Array = NDArray[np.float64]
 
@@ -33,6 +33,29 @@ def copper_loss(phase_current: Any, resistance: Any) -> Any:
     return 2.0 * resistance * phase_current**2
 
 
+def idle_loss(speed: Array, idle: float | None) -> Array:
+    """Share of the copper loss in each segment: where the motor rests, that of its idle current.
+
+    Parameters
+    ----------
+    speed
+        At both ends of each segment, shape (segments, 2).
+    idle
+        Idle current, as a share of the current in motion [1]; None: all of it flows at rest.
+
+    Returns
+    -------
+    array
+        Shape (segments,) [1].
+
+    Examples
+    --------
+    >>> idle_loss(np.array([[0.0, 5.0], [0.0, 0.0]]), 0.5).tolist()
+    [1.0, 0.25]
+    """
+    return np.where(speed.any(axis=1), 1.0, 1.0 if idle is None else idle**2)
+
+
 def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array) -> tuple[Array, Array, Array]:
     """Energy that motors with a constant loss draw and return over a cycle, and their largest power.
 
@@ -43,7 +66,7 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
     torque, speed
         Of the motors at both ends of each segment, straight lines within, shape (motors, segments, 2) [N*m], [rad/s].
     loss
-        Of each motor [W].
+        Of each motor, or of each in each segment, shape (motors, segments) [W].
 
     Returns
     -------
@@ -60,7 +83,7 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
     """
     (t0, t1), (w0, w1) = np.moveaxis(torque, 2, 0), np.moveaxis(speed, 2, 0)
     a, b = (t1 - t0) * (w1 - w0), t0 * (w1 - w0) + w0 * (t1 - t0)
-    c = t0 * w0 + loss[:, None]
+    c = t0 * w0 + (loss if loss.ndim > 1 else loss[:, None])
     with np.errstate(divide="ignore", invalid="ignore"):
         q = -0.5 * (b + np.copysign(np.sqrt(b**2 - 4.0 * a * c), b))
         cuts = [np.nan_to_num(np.clip(x, 0.0, 1.0), nan=1.0) for x in (q / a, c / q)]

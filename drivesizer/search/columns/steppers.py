@@ -21,7 +21,7 @@ from drivesizer.physics.extremes import undominated
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.several_belts import scales
-from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
+from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
 from drivesizer.physics.stepper.pull_out import amplitude
 from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
 from drivesizer.physics.stress import Parts
@@ -120,11 +120,14 @@ def stepped(
         offered.controllers.available(motor.rows, row),
         *driver_limits(current, parts.controller, thin, offered.controllers.ambient),
     ]
+    if problem.spec.control.phase_current is not None:
+        of_driver.append(at_most("motor_nominal_current", current, catalog.steppers["phase_current"][motor[STEPPER]]))
 
     def moving(k: int) -> list[CheckColumn]:
         spec = problem.cases[k].spec
         found = [
             _torque_limit(spec, cycles[k], demand[k], parts, catalog.pull_outs),
+            *_idle(spec, cycles[k], demand[k], parts, catalog.pull_outs),
             *_starting(spec, cycles[k], demand[k], parts, catalog.pull_outs),
             *resolution_limits(spec, cycles[k], demand[k], parts),
             *([] if staged else _advice(spec, cycles[k], demand[k], parts)),
@@ -177,6 +180,17 @@ def _torque_limit(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Pa
     found = [_worst(spec, points, c[k], ratio[k], parts.motor.on(k), curves) for k in _slices(len(ratio), size)]
     torque, limit, place = (np.concatenate(column) for column in zip(*found, strict=True))
     return at_most("pull_out_torque", torque, limit, needed=spec.margins.pull_out - 1.0, time=when[place])
+
+
+def _idle(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> list[CheckColumn]:
+    """The torque at rest against what the idle current leaves of the torque at low speed."""
+    idle, functions = spec.control.idle_current, cycle.base.functions
+    rests = functions[~functions[:, :, SPEED].any(axis=1)].reshape(-1, 6)
+    if idle is None or not len(rests):
+        return []
+    torque = np.abs(_at_belt(cycle, demand)[0] @ rests.T).max(axis=1)
+    limit = available_torque(parts.motor, curves, np.zeros((len(torque), 1)), spec.supply.lowest)[:, 0]
+    return [at_most("idle_torque", torque, idle * limit, needed=spec.margins.pull_out - 1.0)]
 
 
 def _at_belt(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
@@ -347,11 +361,14 @@ def _draw(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wan
     c, ratio = _at_belt(cycle, demand)
     loss = copper_loss(parts.motor["nominal_current"], parts.motor["resistance"])
     stage = spec.feed(parts.controller).stage
-    total = loss + stage.standby
+    standby = np.broadcast_to(stage.standby, len(wanted))
+    share = idle_loss(functions[:, :, SPEED], spec.control.idle_current)
     for some in (rows[k] for k in _slices(len(rows), max(_CELLS // len(functions), 1))):
         torque = np.einsum("nk,sek->nse", c[some], functions)
         speed = functions[None, :, :, SPEED] * ratio[some, None, None]
-        columns[:, some] = electrical_energy(cycle.load_cycle.duration, torque, speed, total[some])
+        columns[:, some] = electrical_energy(
+            cycle.load_cycle.duration, torque, speed, loss[some, None] * share + standby[some, None]
+        )
     return _Draw(*np.where(demand.complete, columns, np.nan))
 
 
@@ -392,7 +409,9 @@ def supply_limits(spec: RobotSpec, returned: Array, most: Array, parts: Parts, p
 def _figures(problem: Problem, draws: Sequence[_Draw], motor: Any) -> dict[str, Array]:
     """Figures for objectives and records, as ``powered`` has them of other motors."""
     loads, share = [case.spec.load for case in problem.cases], problem.spec.supply.regeneration
-    machines = problem.machine_cases
+    machines, cycles = problem.machine_cases, [case.cycle for case in problem.cases]
+    idle = problem.spec.control.idle_current
+    heat = max(float(idle_loss(cycle.speed, idle) @ cycle.duration) / cycle.total for cycle in cycles)
     power = [np.sum([loads[i].alike * draws[i].power for i in wheels], 0) for wheels in machines]
     drawn, returned = (
         np.sum([loads[i].alike * getattr(draws[i], name) for i in machines[0]], 0) for name in ("drawn", "returned")
@@ -401,7 +420,7 @@ def _figures(problem: Problem, draws: Sequence[_Draw], motor: Any) -> dict[str, 
         "energy": drawn - share * returned,
         "returned": returned,
         "power": np.maximum.reduce(power),
-        "joule_heat": copper_loss(motor["nominal_current"], motor["resistance"]),
+        "joule_heat": heat * copper_loss(motor["nominal_current"], motor["resistance"]),
         "peak_current": amplitude(motor["nominal_current"]),
         "winding_temperature": np.full(len(motor["nominal_current"]), np.nan),
     }

@@ -19,7 +19,7 @@ from drivesizer.catalog.view.stepper_view import STEPPER
 from drivesizer.machine.pull_out import available_torque
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION
 from drivesizer.physics.motor_demand import Demands, demands
-from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy
+from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
 from drivesizer.physics.stepper.pull_out import amplitude
 from drivesizer.physics.stress import Parts
 from drivesizer.results.check_columns import CheckColumn, at_most
@@ -246,10 +246,20 @@ def _drawn(spec: Any, at: AtSamples, required: Demands, parts: Parts) -> Draw:
     torque = np.moveaxis(at.line(required.coefficients), -1, 0)
     speed = np.moveaxis(np.broadcast_to(at.speeds, torque.shape[1:] + torque.shape[:1]), -1, 0)
     loss = copper_loss(parts.motor["nominal_current"], parts.motor["resistance"])
-    total = np.broadcast_to(loss + spec.feed(parts.controller).stage.standby, len(torque))
+    loss = (
+        np.broadcast_to(loss, len(torque))[:, None] * idle_loss(np.moveaxis(speed, 0, 2), spec.control.idle_current).T
+    )
+    total = loss + np.broadcast_to(spec.feed(parts.controller).stage.standby, len(torque))[:, None]
     turning = speed * np.broadcast_to(required.total_ratio, len(torque))[:, None, None]
     columns = electrical_energy(at.load_cycle.duration.T, torque, turning, total)
     return Draw(*(np.where(required.complete, x, np.nan) for x in columns))
+
+
+def _heated(spec: Any, at: AtSamples) -> Array:
+    """Share of the copper loss in motion that the mean over the cycle is."""
+    duration, share = np.atleast_2d(at.load_cycle.duration.T), idle_loss(at.speeds, spec.control.idle_current)
+    found: Array = (share.T * duration).sum(axis=1) / duration.sum(axis=1)
+    return found
 
 
 def stepper_figures(spec: Any, at: AtSamples, one: SampledStepper) -> dict[str, Array]:
@@ -277,6 +287,6 @@ def stepper_figures(spec: Any, at: AtSamples, one: SampledStepper) -> dict[str, 
         "motor_torque": np.where(required.complete, torque, np.nan),
         "pull_out_at_rest": at_rest, "pull_out_at_speed": at_speed,
         "power": _drawn(spec, at, required, parts).peak * spec.load.motors,
-        "joule_heat": copper_loss(parts.motor["nominal_current"], parts.motor["resistance"]),
+        "joule_heat": copper_loss(parts.motor["nominal_current"], parts.motor["resistance"]) * _heated(spec, at),
         "peak_current": amplitude(parts.motor["nominal_current"]),
     }  # fmt: skip

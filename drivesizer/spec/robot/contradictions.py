@@ -92,7 +92,7 @@ def _of_its_kind_of_motor(spec: Any) -> None:
     """Fields of steppers and of the paper's method where they are."""
     if spec.needs.start_speed is not None and not spec.steps:
         raise ValueError("needs.start_speed: it is of steppers; expected select: {motor: {kind: stepper}}")
-    own = {"microsteps", "damping_ratio"} & spec.control.model_fields_set
+    own = {"microsteps", "phase_current", "idle_current", "damping_ratio"} & spec.control.model_fields_set
     if own and not spec.steps:
         raise ValueError(f"control.{min(own)}: it is of steppers; expected select: {{motor: {{kind: stepper}}}}")
     if foreign := spec.tolerances.foreign(steps=spec.steps):

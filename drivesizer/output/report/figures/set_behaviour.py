@@ -26,7 +26,7 @@ from drivesizer.output.report.figures.path import path_and_errors, speed_by_dire
 from drivesizer.output.report.figures.style import Form
 from drivesizer.output.report.figures.wheels import MOST_WHEELS
 from drivesizer.output.report.lines.machine import first_wheel
-from drivesizer.physics.stepper.drawn import copper_loss
+from drivesizer.physics.stepper.drawn import copper_loss, idle_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
@@ -172,7 +172,9 @@ class Behaviour:
         found, motor = self.specified, self.drive_set.motor
         copper = found.copper if found.known else float("nan")
         if self.drive_set.steps:
+            cycle, idle = found.cycle.load_cycle, found.spec.control.idle_current
             copper = copper_loss(motor.nominal_current, motor.resistance)
+            copper *= float(idle_loss(cycle.speed, idle) @ cycle.duration) / cycle.total
         winding = float(found.course.mean[0]) if found.known else float("nan")
         housing = winding - motor.thermal_resistance_winding * copper
         rows = [
