@@ -84,7 +84,7 @@ _COMMANDS = ("a1 q-axis cmd [A]", "a1 velocity cmd [Hz]")
 # very measurements at 12 V
 CONTEST_MOTORS = {
     "rev-neo": ("rev", "NEO V1.1", False),
-    "rev-neo-550": ("rev", "NEO 550", True),
+    "rev-neo-550": ("rev", "NEO 550", False),
     "vex-falcon-500": ("vex", "Falcon 500", True),
 }
 _DUTIES = (4, 6, 8, 10, 12)  # V of 12 V
