@@ -174,7 +174,9 @@ def _result(declared: Equation, plain: dict[str, Any]) -> Any:
     if np.ndim(result) or isfinite(result):
         return result
     zeros = [term for term in declared.terms if np.all(plain.get(term.name, 1.0) == 0.0)]
-    blamed = [term for term in zeros if isfinite(_single(declared, **plain | {term.name: 1.0}))] or zeros
+    blamed = [term for term in zeros if isfinite(_single(declared, **plain | {term.name: 1.0}))]
+    if not blamed and isfinite(_single(declared, **plain | {term.name: 1.0 for term in zeros})):
+        blamed = zeros  # several at once
     if not blamed:
         raise InputError(f"{declared.label}: the result is outside the range of numbers that can be computed with")
     named = " and ".join(f"{term.name} ({term.meaning}) is 0" for term in blamed)
