@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import warnings
 
 import numpy as np
 import pytest
@@ -204,6 +205,14 @@ def test_a_braking_without_end_is_no_pulse_of_a_resistor_that_withstands_it():
     assert largest_pulse(duration, energy) == math.inf
     assert largest_pulse(duration, energy, 10.0) == 15.0
     assert largest_pulse(duration, energy, 15.0) == 0.0
+
+
+def test_a_piece_without_duration_burns_nothing():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = burning(np.array([1.0, 0.0, 1.0]), np.array([50.0, 0.0, 0.0]), np.array([100.0, 0.0, 0.0]),
+                        np.array([50.0, 0.0, 0.0]), 10.0)  # fmt: skip
+    assert found.peak == 100.0 and found.energy.sum() == 50.0 and not np.isnan(found.duration).any()
 
 
 def test_nothing_to_burn():

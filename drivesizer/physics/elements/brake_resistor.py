@@ -236,7 +236,7 @@ def burning(duration: Array, returned: Array, highest: Array, burnt: Array, powe
     (80.0, [0.2, 0.4, 0.4, 1.0], [0.0, 24.0, 8.0, 0.0])
     """
     rows = np.flatnonzero(burnt > 0.0)
-    mean, out = returned / duration, burnt[rows]
+    mean, out = np.divide(returned, duration, out=np.zeros_like(burnt), where=duration > 0.0), burnt[rows]
     top = np.maximum(highest, mean)
     after, before = np.roll(top * (returned > 0.0), -1)[rows], np.roll(top * (returned > 0.0), 1)[rows]
     top, mean, lasts = top[rows], mean[rows], duration[rows]
