@@ -23,6 +23,7 @@ __all__ = [
     "lasting_limit",
     "nominal_current_limit",
     "nominal_torque_limit",
+    "permitted_power",
     "short_limit",
     "unless_printed",
     "unstated_ambient",
@@ -171,12 +172,31 @@ def controller_power_limit(power: Array | float, controller: Any, voltage: float
     >>> [float(controller_power_limit(500.0, r4, volts).limit) for volts in (24.0, 32.0, 44.0)]
     [900.0, 775.0, 400.0]
     """
+    limit = permitted_power(controller, voltage)
+    most = np.where(np.isnan(limit), controller["max_power"], limit)
+    return at_most("controller_power", power, limit, most=most, **more)
+
+
+def permitted_power(controller: Any, voltage: float) -> Array:
+    """Power that controllers permit at a supply voltage [W], see ``controller_power_limit``.
+
+    Parameters
+    ----------
+    controller
+        Figures by field name.
+    voltage
+        Of the supply [V].
+
+    Returns
+    -------
+    Array
+        Infinite without a limit, NaN where it is at most ``max_power``.
+    """
     most, low = controller["max_power"], controller["reduced_power"]
     first, last = controller["max_power_voltage"], controller["reduced_power_voltage"]
     share = np.clip((voltage - first) / (last - first), 0.0, 1.0)
     limit = np.where(voltage <= np.asarray(first), most, most - (most - low) * share)
-    limit, most = (np.where(np.isnan(most), np.inf, x) for x in (limit, most))
-    return at_most("controller_power", power, limit, most=np.where(np.isnan(limit), most, limit), **more)
+    return np.where(np.isnan(most), np.inf, limit)
 
 
 def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:

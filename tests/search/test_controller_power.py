@@ -75,3 +75,12 @@ def test_a_drive_is_judged_by_its_power(tmp_path, volts, status):
     assert checks["limited"]["controller_power"].status == status
     assert checks["limited"]["controller_power"].demand == pytest.approx(445.0, rel=0.03)  # the winding warms
     assert "controller_power" not in checks["free"]
+
+
+def test_where_the_first_is_too_weak_the_next_is_taken(tmp_path):
+    """Both are of the same currents; the one that comes first by its name permits 400 W at 44 V, 445 W are needed."""
+    (tmp_path / "own.yaml").write_text(CATALOG.replace("1.0, 20, 0.01", "2.0, 40, 0.01").replace("[free", "[unlimited"))
+    spec = SPEC | {"supply": {"nominal": "44 V"}, "select": {"catalogs": ["own.yaml"]}}
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(spec), encoding="utf-8")
+    (found,) = explain(load_spec(tmp_path / "robot.yaml"), "M1", "direct")
+    assert found.controller.part == "unlimited" and found.status != "fail"

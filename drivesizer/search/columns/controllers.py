@@ -18,7 +18,7 @@ from drivesizer.catalog import Catalog, Table
 from drivesizer.physics.extremes import distinct
 from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
-from drivesizer.results.ratings import controller_current
+from drivesizer.results.ratings import controller_current, permitted_power
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import Choice, ControllerChoice
 from drivesizer.units import show
@@ -266,7 +266,13 @@ def controllers(
 
 
 HANGING = (  # checks of a drive that hang on its controller and on its cycle, beside what ``controllers`` looks at
-    "supply_voltage", "controller_peak_time", "bus_voltage", "common_bus_voltage", "supply_current", "supply_power",
+    "supply_voltage", "controller_peak_time", "controller_power", "bus_voltage", "common_bus_voltage", "supply_current",
+    "supply_power",
+)  # fmt: skip
+
+
+_RATED = (
+    "continuous_current", "peak_time", "max_power", "max_power_voltage", "reduced_power", "reduced_power_voltage",
 )  # fmt: skip
 
 
@@ -287,7 +293,7 @@ def no_better_than(spec: RobotSpec, table: Table[Any], usable: Usable) -> dict[s
     dict
         By check: rows are those that meet it no better, columns the others, both in their order.
     """
-    of = {name: table[name][usable.order] for name in (*STAGE_FIGURES, "continuous_current", "peak_time")}
+    of = {name: table[name][usable.order] for name in (*STAGE_FIGURES, *_RATED)}
     stage = spec.feed(of).stage
     kept: tuple[NDArray[Any], ...] = (of["supply_max"], stage.least_loss)
     if spec.supply.capacitance is None and spec.chopper_voltage is None:  # then each has at least its own
@@ -296,6 +302,7 @@ def no_better_than(spec: RobotSpec, table: Table[Any], usable: Usable) -> dict[s
     more = {
         "supply_voltage": (spec.feed(of)._replace(voltage=usable.lowest).usable, -stage.loss, -stage.max_duty),
         "controller_peak_time": (of["continuous_current"], of["peak_time"]),
+        "controller_power": (permitted_power(of, spec.supply.highest), *drawn),
         "bus_voltage": kept,
         "common_bus_voltage": (of["supply_max"],),
         "supply_current": drawn,
