@@ -36,7 +36,7 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
     Raises
     ------
     FieldError
-        A joint that does not move, a link that is not there, or a drive that its own joint carries.
+        A joint that does not move, or a link that is not there.
     """
     for name in section.drives:
         if name not in joints:
@@ -64,10 +64,6 @@ def _place(place: DrivePlace, robot: Robot, name: str) -> Attached:
     if place.link not in robot.links:
         raise FieldError(
             (*field, "link"), f"{quoted(place.link)} is no link of {robot.file}{nearest(place.link, robot.links)}"
-        )
-    if any(one.name == name for one in robot.chain(place.link)):
-        raise FieldError(
-            (*field, "link"), f"joint {quoted(name)} moves {quoted(place.link)}; expected a link before it"
         )
     return Attached(place.link, np.zeros(3) if place.at is None else np.array(place.at))
 
@@ -110,7 +106,7 @@ def payload_place(section: RobotSection, robot: Robot, joints: Sequence[str]) ->
 
 
 def carried_by(robot: Robot, drives: Mapping[str, Attached], joints: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """Joints whose drives ride beyond each joint.
+    """Joints whose drives ride beyond each joint; a drive on a link that it moves rides beyond its own.
 
     Parameters
     ----------
@@ -136,7 +132,7 @@ def outermost_first(carried: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     Parameters
     ----------
     carried
-        Joints whose drives ride beyond each joint.
+        Joints whose drives ride beyond each joint; its own is no circle.
 
     Returns
     -------
@@ -154,7 +150,8 @@ def outermost_first(carried: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     ('elbow', 'shoulder')
     """
     try:
-        return tuple(TopologicalSorter(carried).static_order())
+        others = {joint: [other for other in on_it if other != joint] for joint, on_it in carried.items()}
+        return tuple(TopologicalSorter(others).static_order())
     except CycleError as error:
         round_ = ", ".join(error.args[1])
         raise FieldError(("robot", "drives"), f"joints carry each other's drives in a circle: {round_}") from None

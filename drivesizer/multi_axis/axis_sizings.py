@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import isnan
+from functools import partial
+from math import inf, isnan
 from typing import Any, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.machine.budgets import riding_mass, riding_rows
+from drivesizer.machine.mass_budget import settle
 from drivesizer.multi_axis.combinations import Choice, Cost
 from drivesizer.multi_axis.joint_axes import TorquesOf, with_joints
 from drivesizer.multi_axis.machine_cycle import in_their_cycle
@@ -31,6 +33,7 @@ __all__ = ["AxisSizings", "Options", "PartsOf", "SamplingOf", "as_chosen", "choi
 
 _THRIFTY = ("energy", "peak_current")  # objectives by which drives load a supply least
 _FEW = 3
+_SAME = 1e-9  # kg: of drives out of a catalogue one is the same again, or another is heavier
 SamplingOf = Callable[[RobotSpec], Sampling | None]
 PartsOf = Callable[[RobotSpec], Catalog]
 
@@ -54,6 +57,8 @@ class AxisSizings:
         self.machine, self.joints = with_joints(machine, how.torques)
         self.how, self.ranking = how, how.objective
         self.made: dict[tuple[str, tuple[float, ...]], SizingResult] = {}
+        self.own: dict[tuple[str, tuple[float, ...]], float] = {}  # kg, of its drive on the link that a joint moves
+        self.uncertain = set[str]()  # axes of which drives lighter than their own load has may have been left out
         self.kinds: OfferedKinds | None = None  # where common drives are preferred
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
         self.offered: dict[tuple[str, str], DriveSet] = {}  # by axis and label, drives beside the best
@@ -68,12 +73,58 @@ class AxisSizings:
     def result(self, axis: str, masses: tuple[float, ...]) -> SizingResult:
         """The sizing of an axis with carried drives of these masses [kg]."""
         if (axis, masses) not in self.made:
-            spec = self.laden(axis, masses)
-            self.made[axis, masses] = size(
-                spec, catalog=self._parts(spec), top=self.how.top, objective=self.ranking, pareto=self._front(axis),
-                progress=self.how.progress, sampling=self.how.sampling(spec), brief=self.how.brief,
-            )  # fmt: skip
+            own = self.joints.moves_its_drive(axis)
+            self.made[axis, masses] = self._with_its_own(axis, masses) if own else self._in_full(axis, masses)
         return self.made[axis, masses]
+
+    def _in_full(self, axis: str, masses: tuple[float, ...]) -> SizingResult:
+        spec = self.laden(axis, masses)
+        return size(
+            spec, catalog=self._parts(spec), top=self.how.top, objective=self.ranking, pareto=self._front(axis),
+            progress=self.how.progress, sampling=self.how.sampling(spec), brief=self.how.brief,
+        )  # fmt: skip
+
+    def _with_its_own(self, axis: str, masses: tuple[float, ...]) -> SizingResult:
+        """The sizing of a joint that moves its own drive: in rounds, and of drives no heavier than its load has.
+
+        Where the best drives run away or out, the lightest decide whether any carries itself: each round of these
+        begins at a mass that no drive which carries itself is below.
+        """
+        found: dict[float, SizingResult] = {}
+
+        def rounds(ranking: Ranking | None, own: float) -> tuple[float, str] | None:
+            self.own[axis, masses] = own
+            if ranking is None:
+                result = found[own] = self._in_full(axis, masses)
+            else:
+                result = self._sized(self.laden(axis, masses), 1, ranking)
+            return next(((riding_mass(result.problem, one), one.label) for one in result.sets[:1]), None)
+
+        settled = settle(partial(rounds, None), 0.0, tolerance=_SAME)
+        if not settled.carries_itself:
+            settled = settle(partial(rounds, "mass"), 0.0, tolerance=_SAME)
+        self.own[axis, masses] = own = settled.total if settled.carries_itself else settled.steps[-1].total
+        spec, result = self.laden(axis, masses), found[own] if own in found else self._in_full(axis, masses)
+        sets = self._fitting(axis, masses, result, result.sets)
+        if not sets and settled.carries_itself:
+            sets = [self._ranked(spec, one) for one in self._sized(spec, 1, "mass").sets]
+        front, others = (self._fitting(axis, masses, result, some) for some in (result.front, result.alternatives))
+        sets = [replace(one, rank=n) for n, one in enumerate(sets, 1)]
+        result = replace(result, sets=tuple(sets), front=tuple(front), alternatives=tuple(others))
+        first, last = (choices_of(one, self.objective(axis)) for one in (found[0.0], result))
+        if [one.name for one in first] != [one.name for one in last]:
+            self.uncertain.add(axis)
+        return result
+
+    def _fitting(
+        self, axis: str, masses: tuple[float, ...], result: SizingResult, drives: Sequence[DriveSet]
+    ) -> list[DriveSet]:
+        """Drives of a sizing that are no heavier than a joint's load has of its own."""
+        return [one for one in drives if self.fits(axis, masses, riding_mass(result.problem, one))]
+
+    def fits(self, axis: str, masses: tuple[float, ...], mass: float) -> bool:
+        """Whether a drive of this mass [kg] is no heavier than the axis' load has of its own drive, if any."""
+        return mass <= self.own.get((axis, masses), inf) + _SAME
 
     def loaded(self, axis: str, masses: tuple[float, ...]) -> Loaded:
         """An axis with carried drives of these masses [kg], for a search of few kinds."""
@@ -104,7 +155,9 @@ class AxisSizings:
         others = [
             Choice(label, _cost(one, ranking, motors, False), mass_on_others(result.problem, one)[0])
             for label, one in drives.items()
-            if label != first.name and one.status == result.sets[0].status
+            if label != first.name
+            and one.status == result.sets[0].status
+            and self.fits(axis, masses, riding_mass(result.problem, one))
         ]
         return [first, *sorted(others, key=lambda one: (one.cost, one.mass))]
 
@@ -135,6 +188,8 @@ class AxisSizings:
 
     def laden(self, axis: str, masses: tuple[float, ...]) -> RobotSpec:
         """The spec of an axis in the machine's cycle, with carried drives of these masses [kg]."""
+        if self.joints.moves_its_drive(axis) and (axis, masses) not in self.own:
+            self.result(axis, masses)
         return self._with_masses(axis, masses).waiting(self.cycles.get(axis, {}))
 
     def _with_masses(self, axis: str, masses: tuple[float, ...] | None) -> RobotSpec:
@@ -142,7 +197,8 @@ class AxisSizings:
         one, carried = self.machine.axis(axis), self.machine.carried(axis)
         masses = masses or (0.0,) * len(carried)
         if self.joints.has(axis):
-            return self.joints.laden(one.spec, axis, dict(zip(carried, masses, strict=True)))
+            own = {axis: self.own.get((axis, masses), 0.0)} if self.joints.moves_its_drive(axis) else {}
+            return self.joints.laden(one.spec, axis, dict(zip(carried, masses, strict=True)) | own)
         if not any(masses):
             return one.spec
         on_it = list(zip(masses, carried.values(), strict=True))

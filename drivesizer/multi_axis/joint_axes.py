@@ -40,6 +40,10 @@ class Joints:
         """Whether an axis is a joint."""
         return self.torques is not None and axis in self.torques.joints
 
+    def moves_its_drive(self, axis: str) -> bool:
+        """Whether an axis is a joint whose drive is on a link that it moves."""
+        return self.torques is not None and axis in self.torques.carried.get(axis, ())
+
     def laden(self, spec: RobotSpec, joint: str, masses: Mapping[str, float]) -> RobotSpec:
         """The spec of a joint with drives of these masses on it, payloads and poses as load cases.
 
@@ -50,7 +54,7 @@ class Joints:
         joint
             Its name.
         masses
-            Of the drives that it carries, by joint [kg].
+            Of the drives that it carries, by joint [kg]; its own among them where it moves that.
 
         Returns
         -------
@@ -171,6 +175,7 @@ def with_joints(machine: MachineSpec, torques_of: TorquesOf = joint_torques) -> 
             f"no joint {quoted(lost)} moves{nearest(lost, torques.joints)}; expected one that does, or load and motion"
         )
         raise InputError(f"{machine.where(('axes', lost))}: {text}")
-    joints = tuple(joint_axis(machine, name, torques.carried[name]) for name in torques.joints)
+    others_on = {name: [one for one in torques.carried[name] if one != name] for name in torques.joints}
+    joints = tuple(joint_axis(machine, name, others_on[name]) for name in torques.joints)
     others = tuple(axis for axis in machine.axes if not axis.is_joint)
     return in_order(replace(machine, axes=(*joints, *others))), Joints(torques)

@@ -109,6 +109,7 @@ def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], fo
         notes=(
             *_notes(machine, found, axes),
             *sizings.joints.notes,
+            *_own_drives(sizings, axes),
             *_on_joints(sizings, axes, found),
             *_waiting(axes),
         ),
@@ -164,7 +165,8 @@ def _with_few_kinds(
 
     def tried(shared: Permitted) -> Combination:
         def of_kinds(axis: str, on_it: tuple[float, ...]) -> list[Choice]:
-            return offers.choices(axis, on_it, shared.get(axis), statuses[axis])
+            offered = offers.choices(axis, on_it, shared.get(axis), statuses[axis])
+            return [one for one in offered if sizings.fits(axis, on_it, one.mass)]
 
         return best_combination(machine.order, carried, of_kinds, len(machine.axes))
 
@@ -239,7 +241,9 @@ def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:
         return False
     carried = sizings.machine.carried(axis)
     if sizings.joints.has(axis) and not found.missing:
-        return sizings.joints.rises(axis, {other: found.chosen[other].mass for other in carried})
+        own = [axis] if sizings.joints.moves_its_drive(axis) else []
+        rises = sizings.joints.rises(axis, {other: found.chosen[other].mass for other in (*carried, *own)})
+        return rises and axis not in sizings.uncertain
     return not carried or not getattr(load, "counterweight", 0.0) > 0.0
 
 
@@ -255,6 +259,9 @@ def _axis(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: C
         for other, mass in zip(carried[name], masses, strict=True)
     )
     own = sizings.result(name, masses).sets
+    if chosen and (name, masses) in sizings.own:
+        lacking = mass_on_others(result.problem, result.sets[0])[1]
+        riding = (*riding, CarriedMass(name, sizings.own[name, masses], None, lacking))
     for_all = bool(result.sets and own) and result.sets[0].label != own[0].label
     return AxisSizing(name=name, result=result, carried=riding, for_all=for_all)
 
@@ -268,6 +275,19 @@ def _lacking(
     masses = tuple(found.chosen[other].mass if other in found.chosen else 0.0 for other in carried[name])
     result = sizings.chosen(name, masses, found.chosen[name].name)
     return mass_on_others(result.problem, result.sets[0])[1]
+
+
+def _own_drives(sizings: AxisSizings, axes: Sequence[AxisSizing]) -> Iterator[str]:
+    """Sentences on the joints whose drives are on a link that they move."""
+    for axis in axes:
+        own = next((one.mass for one in axis.carried if one.of == axis.name), None)
+        if own is not None and axis.best:
+            drive, loaded = mass_on_others(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
+            heavier = f"{loaded} of its load, of one that is heavier than its {show(drive, 'kg', 'mass')}"
+            said = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
+            yield f"{axis.name} moves its own drive, {said}"
+        elif any(mass > 0.0 for (name, _), mass in sizings.own.items() if name == axis.name):
+            yield f"{axis.name} moves its own drive, and no drive carries itself"
 
 
 def _waiting(axes: Sequence[AxisSizing]) -> Iterator[str]:

@@ -145,7 +145,8 @@ class DrivePlace(Section):
 
     on: Literal["link_before", "base", "link"] = Field(
         default="link_before",
-        description="link_before: at the joint, on the link before it; base: no joint carries it; link: as named",
+        description="link_before: at the joint, on the link before it; base: no joint carries it; link: as named, "
+        "also one that the joint moves: then the drive is load of its own joint",
     )
     link: Name | None = Field(default=None, description="with on: link")
     at: Point | None = Field(default=None, description="x, y, z in the frame of its link; on the joint's axis else")

@@ -84,6 +84,17 @@ def test_a_drive_elsewhere_on_its_link(tmp_path: Path) -> None:
     assert laden - alone == pytest.approx(4.0 * 0.1 * G, rel=1e-12)
 
 
+def test_a_drive_on_the_link_that_it_moves_loads_its_own_joint(tmp_path: Path) -> None:
+    """By hand: level and at rest 3 kg 150 mm before the elbow, 750 mm before the shoulder."""
+    rides = {"on": "link", "link": "fore", "at": ["150 mm", "0 mm", "0 mm"]}
+    made, file = section(tmp_path, drives={"elbow": rides}, friction="leave")
+    found = joint_torques(made, file)
+    loads = found.loads({"elbow": 3.0})
+    assert loads["elbow"].cycle.torque[0] == pytest.approx((1 * 0.2 + 3.0 * 0.15) * G, rel=1e-12)
+    assert loads["shoulder"].cycle.torque[0] == pytest.approx((2 * 0.3 + 1 * 0.8 + 3.0 * 0.75) * G, rel=1e-12)
+    assert found.carried == {"shoulder": ("elbow",), "elbow": ("elbow",)} and found.order == ("elbow", "shoulder")
+
+
 def test_friction_of_bearings_resists_either_way(tmp_path: Path) -> None:
     kept, left = (joint_loads(*section(tmp_path, friction=word), {})["shoulder"].cycle for word in ("keep", "leave"))
     assert {"keep": kept.total, "leave": left.total}["keep"] == pytest.approx(left.total)

@@ -9,15 +9,21 @@ from typing import Any
 
 import numpy as np
 import pytest
-from small_arms import arm, least_of_all, two_joints
+from small_arms import arm, catalogue, least_of_all, two_joints
 
 from drivesizer.errors import InputError
+from drivesizer.joints.mass_columns import joint_torques
+from drivesizer.machine.problem import problem
 from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.documents import sizing as document
 from drivesizer.results.machine import MachineSizing
-from drivesizer.sizing import explain, size
+from drivesizer.search.columns.candidates import candidates
+from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.set_record import drive_parts
+from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import load_spec
+from drivesizer.spec.several_axes.machine import MachineSpec
 from drivesizer.spec.several_axes.machine_file import load_machine
 from drivesizer.units import show
 
@@ -203,6 +209,59 @@ def test_faults_of_joints_are_one_line(change: dict[str, Any], said: str, tmp_pa
     with pytest.raises(InputError) as error:
         size_machine(load_machine({**two_joints(tmp_path), **change}))
     assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def drives_of_two_joints(machine: MachineSpec) -> tuple[dict[tuple[str, str], float], dict[str, tuple[float, float]]]:
+    """Price of every pair of drives that hold, and price and mass of the elbow's that carry themselves."""
+    torques = joint_torques(machine.robot, "", 9.80665)
+    catalog = load_parts(machine.axis("elbow").spec)
+
+    def passing(joint: str, elbow: float) -> dict[str, tuple[float, float]]:
+        load = torques.load(joint, {"elbow": elbow})
+        of_all = problem(machine.axis(joint).spec.model_copy(update={"load": load}), catalog)
+        found = evaluate(of_all, candidates(of_all))
+        parts = [drive_parts(found, row) for row in np.flatnonzero(~found.failed).tolist()]
+        return {p.label: (p.motor.price + p.gearhead.price, p.motor.mass + p.gearhead.mass) for p in parts}
+
+    light = passing("elbow", 0.0)
+    carry_themselves = {label: one for label, one in light.items() if label in passing("elbow", one[1])}
+    pairs = {
+        (shoulder, elbow): price + own
+        for elbow, (own, mass) in carry_themselves.items()
+        for shoulder, (price, _) in passing("shoulder", mass).items()
+    }
+    return pairs, carry_themselves
+
+
+@pytest.mark.parametrize("at", [0, 300, 800, 1500])
+def test_a_drive_on_the_link_that_it_moves_carries_itself(at: int, tmp_path: Path) -> None:
+    """Against every pair of drives, each in its own load: a pair of these, and none better where that is said."""
+    proved = without = 0
+    for seed in range(6):
+        (tmp_path / "parts.yaml").write_text(catalogue(Random(seed)), encoding="utf-8")
+        place = {"on": "link", "link": "fore", "at": [f"{at} mm", "0 mm", "0 mm"]}
+        given = two_joints(tmp_path, drives={"elbow": place})
+        given["supply"] = {"nominal": "24 V", "accepts": "all"}
+        given["select"] = {"catalogs": [str(tmp_path / "parts.yaml")], "objective": "price", "estimates": "off"}
+        found = size_machine(load_machine(given), top=3)
+        shoulder, elbow = found.axes
+        pairs, carry_themselves = drives_of_two_joints(found.machine)
+        assert (elbow.best is None) == (not carry_themselves), seed
+        if elbow.best is None:
+            assert "elbow moves its own drive, and no drive carries itself" in found.notes
+        if not found.complete:
+            without += 1
+            continue
+        (own,), (on_shoulder,) = elbow.carried, shoulder.carried
+        assert found.total == pytest.approx(pairs[shoulder.best.label, elbow.best.label], rel=1e-12)
+        assert min(pairs.values()) == pytest.approx(found.total, rel=1e-12) or not found.certain
+        mass = elbow.best.motor.mass + elbow.best.gearhead.mass
+        assert own.of == on_shoulder.of == "elbow" and own.mass == pytest.approx(mass, rel=1e-12) == on_shoulder.mass
+        torque = elbow.spec.load.cycle.torque[0, 0]  # level and at rest: 0.5 kg at 0.3 m, and the drive
+        assert abs(torque) == pytest.approx((0.5 * 0.3 + own.mass * at / 1e3) * 9.80665, rel=1e-9)
+        assert any("elbow moves its own drive, which is" in note for note in found.notes)
+        proved += found.certain
+    assert (proved == 6 or at) and (not without or at == 1500)
 
 
 def test_cases_of_the_file_and_poses_of_the_robot_are_load_cases_and_sampled(tmp_path: Path) -> None:

@@ -78,7 +78,8 @@ def _drives(console: Console, result: MachineSizing) -> None:
 
 def _riding(axis: AxisSizing) -> str:
     """The drives on an axis: their mass first, so that no line ends between a figure and its unit, then names."""
-    return f"on it {show(axis.carried_mass, 'g', 'mass', 3)}: {', '.join(one.of for one in axis.carried)}"
+    names = ("its own" if one.of == axis.name else one.of for one in axis.carried)
+    return f"on it {show(axis.carried_mass, 'g', 'mass', 3)}: {', '.join(names)}"
 
 
 def _parts(console: Console, result: MachineSizing) -> None:
