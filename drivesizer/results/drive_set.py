@@ -201,9 +201,14 @@ class DriveSet(DriveParts):
         return sum(known) if known else nan
 
     @property
+    def price_complete(self) -> bool:
+        """Whether the price of every part is known: else ``price`` is the least, and no figure to compare."""
+        return len(self.price_of) == len(self.parts)
+
+    @property
     def price_text(self) -> str:
         """The price as it is printed: at least that, where the price of some part is unknown."""
-        least = "" if len(self.price_of) == len(self.parts) else "at least "
+        least = "" if self.price_complete else "at least "
         return f"{least}{self.price:.2f} EUR" if self.price_of else "unknown"
 
     @property

@@ -209,7 +209,10 @@ def _conditions(choice: ScrewChoice, table: Table[Any]) -> Iterator[NDArray[np.b
 
 
 def _order(able: Sequence[_Tried], objective: Ranking) -> tuple[NDArray[np.float64], ...]:
-    """Columns that order leads, the first one first: status of their best drives, the objective, the screw's size."""
+    """Columns that order leads, the first one first.
+
+    Status of their best drives, objectives of which the screw's share is unknown, the objective, the screw's size.
+    """
     best: list[Any] = [one.best for one in able]
     sure = np.array([float(_SURE.index(one.status)) for one in best])
     value = np.zeros(len(able))
@@ -219,14 +222,20 @@ def _order(able: Sequence[_Tried], objective: Ranking) -> tuple[NDArray[np.float
     for name in names_of(objective):
         value += weights[name] * _shares(np.array([_figure(one, name) for one in able]), name)
     size = np.array([one.chosen.least_mass for one in able])
-    return sure, value, size
+    unknown = np.array([float(sum(isnan(_own(one, name)) for name in weights)) for one in able])
+    return sure, unknown, value, size
 
 
 def _figure(one: _Tried, name: str) -> float:
     """An objective of the best drive, of mass and price with the screw's as far as that is known."""
     assert one.best is not None
-    own = {"mass": one.chosen.least_mass, "price": one.chosen.screw.price}.get(name, 0.0)
+    own = _own(one, name)
     return objective_figure(one.best, name).value + (0.0 if isnan(own) else own)
+
+
+def _own(one: _Tried, name: str) -> float:
+    """Share of the screw in an objective; NaN unknown."""
+    return {"mass": one.chosen.least_mass, "price": one.chosen.screw.price}.get(name, 0.0)
 
 
 def _shares(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:

@@ -108,6 +108,9 @@ def test_a_price_sums_what_is_known(result):
     assert (known.price, known.price_of) == (127.5, ("motor", "gearhead"))
     nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None, controller=None)
     assert isnan(nothing.price)
+    whole = replace(known, encoder=None, controller=replace(best.controller, price=50.25))
+    assert not known.price_complete and not nothing.price_complete  # a rule such as 0.1 price + mass leaves these out
+    assert not whole.price_complete and whole.price == 177.75  # of the encoder nothing is known
 
 
 # -- PDF

@@ -208,6 +208,23 @@ def test_of_undecided_drives_those_come_first_of_which_least_is_undecided():
         assert max(undecided[:n], default=0) <= count + 2
 
 
+STEPPER = """
+name: stepper
+load: {kind: flywheel, inertia: 200 g*cm^2}
+motion: {speed: 300 rpm, acceleration_time: 0.2 s, cruise_time: 1 s, rest_time: 1 s}
+transmission: [{kind: direct}]
+supply: {nominal: 24 V}
+select: {catalogs: [stepperonline], motor: {kind: stepper, part: 17HS19-2004D-E1K}, estimates: "off"}
+"""
+
+
+def test_a_ratio_over_an_unknown_inertia_is_unknown():
+    """Nothing is printed of the rotor: 200 g*cm^2 over nothing is no ratio above 10."""
+    drive = explain(spec_of(STEPPER), "17HS19-2004D-E1K", "direct")[0]
+    found = next(check for check in drive.checks if check.name == "inertia_ratio")
+    assert found.status == "unknown" and np.isnan(found.demand)
+
+
 # --- a minor figure that is missing is an assumption -----------------------------------------------------------------
 
 # of a Damiao DM-J4340 no range of ambients is printed, nor for how long its 27 N*m last

@@ -338,8 +338,8 @@ def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -
     steps = 4.0 * motor["pole_pairs"]
     load, inertia = inertia_at_motor(cycle, demand)
     if spec.needs.inertia_ratio is None:
-        with np.errstate(divide="ignore"):  # nothing is known of what turns with the motor
-            ratio = load / (inertia - load)
+        with np.errstate(divide="ignore"):
+            ratio = np.where(demand.left_out[:, ACCELERATION], np.nan, load / (inertia - load))  # of an unknown rotor
         found.append(at_most("inertia_ratio", ratio, _RATIO, advice=True, note=_HEAVY))
     ends = np.abs(cycle.base.functions[:, :, SPEED])
     steady = np.unique(ends[(ends[:, 0] == ends[:, 1]) & (ends[:, 0] > 0.0), 0])
