@@ -194,7 +194,7 @@ class CheckColumn:
             old, new = getattr(self, name), getattr(some, name)
             if isinstance(old, np.ndarray):
                 changed[name] = old.copy()
-                changed[name][rows] = new
+                changed[name][rows] = False if new is None else new  # all figures of these may be known
         return replace(self, **changed)
 
 
@@ -398,6 +398,7 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
         columns = [getattr(c, name) for c in checks]
         if columns[0] is None:
             return None
+        columns = [False if column is None else column for column in columns]
         taken = np.asarray(columns[0])
         taken = taken if taken.shape == shape else np.full(shape, taken)
         for number, rows in others:

@@ -77,7 +77,8 @@ def lasting_limit(lasting: Any, short: Any) -> dict[str, Any]:
     dict
         Arguments of ``at_most``.
     """
-    return {"limit": lasting, "most": np.where(np.isnan(lasting), short, lasting)}
+    unknown = np.isnan(lasting)
+    return {"limit": lasting, "most": np.where(unknown, short, lasting) if np.any(unknown) else None}
 
 
 def short_limit(short: Any, lasting: Any) -> dict[str, Any]:
@@ -93,10 +94,11 @@ def short_limit(short: Any, lasting: Any) -> dict[str, Any]:
     dict
         Arguments of ``at_most``.
     """
-    unknown = np.isnan(short)
+    unknown, said = np.isnan(short), "the limit at least: none for a short time is printed"
+    if not np.any(unknown):
+        return {"limit": short, "undecided": said}
     return {
-        "limit": np.where(unknown, lasting, short), "most": np.where(unknown, np.inf, short),
-        "undecided": "the limit at least: none for a short time is printed",
+        "limit": np.where(unknown, lasting, short), "most": np.where(unknown, np.inf, short), "undecided": said,
     }  # fmt: skip
 
 
@@ -266,11 +268,9 @@ def _rated(
 ) -> CheckColumn:
     """An RMS demand against a thermal rating, in another ambient than that of the rating."""
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
-    limit, most = (
-        np.where(np.isposinf(rating), np.inf, rating * share(ambient, T_max, rated))
-        for share in (current_derating, derating_at_most)
-    )
-    return at_most(name, rms, limit, most=most, needed=needed, at_best=_COLDER)
+    shares = (current_derating, derating_at_most)[: 2 if np.isnan(T_max).any() else 1]
+    limit, *most = (np.where(np.isposinf(rating), np.inf, rating * share(ambient, T_max, rated)) for share in shares)
+    return at_most(name, rms, limit, most=most[0] if most else None, needed=needed, at_best=_COLDER)
 
 
 def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> CheckColumn:

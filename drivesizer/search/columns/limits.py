@@ -316,8 +316,10 @@ def unpowered_limits(
 def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
     """A winding temperature against the permitted one, and when it is met."""
     permitted = motor["max_winding_temperature"]
+    unknown = np.isnan(permitted)
     return at_most(
-        "winding_temperature", winding, permitted, most=np.where(np.isnan(permitted), _HOTTEST, permitted),
+        "winding_temperature", winding, permitted,
+        most=np.where(unknown, _HOTTEST, permitted) if np.any(unknown) else None,
         zero=spec.environment.ambient, needed=rise_needed(spec), time=time, at_best=_NO_WINDING,
     )  # fmt: skip
 
@@ -388,11 +390,12 @@ def electrical_limits(
         Columns over candidates.
     """
     controller, torque = parts.controller, spec.margins.torque
-    lasting = controller_current(controller, spec.environment.ambient)
+    lasting, printed = controller_current(controller, spec.environment.ambient), controller["continuous_current"]
     return [
         _peak_torque(stresses, parts.motor, spec.supply.highest, torque),
         at_most("controller_continuous_current", demand.rms_current, lasting,
-                most=np.fmin(lasting, controller["continuous_current"]), needed=controller_needed(spec)),
+                most=np.fmin(lasting, printed) if lasting is not printed else None,
+                needed=controller_needed(spec)),
         at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
                 needed=torque, time=stresses.current.time),
         *counting_limits(spec, cycle.belt, demand, parts),

@@ -32,7 +32,6 @@ _COLUMNS = {
     "failed": bool,
     "time": float,
     "case": np.int64,
-    "bounded": bool,
 }
 _IDLE: dict[str, Any] = {
     "demand": 0.0,
@@ -41,7 +40,6 @@ _IDLE: dict[str, Any] = {
     "failed": False,
     "time": np.nan,
     "case": 0,
-    "bounded": False,
 }  # no limit
 
 
@@ -167,6 +165,9 @@ def _one_check(parts: list[tuple[Any, CheckColumn]], count: int) -> CheckColumn:
         for name, kind in _COLUMNS.items()
         if getattr(first, name) is not None
     }
+    if any(check.bounded is not None for _, check in parts):  # of some rows all figures may be known
+        own = [(rows, False if check.bounded is None else check.bounded) for rows, check in parts]
+        columns["bounded"] = placed([(rest, False), *own], count, bool)
     if isinstance(first.zero, np.ndarray):  # the ambient of the worst case
         columns["zero"] = placed([(rest, 0.0), *((rows, c.zero) for rows, c in parts)], count)
     return replace(first, **columns)
