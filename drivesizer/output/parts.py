@@ -17,7 +17,9 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import GearStage
 from drivesizer.units import show
 
-__all__ = ["machine_parts", "parts_list"]
+__all__ = ["OWN_SUPPLY", "machine_parts", "parts_list"]
+
+OWN_SUPPLY = "of its own supply"  # behind the voltage of a brake that is not that of the machine
 
 
 def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | None = None) -> list[PartLine]:
@@ -72,6 +74,9 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
     """
     spec = problem.machine
     lines = parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
+    volts, (low, high) = found.brake.supply if found.brake else nan, problem.supply
+    if volts < low or volts > high:
+        lines = [replace(x, said=f"{x.said} {OWN_SUPPLY}") if x.role == "brake" else x for x in lines]
     if spec.gear is not None:
         lines.insert(_behind_belt(spec, lines), _gear_line(spec.gear, spec.load.motors))
     return [*lines, *_of_the_supply(found, problem)]

@@ -2,13 +2,33 @@
 
 from __future__ import annotations
 
-from math import nan
+from collections.abc import Iterable
+from math import isnan, nan
 
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Figure, worst
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["objective_figure"]
+__all__ = ["objective_figure", "ranked_by"]
+
+
+def ranked_by(objective: str, drives: Iterable[DriveSet]) -> str:
+    """Words on what ranked drives: those of which no price is known stand in the order of their masses.
+
+    Parameters
+    ----------
+    objective
+        Title of the objective.
+    drives
+        The first of them.
+
+    Returns
+    -------
+    str
+        Such as ``ranked by mass``.
+    """
+    unknown = objective == "price" and all(isnan(one.objective) for one in drives)
+    return f"ranked by {objective.replace('_', ' ')}" + (", of which none is known: by mass" if unknown else "")
 
 
 def objective_figure(drive_set: DriveSet, objective: str) -> Figure:

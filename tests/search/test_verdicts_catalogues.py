@@ -1,11 +1,15 @@
 """More to choose from loses no drive, and what nobody lists is unknown and named: random machines, and real ones."""
 
+import re
+
 import numpy as np
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.no_drive import not_enough
+from drivesizer.output.parts import machine_parts
+from drivesizer.results.objectives import ranked_by
 from drivesizer.search.order import ranking
 from drivesizer.search.order.sifting import sifted
 from drivesizer.search.parts_offered import load_parts
@@ -135,6 +139,26 @@ def test_a_battery_that_is_not_wholly_known_is_named_before_any_figure():
     lacking = "charge_voltage, battery.open_circuit, battery.continuous_current, battery.peak_current"
     assert said.startswith(f"The battery is not wholly known, so no drive is: give battery.{lacking}")
     assert "None of these figures" not in said
+
+
+def test_unknown_prices_are_ordered_by_mass():
+    """No price of these servo motors is known: the lightest comes first, not the one with the largest margin."""
+    text = SERVO.replace("VOLTS", "325 V").replace("MORE", "").replace("select: {", "select: {objective: price, ")
+    by_price, by_mass = (size(read(t), top=5, brief=True).sets for t in (text, text.replace("objective: price, ", "")))
+    assert [s.mass for s in by_price] == [s.mass for s in by_mass] == sorted(s.mass for s in by_mass)
+    assert all(s.motor.price != s.motor.price for s in by_price)
+    assert ranked_by("price", by_price) == "ranked by price, of which none is known: by mass"
+
+
+@pytest.mark.parametrize(("nominal", "own"), [("24 V", False), ("48 V", True)])
+def test_a_brake_of_another_voltage_has_a_supply_of_its_own(nominal, own):
+    """AB brakes have a coil for 24 V."""
+    text = VEHICLE.format(catalogs="maxon").replace("300 kg", "60 kg").replace("unknown: reject", "unknown: allow")
+    volts = f"supply: {{nominal: {nominal}, regeneration: 50 %, kind: battery}}"
+    result = size(read(re.sub("supply: .*", volts, text)), top=1, brief=True)
+    (line,) = (x for x in machine_parts(result.sets[0], result.problem) if x.role == "brake")
+    assert result.sets[0].brake.supply == 24.0
+    assert line.said.endswith("24 V of its own supply" if own else "24 V")
 
 
 MOTORS = ["maxon", "faulhaber", "pololu", "robotis", "gobilda", "feetech", "cubemars", "odrive", "sunnyway", "nanotec"]

@@ -15,7 +15,7 @@ from drivesizer.output.counted import number_of
 from drivesizer.output.figure_confidence import not_quoted
 from drivesizer.output.part_line import PartLine
 from drivesizer.output.part_totals import Total, mass_text, money_text, total_text, total_texts
-from drivesizer.output.parts import machine_parts
+from drivesizer.output.parts import OWN_SUPPLY, machine_parts
 from drivesizer.output.probability import likely
 from drivesizer.output.sums import unknown_of
 from drivesizer.output.terminal import tables as tables
@@ -96,7 +96,8 @@ def _named(line: PartLine, best: DriveSet) -> Text:
         return Text(line.said or "none is listed for this motor", style="" if line.said else "yellow")
     reduction = best.gearhead.reduction if line.role in ("gearhead", "actuator") else ""
     maker = "" if line.maker in line.family else line.maker
-    return Text(" ".join(filter(None, (maker, line.family, reduction))), style="bold")
+    name = Text(" ".join(filter(None, (maker, line.family, reduction))), style="bold")
+    return name + Text(f", {line.said}") if line.said.endswith(OWN_SUPPLY) else name
 
 
 def _second(line: PartLine) -> list[Text]:

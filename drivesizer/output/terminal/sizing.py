@@ -22,7 +22,7 @@ from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.check import in_a_sentence
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.objectives import objective_figure
+from drivesizer.results.objectives import objective_figure, ranked_by
 from drivesizer.results.sizing import Explanation, SizingResult, verdict, worst
 from drivesizer.spec.select import OBJECTIVES
 
@@ -205,11 +205,12 @@ def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
     """Number of drives that were considered and that meet all limits; what the others fail on, where it is wanted."""
     counts = result.counts
     drives = number_of(counts.considered, "drive")
-    best = next(iter((*result.sets, *result.unsure)), None)
+    shown = (*result.sets, *result.unsure)
+    best = next(iter(shown), None)
     some = 0 < counts.judged < counts.feasible
     said = meeting(counts, best.status if best else None, " of the drive" if some else "")
     said += f", {counts.judged:,} were checked in the machine" if some else ""
-    said += f", ranked by {result.objective.replace('_', ' ')}" if counts.feasible > 1 else ""
+    said += f", {ranked_by(result.objective, shown)}" if counts.feasible > 1 else ""
     console.print(f"{drives} considered, {said}.")
     if counts.left_out:
         console.print(

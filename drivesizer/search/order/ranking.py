@@ -108,10 +108,14 @@ def values(
     Returns
     -------
     tuple[Array, array of int]
-        The objective and the number of unknown parts, each of shape (rows,).
+        The objective and the number of unknown parts, each of shape (rows,); of a price that is not wholly known the
+        mass, by which such drives are ordered.
     """
     if isinstance(objective, str):
-        return _single(catalog, sets, figures, objective)
+        value, missing = _single(catalog, sets, figures, objective)
+        if objective == "price" and missing.any():  # what is known of a price says nothing of the rest of it
+            value = np.where(missing > 0, _single(catalog, sets, figures, "mass")[0], value)
+        return value, missing
     total, missing = np.zeros(len(sets.motor)), np.zeros(len(sets.motor), np.int64)
     for part in objective:
         value, lacking = _single(catalog, sets, figures, part.objective)

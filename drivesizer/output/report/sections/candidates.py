@@ -21,7 +21,7 @@ from drivesizer.output.sums import unknown_of
 from drivesizer.output.text import margin
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts, DriveSet
-from drivesizer.results.objectives import objective_figure
+from drivesizer.results.objectives import objective_figure, ranked_by
 from drivesizer.results.sizing import worst
 from drivesizer.units import from_si, show
 
@@ -214,7 +214,7 @@ def _sheet(content: Content) -> list[Sheet]:
     columns += [SheetColumn(headed(f.title, f.unit), f"figure_{name}") for name, f in figures.items()]
     columns += [SheetColumn(f"margin: {title} (%)", f"margin_{name}", "percent") for name, title in checks.items()]
     return [Sheet(name="Candidates", columns=(*_COLUMNS, *columns), still=4,
-                  note=f"ranked by {result.objective.replace('_', ' ')}",
+                  note=ranked_by(result.objective, [one for _, one in drives]),
                   rows=[{"list": name} | _sheet_row(one, result.pareto) for name, one in drives])]  # fmt: skip
 
 
