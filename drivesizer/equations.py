@@ -520,9 +520,9 @@ def rms_torque_at_motor(M_rms_m: Value, K_g: Value, eta_gear: Value, i_b: Value 
     ----------
     M_rms_m: RMS torque at one wheel [N*m]
     K_g: reduction of the gearhead [1]
-    eta_gear: efficiency of the gearhead, the η of (17) and (18) [1]
+    eta_gear: efficiency of the gearhead, the η of (17) and (18), 0 to 1 [1]
     i_b: reduction of the belt [1]
-    eta_b: efficiency of the belt [1]
+    eta_b: efficiency of the belt, 0 to 1 [1]
 
     Returns
     -------
@@ -543,9 +543,9 @@ def maximum_torque_at_motor(M_max_m: Value, K_g: Value, eta_gear: Value, i_b: Va
     ----------
     M_max_m: maximum torque at one wheel [N*m]
     K_g: reduction of the gearhead [1]
-    eta_gear: efficiency of the gearhead, the η of (17) and (18) [1]
+    eta_gear: efficiency of the gearhead, the η of (17) and (18), 0 to 1 [1]
     i_b: reduction of the belt [1]
-    eta_b: efficiency of the belt [1]
+    eta_b: efficiency of the belt, 0 to 1 [1]
 
     Returns
     -------

@@ -3,6 +3,7 @@
 import dataclasses
 import inspect
 import math
+import pydoc
 
 import numpy as np
 import pint
@@ -125,11 +126,11 @@ def test_quantities_in_any_unit_give_what_floats_give(declared):
 @pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
 def test_a_wrong_dimension_is_refused_by_name(declared):
     for wrong in (t for t in declared.terms if t.unit != "1"):
-        given = {t.name: U.Quantity(1.5, t.unit if t.unit != "1" else "") for t in declared.terms}
-        given[wrong.name] = U.Quantity(1.5, f"({wrong.unit})*m*kg")
+        given = {t.name: U.Quantity(0.9, t.unit if t.unit != "1" else "") for t in declared.terms}
+        given[wrong.name] = U.Quantity(0.9, f"({wrong.unit})*m*kg")
         with pytest.raises(InputError, match=rf"{wrong.name} \("):
             declared(**given)
-        given[wrong.name] = 1.5
+        given[wrong.name] = 0.9
         if len(declared.terms) > 1 and any(hasattr(v, "check") and not v.unitless for v in given.values()):
             with pytest.raises(InputError, match="without a unit"):
                 declared(**given)
@@ -163,8 +164,8 @@ NOT_FINITE = [math.nan, -math.inf, 10**400]
 @pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
 def test_each_argument_that_is_no_figure_is_refused_in_one_line(declared):
     """Equation, argument, what was given, what is expected; beside numbers, arrays and quantities alike."""
-    quantities = {t.name: U.Quantity(1.5, t.unit) if t.unit != "1" else 1.5 for t in declared.terms}
-    single, columns = dict.fromkeys(quantities, 1.5), dict.fromkeys(quantities, np.array([0.4, 1.7]))
+    quantities = {t.name: U.Quantity(0.9, t.unit) if t.unit != "1" else 0.9 for t in declared.terms}
+    single, columns = dict.fromkeys(quantities, 0.9), dict.fromkeys(quantities, np.array([0.4, 1.7]))
     for others in (single, columns, quantities):
         for term in declared.terms:
             for wrong in NO_NUMBERS + NOT_FINITE * (others is not columns):  # there NaN is unknown
@@ -184,7 +185,7 @@ def test_each_argument_that_is_no_figure_is_refused_in_one_line(declared):
 def test_zeros_and_figures_below_zero_give_a_figure_or_one_line(declared):
     for value in (0.0, 0, -0.7, 1e308, 5e-324):
         for term in declared.terms:
-            plain = dict.fromkeys((t.name for t in declared.terms), 1.3) | {term.name: value}
+            plain = dict.fromkeys((t.name for t in declared.terms), 0.8) | {term.name: value}
             united = {
                 t.name: U.Quantity(plain[t.name], t.unit) if t.unit != "1" else plain[t.name] for t in declared.terms
             }
@@ -231,7 +232,7 @@ def test_the_result_is_a_quantity_of_the_registry_that_was_given():
 
 @pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
 def test_columns_give_what_single_figures_give(declared):
-    columns = {t.name: np.array([0.4, 1.7, 2.3]) * (1 + 0.1 * k) for k, t in enumerate(declared.terms)}
+    columns = {t.name: np.array([0.1, 0.37, 0.53]) * (1 + 0.1 * k) for k, t in enumerate(declared.terms)}
     together = declared(**columns)
     for row in range(3):
         assert together[row] == pytest.approx(declared(**{n: c[row] for n, c in columns.items()}), rel=1e-15)
@@ -288,3 +289,24 @@ def test_formulas_as_text_and_typst():
     assert formula.find("(10)") is EQUATIONS[10]
     assert formula.find("rms_torque") is EQUATIONS[13]
     assert formula.find("99") is None
+
+
+@pytest.mark.parametrize(
+    ("call", "refused"),
+    [
+        (lambda: eq.nominal_speed(1.5, 0.15, 2.0), r"\(1\): eta_speed .* got 2(\.0)?, above 1"),
+        (lambda: eq.nominal_torque(0.15, F_nom=8.8, delta=1.5), r"\(2\): delta .* got 1\.5, above 1"),
+        (lambda: eq.rms_torque_at_motor(0.21, 26.85, 1.8), r"\(17\): eta_gear .* got 1\.8, above 1"),
+        (lambda: eq.maximum_torque_at_motor(U("0.2 N*m"), 26.85, 0.8, 1.1, 1.2), r"\(18\): eta_b .* got 1\.2, above 1"),
+    ],
+)
+def test_a_factor_that_only_takes_away_is_1_at_most(call, refused):
+    with pytest.raises(InputError, match=refused):
+        call()
+
+
+def test_the_help_of_an_equation_is_that_of_its_function():
+    shown = pydoc.render_doc(eq.maximum_power_per_motor, renderer=pydoc.plaintext)
+    assert "maximum_power_per_motor(M_max_m" in shown and "at one wheel [N*m]" in shown
+    assert list(inspect.signature(eq.nominal_speed).parameters) == ["V_nom", "d", "eta_speed"]
+    assert eq.nominal_speed.__name__ == "nominal_speed"

@@ -58,7 +58,10 @@ def hardest_instant(spec: RobotSpec, rotor_inertia: float = 0.0) -> HardestInsta
         at = _largest(cycle.torque, cycle.speed)
         eta, eta_dot = (np.array([cycle.radius * course[at], 0.0, 0.0]) for course in (cycle.speed, cycle.acceleration))
         ground = replace(ground_of(case), uphill=0.0)  # its slope is along its path
-        straight = Instant(np.zeros(3), eta, eta_dot, ground)
+        turned = cycle.duration * cycle.speed.mean(axis=1)  # rad, of each segment; its speed is a straight line
+        turned[at[0]] *= at[1]  # at its start or at its end
+        posture = np.array([cycle.radius * turned[: at[0] + 1].sum(), 0.0, 0.0])
+        straight = Instant(posture, eta, eta_dot, ground)
         return HardestInstant(d, straight, float(cycle.time[at]), d.kinematics.driven[0] + 1, name)
     seen = motion(d, trajectory, ground_of(case))
     torque = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards)

@@ -382,6 +382,8 @@ def _assumptions(
         f"current of the run time at {show(pack.mean_voltage, 'V', 'voltage')}",
         "the cycle repeats without pause",
     ]
+    if battery.rated_time and pack.table is None:
+        found.insert(1, f"capacity as rated over {show(battery.rated_time, 'h', 'time')}, as the spec says")
     guessed = [one.name for one in equipment if one.assumed]
     if guessed:
         found.append(f"power of {', '.join(guessed)} assumed")

@@ -49,6 +49,8 @@ class PermittedSpeeds(NamedTuple):
     limit: dict[int, list[str]]  # title of the check that a higher speed fails
     unknown: tuple[str, ...]  # titles of checks that are left out, as a figure of them is unknown
     estimated: tuple[str, ...]  # figures of the drive that no data sheet gives, at the middle of their bands
+    failed: tuple[int, ...] = ()  # wheels whose motors have failed in all of it
+    required: float | None = None  # m/s, in every direction
 
     def at(self, degrees: int) -> dict[int, tuple[float, str]]:
         """Speed and limit in one of the directions, by the failed wheel."""
@@ -86,7 +88,12 @@ def permitted_speeds(spec: RobotSpec, drive: DriveSet) -> PermittedSpeeds | None
         speed[failed], limit[failed], lacking = _fastest(spec, drive, d, np.radians(direction))
         unknown |= dict.fromkeys(lacking)
     estimated = (one.title for one in drive.estimated if one.kind != "mass" and one.part != "encoder")
-    return PermittedSpeeds(direction, speed, limit, tuple(unknown), tuple(estimated))
+    assert spec.platform is not None
+    wanted = spec.requirements.speed if spec.requirements else None
+    return PermittedSpeeds(
+        direction, speed, limit, tuple(unknown), tuple(estimated), tuple(spec.platform.failed),
+        spec.platform.limits.speed if wanted is None else wanted,
+    )  # fmt: skip
 
 
 def _failed(spec: RobotSpec, wheel: int) -> RobotSpec:

@@ -8,15 +8,20 @@ from math import isinf, isnan
 from drivesizer.machine.permitted_speed import PermittedSpeeds
 from drivesizer.units import show
 
-__all__ = ["FOLLOWING", "SPEEDS", "speed_heads", "speed_remarks", "speed_rows", "speed_text"]
+__all__ = ["FOLLOWING", "SPEEDS", "speed_heads", "speed_remarks", "speed_rows", "speed_text", "with_all"]
 
 FOLLOWING = "Path following: largest deviations"
 SPEEDS = "Highest steady speed by direction, counterclockwise from ahead"
 
 
 def speed_heads(found: PermittedSpeeds) -> list[str]:
-    """Heads of the columns: direction, all motors, and each failed wheel."""
-    return ["direction", "all motors", *(f"without {failed}" for failed in found.speed if failed)]
+    """Heads of the columns: direction, motors, and each failed wheel."""
+    return ["direction", with_all(found), *(f"without {failed}" for failed in found.speed if failed)]
+
+
+def with_all(found: PermittedSpeeds) -> str:
+    """Motors that drive where no further one fails: ``all motors``, or without the failed ones."""
+    return f"without {', '.join(map(str, found.failed))}" if found.failed else "all motors"
 
 
 def speed_rows(found: PermittedSpeeds) -> Iterator[tuple[str, str, list[float]]]:
@@ -36,26 +41,24 @@ def speed_text(speed: float) -> str:
     return "any" if isinf(speed) else "–" if isnan(speed) else show(speed, "m/s", "speed", 3)
 
 
-def speed_remarks(found: PermittedSpeeds, required: float | None) -> Iterator[str]:
+def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
     """Directions in which a speed is not permitted, and assumptions of the table, as sentences.
 
     Parameters
     ----------
     found
         Of a drive.
-    required
-        Speed that the spec names as the platform's limit [m/s]; None where it names none.
 
     Yields
     ------
     str
         A sentence.
     """
+    required, every = found.required, len(found.direction)
     slow = {failed: int((speed < (required or 0.0)).sum()) for failed, speed in found.speed.items()}
     if required is not None and any(slow.values()):
-        every = len(found.direction)
         less = f", without a motor in up to {max(slow.values())}" if len(slow) > 1 else ""
-        yield f"{speed_text(required)}, the spec's limit, is not permitted in {slow[0]} of {every} directions{less}."
+        yield f"{speed_text(required)}, as in the spec, is not permitted in {slow[0]} of {every} directions{less}."
     yield (
         "At constant speed for long, at the lowest supply voltage: what is left for gaining speed is not in it, and "
         "neither are supply and battery."
@@ -63,7 +66,7 @@ def speed_remarks(found: PermittedSpeeds, required: float | None) -> Iterator[st
     by = dict.fromkeys(name for names in found.limit.values() for name in names if name)
     never = "; 0 m/s: not for long at any speed" * any((speed == 0.0).any() for speed in found.speed.values())
     yield f"Limited by {_listed(by)}{never}." if by else "No limit is known."
-    if len(found.speed) > 1:
+    if len(found.speed) > 1 or found.failed:
         yield "Without: the motor of that wheel has failed, and neither it nor its gearhead resists."
     if found.estimated:
         yield f"Estimated, at the middle of its band: {_listed(found.estimated)}."

@@ -11,6 +11,7 @@ import inspect
 import re
 from collections.abc import Callable
 from dataclasses import field
+from itertools import chain
 from math import inf, isfinite, nan
 from numbers import Real
 from typing import Any, NamedTuple
@@ -37,6 +38,11 @@ class Term(NamedTuple):
     meaning: str
     unit: str
 
+    @property
+    def factor(self) -> bool:
+        """Whether it is one that only takes away."""
+        return self.meaning.endswith(", 0 to 1")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Equation:
@@ -53,6 +59,20 @@ class Equation:
     printed: str = ""  # as the paper has it, in our names; "" where the paper has no such equation
     printed_units: dict[str, str] = field(default_factory=dict)  # of symbols that only the printed form has
     note: str = ""
+
+    @property
+    def __doc__(self) -> str | None:  # type: ignore[override]
+        return self.formula.__doc__
+
+    def __repr__(self) -> str:
+        return f"{self.name}{inspect.signature(self.formula)}"
+
+    def __getattr__(self, name: str) -> Any:  # of the record alone: its class has a name and a signature of its own
+        if name == "__wrapped__":
+            return self.formula
+        if name == "__name__":
+            return self.formula.__name__
+        raise AttributeError(f"an equation has no {name}")
 
     @property
     def name(self) -> str:
@@ -74,7 +94,8 @@ class Equation:
             try:
                 if np.ndarray in map(type, figures):
                     return self.formula(*args, **kwargs)
-                if all(0.0 < figure < inf for figure in figures) and isfinite(result := _single(self, *args, **kwargs)):
+                usual = all(0.0 < figure < inf for figure in figures) and not self._above_1(args, kwargs)
+                if usual and isfinite(result := _single(self, *args, **kwargs)):
                     return result
             except (TypeError, ValueError):
                 pass  # the reason is found below
@@ -92,6 +113,11 @@ class Equation:
         quantity = with_units[0]._REGISTRY.Quantity  # the caller's own: the result goes with other quantities there
         found = _single(self, **{term.name: quantity(plain[term.name], _pint(term.unit)) for term in listed})
         return quantity(found).to(_pint(self.result.unit))
+
+    def _above_1(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> bool:
+        """Whether a factor that only takes away is more than 1."""
+        pairs = chain(zip(self.terms, args, strict=False), ((term, kwargs.get(term.name, 0.0)) for term in self.terms))
+        return any(figure > 1.0 and term.factor for term, figure in pairs)
 
     @property
     def label(self) -> str:
@@ -130,6 +156,8 @@ def _in_si(label: str, value: Any, term: Term, with_units: bool) -> Any:
             raise refused(", no finite number")
         if figure < 0.0 and kind in _NEVER_BELOW_0:
             raise refused(", below 0")
+        if figure > 1.0 and term.factor:
+            raise refused(", above 1")
     elif not hasattr(figure, "__array__") or np.asarray(figure).dtype.kind not in "fiu":
         raise refused(", no number")
     return figure

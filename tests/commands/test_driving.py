@@ -18,6 +18,7 @@ from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform_drive import driving, over_time, with_trajectory
 from drivesizer.machine.permitted_speed import permitted_speeds
 from drivesizer.machine.supply_power import drive_power, together
+from drivesizer.output.platform_table import SPEEDS
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
@@ -457,6 +458,15 @@ def test_without_one_of_the_two_wheels_the_other_takes_its_torque():
     assert heavy[0][0] > 1.0 and heavy[3] == (0.0, "Motor nominal current (RMS)")
 
 
+def test_a_failed_motor_is_not_among_all_motors_and_the_required_speed_comes_first(drive, folder):
+    (folder / "robot.yaml").write_text(PAPER + "requirements: {speed: 1.7 m/s}\n")
+    out = drive("--set", "/".join(SET), "--failed", "1")[1]
+    table = out[out.index(SPEEDS) :]
+    assert table.splitlines()[0] == SPEEDS
+    assert table[len(SPEEDS) :].split()[:3] == ["direction", "without", "1"]
+    assert "1.7 m/s, as in the spec, is not permitted in " in out and "all motors" not in out
+
+
 def test_a_long_path_at_the_permitted_speed_takes_the_whole_voltage():
     """By the checks of a load cycle: 850 m on the diagonal that hardly gain speed."""
     speed = speeds_of(PAPER, *SET).at(45)[0][0]
@@ -479,7 +489,7 @@ def test_a_differential_drive_goes_ahead_and_back():
 def test_the_speeds_are_printed(drive, folder):
     (folder / "robot.yaml").write_text(PAPER)
     out = drive("--set", "/".join(SET))[1]
-    assert "1.5 m/s, the spec's limit, is not permitted in " in out
+    assert "1.5 m/s, as in the spec, is not permitted in " in out
     assert "without 4" in out and "45 °" in out and "limited by motor voltage, cold and hot" in out.lower()
     document = json.loads(drive("--set", "/".join(SET), "--json")[1])["permitted_speeds"]
     ahead = [s for s in document["speeds"] if s["direction_deg"] == 0]

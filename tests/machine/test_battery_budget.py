@@ -283,6 +283,18 @@ def test_what_is_returned_charges(robot: RobotSpec, drive: DriveSet, listed: Cat
 # --- unknown figures, wrong input ------------------------------------------------------------------------------------
 
 
+def test_the_rated_time_that_the_spec_gives_is_an_assumption(
+    robot: RobotSpec, drive: DriveSet, listed: Catalog
+) -> None:
+    section = {"series": 2, "parallel": 2, "nominal_voltage": "12 V", "capacity": "7 A*h", "peukert_exponent": 1.22}
+    at = Battery.model_validate({**section, "rated_time": "3.25 h"})
+    found = energy_budget(robot, drive, at, equipment(), listed, drive_power(robot, drive))
+    assert "capacity as rated over 3.25 h, as the spec says" in found.assumptions
+    part = Battery.model_validate({"part": "NP7-12", "series": 2, "parallel": 2})
+    other = energy_budget(robot, drive, part, equipment(), listed, drive_power(robot, drive))
+    assert not any("as rated over" in one for one in other.assumptions)
+
+
 def test_unknown_figures_stay_unknown(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
     battery = Battery.model_validate({"part": "NP7-12", "series": 2, "parallel": 2})
     found = energy_budget(robot, drive, battery, equipment(), listed, drive_power(robot, drive))

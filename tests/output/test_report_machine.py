@@ -355,7 +355,7 @@ def test_the_speeds_by_direction_are_in_the_report(result, canvas):
     assert [row.cells[1].value for row in table.rows] == [found.at(degrees)[0][0] for degrees in range(0, 91, 15)]
     rows = [row for row in rows_of(PERMITTED, content).after(content) if row["name"] == "45_all_motors"]
     assert rows[0]["si_value"] == found.at(45)[0][0] < found.at(0)[0][0]
-    panels = canvas(path, path.speed_by_direction, found, 1.5).axes
+    panels = canvas(path, path.speed_by_direction, found).axes
     assert [axes.get_title("left") for axes in panels] == [f"without wheel {n}" for n in range(1, 5)]
     whole, without, asked = (np.hypot(*line.get_data()) for line in panels[0].lines)
     assert whole == pytest.approx(found.speed[0][[*range(72), 0]]) and asked == pytest.approx(np.full(73, 1.5))

@@ -124,6 +124,7 @@ def test_the_instant_is_that_of_the_largest_torque_straight_ahead():
         [0.75, 0.0, 0.0]
     )
     assert (found.time, found.wheel) == (2.0, 1)
+    assert found.instant.posture == pytest.approx([0.75 * 2.0**2 / 2, 0.0, 0.0])
     force = at_instant(found.dynamics, found.instant)[1].values[:, 0]
     slope, weight = math.radians(3), 45 * 9.80665
     by_hand = [(45 + 4 * WHEEL / RADIUS**2) * 0.75, 0.0, weight * math.sin(slope), 0.02 * weight * math.cos(slope)]

@@ -58,9 +58,9 @@ def driven(
         console.print(tables.checks(chosen.checks, "The drive on this path"))
         _machine(console, chosen)
     if speeds:
+        console.print(Text(SPEEDS, style="bold"))
         console.print(_permitted(speeds))
-        platform = found.spec.platform
-        for remark in speed_remarks(speeds, platform.limits.speed if platform else None):
+        for remark in speed_remarks(speeds):
             console.print(Text(remark, style="dim"))
     if runs:
         console.print(_compared(runs, found) if len(runs) > _BESIDE else _followed(runs))
@@ -70,7 +70,7 @@ def driven(
 
 def _permitted(speeds: PermittedSpeeds) -> Table:
     """Speeds of a quarter turn."""
-    table = tables.bare(*((head, "right") for head in speed_heads(speeds)), title=SPEEDS)
+    table = tables.bare(*((head, "right") for head in speed_heads(speeds)))
     for degrees, _, found in speed_rows(speeds):
         table.add_row(degrees, *map(speed_text, found))
     return table

@@ -13,6 +13,7 @@ from drivesizer.control.path_following.deviation import deviation
 from drivesizer.control.path_following.following import Followed
 from drivesizer.errors import InputError
 from drivesizer.machine.permitted_speed import PermittedSpeeds
+from drivesizer.output.platform_table import with_all
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, named, placed
 from drivesizer.output.report.figures.time_strips import Window, thinned
 
@@ -105,15 +106,13 @@ def _over_way(axes: Axes, runs: Mapping[str, Followed], column: str, title: str)
     axes.set(xlim=(0.0, float(d.travel[-1]) or 1.0), ylabel=title)
 
 
-def speed_by_direction(found: PermittedSpeeds, required: float | None, form: Form = "svg") -> bytes:
+def speed_by_direction(found: PermittedSpeeds, form: Form = "svg") -> bytes:
     """Highest steady speed in each direction, with all motors and without each of the first few.
 
     Parameters
     ----------
     found
         Of a drive.
-    required
-        Speed that the spec names as the platform's limit [m/s]; None where it names none.
     form
         Drawing, picture, or drawing for a typesetter.
 
@@ -122,7 +121,7 @@ def speed_by_direction(found: PermittedSpeeds, required: float | None, form: For
     bytes
         The file in that form.
     """
-    turn = np.radians(np.append(found.direction, 360))
+    turn, required = np.radians(np.append(found.direction, 360)), found.required
     failed = [wheel for wheel in found.speed if wheel][:_MOST] or [0]
     rows, columns = ceil(len(failed) / _ACROSS), min(len(failed), _ACROSS)
 
@@ -138,14 +137,20 @@ def speed_by_direction(found: PermittedSpeeds, required: float | None, form: For
         right = max(figure.get_size_inches()[0] - _LEFT - (_PANEL + _GAP) * columns + _GAP, _RIGHT)
         grid = placed(figure, rows, columns, top=_TOP, right=right, gaps=(_TITLE, _GAP))
         for axes, wheel in zip((axes for row in grid for axes in row), failed, strict=False):
-            line(axes, found.speed[0][[*range(len(turn) - 1), 0]], color=COLOURS["blue"], label="all motors")
+            line(axes, found.speed[0][[*range(len(turn) - 1), 0]], color=COLOURS["blue"], label=with_all(found))
             if wheel:
                 without = found.speed[wheel][[*range(len(turn) - 1), 0]]
-                line(axes, without, color=COLOURS["vermillion"], linestyle=(0, (5, 1.5)), label="without one")
+                line(
+                    axes,
+                    without,
+                    color=COLOURS["vermillion"],
+                    linestyle=(0, (5, 1.5)),
+                    label="without one more" if found.failed else "without one",
+                )
                 axes.set_title(f"without wheel {wheel}")
             if required is not None:
                 line(axes, np.full(len(turn), required), color="black", linewidth=0.7, linestyle=(0, (1, 1.5)),
-                     label=f"{required:g} m/s, limit of the spec")  # fmt: skip
+                     label=f"{required:g} m/s, as in the spec")  # fmt: skip
             axes.set(xlim=(-most, most), ylim=(-most, most))
         for axes in grid[-1]:
             axes.set_xlabel("ahead (m/s)")

@@ -121,8 +121,7 @@ class Behaviour:
     def speeds(self, form: Form) -> bytes:
         """Those speeds over the direction."""
         assert self.permitted is not None
-        platform = self.problem.machine.platform
-        return speed_by_direction(self.permitted, platform.limits.speed if platform else None, form)
+        return speed_by_direction(self.permitted, form)
 
     def temperatures(self, form: Form) -> bytes:
         """Winding and housing in the hottest case."""

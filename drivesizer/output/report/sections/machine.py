@@ -8,7 +8,7 @@ from math import isnan
 from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.runs import assumed
 from drivesizer.output.energy_table import consumer_rows
-from drivesizer.output.platform_table import FOLLOWING, SPEEDS, speed_heads, speed_remarks, speed_rows
+from drivesizer.output.platform_table import FOLLOWING, SPEEDS, speed_heads, speed_remarks, speed_rows, with_all
 from drivesizer.output.report.lines.drive import case_of, check_row, figure_row
 from drivesizer.output.report.lines.rows import battery_rows, braking_rows, machine_rows
 from drivesizer.output.report.sections.blocks import (
@@ -108,17 +108,18 @@ MACHINE = Section(
 
 
 def _permitted(content: Content) -> Iterator[Block]:
-    found, platform = content.behaviour.permitted if content.behaviour else None, content.result.spec.platform
-    if found is None or platform is None:
+    found = content.behaviour.permitted if content.behaviour else None
+    if found is None:
         return
-    yield Picture("permitted", "Highest steady speed over the direction, with all motors and without each.",
+    with_motors = with_all(found) if found.failed else "with all motors"
+    yield Picture("permitted", f"Highest steady speed over the direction, {with_motors} and without each.",
                   "permitted speed over the direction", about="shows how fast the robot may go.")  # fmt: skip
     direction, *heads = speed_heads(found)
     columns = [Column(direction, "number"), *(Column(head, "number") for head in heads), Column("limited by", "small")]
     rows = [Row((degrees, *(quantity(speed, "m/s", "speed") for speed in speeds), by))
             for degrees, by, speeds in speed_rows(found)]  # fmt: skip
-    yield Table(f"{SPEEDS}; what limits it with all motors", columns, rows, "permitted", dense=True)
-    yield Bullets("In these speeds:", [*speed_remarks(found, platform.limits.speed)])
+    yield Table(f"{SPEEDS}; what limits it {with_motors}", columns, rows, "permitted", dense=True)
+    yield Bullets("In these speeds:", [*speed_remarks(found)])
 
 
 def _followed(content: Content) -> Iterator[Block]:
