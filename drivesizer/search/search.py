@@ -7,7 +7,8 @@ candidates. The drives that are shown are then computed in full.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Hashable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from drivesizer.search.order.in_order import but_for, failing_before, in_order, 
 from drivesizer.search.order.looked_at import LookedAt, by_margin
 from drivesizer.search.order.rank import Rank, equals_of_the_last, held_back, ranked, waveforms
 from drivesizer.search.order.ranking import Ranking
-from drivesizer.search.order.sifting import Progress, Sifted, any_passes, sifted
+from drivesizer.search.order.sifting import Progress, Sifted, any_passes, examined_by, sifted
 
 __all__ = ["any_found", "search"]
 
@@ -65,6 +66,7 @@ def search(
     judge: Judge | None = None,
     others: int = 0,
     margins: bool = False,
+    made: dict[Hashable, Any] | None = None,
 ) -> Found:
     """Search all candidates.
 
@@ -89,6 +91,8 @@ def search(
         How many drives of other motor families to give as well, the best of each.
     margins
         Compute the smallest margin of all that pass, by bounds where no objective needs the waveform.
+    made
+        What searches of the same problem by other objectives have made, and leave to one another.
 
     Returns
     -------
@@ -98,7 +102,10 @@ def search(
     if problem.spec.method == "paper":
         return by_the_paper(problem, top, objective, misses, pareto, judge, others)
     names, wanted = {*ranking.names_of(objective), *pareto}, _Wanted(top, misses, pareto, others)
-    kept, rejected, counts = sifted(problem, names, progress, margins=margins)
+    made, key = {} if made is None else made, examined_by(names, margins)
+    if key not in made:
+        made[key] = sifted(problem, names, progress, margins=margins)
+    kept, rejected, counts = made[key]
     rank = ranked(problem, kept, objective, top)
     order = rank.order(problem.catalog, kept.sets)
     tied, rest = np.split(order, [equals_of_the_last(problem, rank, order, top)])

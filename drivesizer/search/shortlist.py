@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from drivesizer.search.order.families import family_of, first_of_each
 from drivesizer.search.order.found import Found, Judge
 from drivesizer.search.order.ranking import COUNTED, Ranking, names_of
 from drivesizer.search.order.sifting import Progress
-from drivesizer.search.own_mass import problem_with_drive_mass
+from drivesizer.search.own_mass import found_by_objective, problem_with_drive_mass
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
@@ -91,6 +91,7 @@ def shortlist(
     others: int = 0,
     choices: int = 0,
     checks_alone: bool = False,
+    made: dict[Hashable, Any] | None = None,
 ) -> Shortlist:
     """The best drives of a spec, and the closest rejected.
 
@@ -120,6 +121,8 @@ def shortlist(
         How many drives to give as well, about, to choose from by weights; none where a confidence is required.
     checks_alone
         Of the drives and of the machine's budgets sums and checks alone, and no count of drives that fail on each.
+    made
+        What calls with the same spec and catalogue have made whatever the objective, and leave to one another.
 
     Returns
     -------
@@ -135,7 +138,10 @@ def shortlist(
     _known_choices(spec, catalog)
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
-    problem, weighed = problem_with_drive_mass(spec, catalog, objective)
+    made = {} if made is None or found_by_objective(spec) else made
+    if "problem" not in made:
+        made["problem"] = problem_with_drive_mass(spec, catalog, objective)
+    problem, weighed = made["problem"]
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
     machine = of_the_machine(problem.machine)
@@ -143,7 +149,7 @@ def shortlist(
     judge = in_machine(problem, machine, weigh, counted=not checks_alone)
     found = search(
         problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge,
-        others=0 if pool else others, margins=choices > 0,
+        others=0 if pool else others, margins=choices > 0, made=made,
     )  # fmt: skip
     rows: Sequence[int] = range(found.passing)
     sampled = _sampled(found, rows[:pool], sampling, brief) if sampling and pool else None

@@ -6,8 +6,9 @@ searches where no drive passes, which is frequent in a study.
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from itertools import chain, islice
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.results.drive_set import DriveSet
@@ -29,7 +30,14 @@ class Best(NamedTuple):
     drives: int  # of this kind that the machine has
 
 
-def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None, top: int = 1) -> Best:
+def best(
+    spec: RobotSpec,
+    catalog: Catalog,
+    *,
+    objective: Ranking | None = None,
+    top: int = 1,
+    made: dict[Hashable, Any] | None = None,
+) -> Best:
     """The best drives of a spec.
 
     Parameters
@@ -42,6 +50,8 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None,
         In place of the spec's.
     top
         How many drives to return.
+    made
+        As of ``shortlist``.
 
     Returns
     -------
@@ -54,7 +64,7 @@ def best(spec: RobotSpec, catalog: Catalog, *, objective: Ranking | None = None,
         As :func:`drivesizer.sizing.size` does.
     """
     objective = objective or spec.select.objective
-    found = shortlist(spec, catalog, objective, top, misses=0, brief=True, checks_alone=True)
+    found = shortlist(spec, catalog, objective, top, misses=0, brief=True, checks_alone=True, made=made)
     first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]
     shown = tuple(found.record(row, rank, reliability=found.reliability.get(row)) for rank, row in enumerate(first, 1))
     sets = shown if found.best else ()

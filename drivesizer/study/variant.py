@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from functools import lru_cache
+from itertools import groupby
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.view.stepper_view import STEPPER, view_for
@@ -144,12 +145,15 @@ def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part
     rows: list[Row] = []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # figures that overflow are unknown in the table
-        for variant, head in zip(variants, heads, strict=True):
-            rows += _rows(job, variant, head, made)
+        both = zip(variants, heads, strict=True)
+        for _, of_point in groupby(both, lambda one: (one[0].number - 1) // len(job.objectives)):
+            alike: dict[Hashable, Any] = {}  # by all objectives of a point
+            for variant, head in of_point:
+                rows += _rows(job, variant, head, made, alike)
     return Part(rows, made)
 
 
-def _rows(job: Job, variant: Variant, head: Row, made: dict[str, str]) -> list[Row]:
+def _rows(job: Job, variant: Variant, head: Row, made: dict[str, str], alike: dict[Hashable, Any]) -> list[Row]:
     text = job.objectives[variant.objective]
     objective = objective_of(text) if text else None
     title = title_of(objective) if objective else ""
@@ -164,8 +168,10 @@ def _rows(job: Job, variant: Variant, head: Row, made: dict[str, str]) -> list[R
             from drivesizer.study.machine_rows import machine_rows  # a spec of one axis needs nothing of machines
 
             return machine_rows(job, document_of(job, variant), objective, head, parts)
-        spec = spec_of(job, variant)
-        return found(head, best(spec, parts(spec), objective=objective, top=job.top))
+        if "spec" not in alike:
+            alike["spec"] = spec_of(job, variant)
+        spec = alike["spec"]
+        return found(head, best(spec, parts(spec), objective=objective, top=job.top, made=alike))
     except DrivesizerError as error:
         return failed(job, head, title, " ".join(str(error).split()))
     except (ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:

@@ -16,6 +16,7 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.sizing import worst
+from drivesizer.search.order.sifting import sifted
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
 from drivesizer.study.best import best
@@ -489,3 +490,25 @@ def test_a_task_grows_with_its_variants_alone(tmp_path):
         sizes.append(len(pickle.dumps((plan.job.sent, few, heads))))
         assert rows_of(plan.job.sent, few, heads) == rows_of(plan.job, few, heads)
     assert sizes[0] == pytest.approx(sizes[1], rel=0.05) and sizes[0] < 10_000
+
+
+@pytest.mark.parametrize("counts", [False, True])
+def test_objectives_of_a_point_share_what_does_not_hang_on_them(counts, tmp_path, monkeypatch):
+    """Rows as of each variant alone; mass and price sift alike, energy by the waveform: twice at each of two points."""
+    own = "budget: {structure: 20 kg, drive_counts: true}\n" if counts else ""
+    spec = CHEAP.replace("method: paper\n", "") + own
+    plan = planned(
+        tmp_path, "spec: robot.yaml\nvary: {load.mass: [24 kg, 31 kg]}\nobjectives: [mass, energy, price]\n", spec
+    )
+    alone = [row for n in range(1, plan.total + 1) for row in table(plan, [n])]
+    calls = []
+
+    def counted(*given, **how):
+        calls.append(given)
+        return sifted(*given, **how)
+
+    monkeypatch.setattr("drivesizer.search.search.sifted", counted)
+    together = table(plan)
+    assert repr(together) == repr(alone) and len({row["objective"] for row in together}) == 3
+    assert {row["status"] for row in together} <= {"pass", "open", "unknown"}
+    assert len(calls) == 4 or counts  # a drive that counts is another one by each

@@ -7,7 +7,7 @@ other end: it passes where it passes at both, is open where at one, and fails wh
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Callable, Hashable, Iterator, Set
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +25,7 @@ from drivesizer.search.columns.stages import Examined, examine
 from drivesizer.search.order.ranking import BRAKE, COUNTED, order, rounded
 from drivesizer.spec.select import OBJECTIVES
 
-__all__ = ["OPEN", "PASSES", "UNKNOWN", "Progress", "Sifted", "any_passes", "sifted"]
+__all__ = ["OPEN", "PASSES", "UNKNOWN", "Progress", "Sifted", "any_passes", "examined_by", "sifted"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]  # drives examined, drives in all
@@ -108,6 +108,22 @@ def sifted(
         failed_by=tally,
     )  # fmt: skip
     return passing, rejected[0][0], counts
+
+
+def examined_by(names: Set[str], margins: bool) -> tuple[Hashable, ...]:
+    """All of objectives that ``sifted`` hangs on.
+
+    Parameters
+    ----------
+    names, margins
+        As of ``sifted``.
+
+    Returns
+    -------
+    tuple
+        Equal where the same drives and figures come of both.
+    """
+    return _wanted(names), margins, bool(names & set(COUNTED))
 
 
 def any_passes(problem: Problem) -> bool:
