@@ -11,7 +11,8 @@ import yaml
 from small_catalogue import CATALOGUE
 
 __all__ = [
-    "CYCLE", "MJCF", "TRACK", "URDF", "WAY", "catalogues", "descriptions", "of_load", "parts_of", "specs", "studies"
+    "CYCLE", "MJCF", "TRACK", "URDF", "WAY", "arm", "catalogues", "descriptions", "of_load", "parts_of", "specs",
+    "studies",
 ]  # fmt: skip
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -74,12 +75,28 @@ def specs() -> tuple[dict[str, Any], ...]:
 
 
 def _spec(text: str) -> dict[str, Any]:
-    """The data of a spec; empty of what is none, and of a robot's joints, which take long."""
+    """The data of a spec; empty of what is none, and of a robot's joints: ``arm`` is one of few joints."""
     try:
         data = _parsed(text)
     except yaml.YAMLError:
         return {}
     return data if isinstance(data, dict) and {"load", "axes"} & data.keys() else {}
+
+
+def arm() -> dict[str, Any]:
+    """A spec of the joints of ``MJCF``, to lie beside it as arm.xml."""
+    return {
+        "name": "arm",
+        "robot": {
+            "description": "arm.xml", "payload": {"mass": "300 g", "link": "lower", "at": ["200 mm", "0 mm", "0 mm"]},
+            "waypoints": [{"positions": {"shoulder": "-30 deg", "elbow": "20 deg"}, "pause": "0.4 s"},
+                          {"positions": {"shoulder": "40 deg"}}],
+            "limits": {"all": {"speed": "60 deg/s", "acceleration": "5 rad/s^2"}},
+            "holds": [{"name": "stretched", "positions": {"shoulder": "0 deg", "elbow": "0 deg"}, "time": "5 s"}],
+        },
+        "supply": {"nominal": "24 V", "current": "10 A", "accepts": "all"},
+        "select": dict(_OWN),
+    }  # fmt: skip
 
 
 def _with_own(data: dict[str, Any]) -> dict[str, Any]:

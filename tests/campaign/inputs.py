@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 from case import Case
 from changes import ODD, as_yaml, changed, damaged, damaged_bytes, moderately, odd
-from documents import CYCLE, TRACK, WAY, catalogues, descriptions, of_load, parts_of, specs, studies
+from documents import CYCLE, MJCF, TRACK, WAY, arm, catalogues, descriptions, of_load, parts_of, specs, studies
 from small_catalogue import CATALOGUE, MAP, TABLE
 
 __all__ = ["KINDS", "made"]
@@ -53,6 +53,20 @@ def text(chance: Random) -> Case:
     """The text of a spec, damaged."""
     whole = as_yaml(chance.choice(specs())).decode()
     return Case({"robot.yaml": damaged(whole, chance), **_BESIDE}, [_sizing(chance)])
+
+
+def robot(chance: Random) -> Case:
+    """A machine whose axes are the joints of a description, with fields changed, or the description damaged."""
+    data = chance.choice((changed, moderately))(arm(), chance, [arm()])
+    whole = damaged(MJCF, chance) if chance.random() < 0.3 else MJCF.encode()
+    return Case({"robot.yaml": as_yaml(data, chance), "arm.xml": whole, **_BESIDE}, [_sizing(chance)])
+
+
+def whole(chance: Random) -> Case:
+    """A spec with a few figures changed, sized with all catalogues that ship."""
+    data = moderately(chance.choice(specs()), chance, specs())
+    data["select"] = {**(data.get("select") or {}), "catalogs": ["all"]}
+    return Case({"robot.yaml": as_yaml(data), **_BESIDE}, [["size", "robot.yaml", *chance.choice(([], ["--json"]))]])
 
 
 def _sizing(chance: Random) -> list[str]:
@@ -218,5 +232,20 @@ def live(chance: Random) -> Case:
 
 KINDS: dict[str, Callable[[Random], Case]] = {
     one.__name__: one
-    for one in (spec, figures, text, further, recording, catalogue, bench, table, description, study, cache, live)
+    for one in (
+        spec,
+        figures,
+        text,
+        robot,
+        whole,
+        further,
+        recording,
+        catalogue,
+        bench,
+        table,
+        description,
+        study,
+        cache,
+        live,
+    )
 }

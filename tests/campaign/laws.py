@@ -3,9 +3,10 @@
     python tests/campaign/laws.py 1000             # machines 0 to 999
     python tests/campaign/laws.py 1000 --first 5000 --only monotony
 
-A machine is a spec of ``laws_machines``; its best drives and closest rejected ones are looked at. What breaks a law is
-printed with the number that makes the machine again; counts and the share of each law stand at the end. A line is a
-question, no verdict: a heavier load on a slope, say, helps a brake.
+A machine is a spec of ``laws_machines``, every eighth with a robot of several joints beside it; its best drives and
+closest rejected ones are looked at. What breaks a law is printed with the number that makes the machine again; counts
+and the share of each law stand at the end. A line is a question, no verdict: a heavier load on a slope, say, helps a
+brake.
 """
 
 from __future__ import annotations
@@ -17,25 +18,40 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from itertools import zip_longest
-from math import isnan
+from math import inf, isnan, nan
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # this tree's program
 sys.path.insert(0, str(Path(__file__).parent))
-from laws_case import DRIVES, SAME, Case, alike, brief, case_of, differences, parts_of, same_everywhere, spec_of
-from laws_machines import LOAD, Plain, backwards, catalogue, in_other_units, scaled_by, several_cases
+from laws_case import (
+    DRIVES,
+    SAME,
+    Case,
+    alike,
+    brief,
+    case_of,
+    differences,
+    joints_of,
+    parts_of,
+    same_everywhere,
+    spec_of,
+)
+from laws_machines import LOAD, WHOLE, Plain, backwards, catalogue, in_other_units, scaled_by, several_cases
 
 from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.problem import Problem
 from drivesizer.sizing import size
 from drivesizer.spec.several_axes.machine_file import load_machine
 
 __all__ = ["LAWS", "Case", "broken"]
 
+ROBOTS = 8  # of so many machines there is a robot of joints beside one
 RANKS = {"fail": 0, "unknown": 1, "open": 1, "pass": 2}
 
 
@@ -108,6 +124,8 @@ def order_of_catalogues(case: Case) -> Iterator[str]:
 
 def order_of_parts(case: Case) -> Iterator[str]:
     """The order of tables in a catalogue, and of rows in a table, changes no drive and no figure."""
+    if case.data["select"]["catalogs"] == WHOLE:  # minutes of writing
+        return
     other = backwards(*case.data["select"]["catalogs"])
     found = size(case.found.spec, catalog=other, top=DRIVES)
     yield from _same_drives(case.found.sets, found.sets)
@@ -202,6 +220,47 @@ def needs_cost(case: Case) -> Iterator[str]:
             yield f"{need}: {found.sets[0].objective:.6g} of {found.sets[0].label}, without {best:.6g}"
 
 
+# --- limits -----------------------------------------------------------------------------------------------------------
+
+
+def limits(case: Case) -> Iterator[str]:
+    """A demand above its limit never passes."""
+    for drive in (*case.found.sets, *case.found.misses):
+        for check in drive.every_check:
+            if check.status == "pass" and check.demand > check.limit + 1e-9 * abs(check.limit):
+                yield f"{drive.label}: {check.name}: {_said(check)}"
+
+
+def peaks(case: Case) -> Iterator[str]:
+    """A drive whose printed peak or stall is below what the load alone takes of it, without losses, fails."""
+    problem = case.found.problem
+    for drive in (*case.found.sets, *case.found.unsure, *case.found.misses):
+        if drive.status == "fail":
+            continue
+        for name, printed, torque in _printed_peaks(drive, problem):
+            if torque > printed * 1.0001:
+                yield f"{drive.label}: {drive.status} with {name} {printed:.5g} N·m, the load takes {torque:.5g} N·m"
+
+
+def _printed_peaks(drive: DriveSet, problem: Problem) -> Iterator[tuple[str, float, float]]:
+    """Peak and stall torques of its parts that makers print, each with the largest of the load there [N*m]."""
+    at_gearhead = max(_driving_torque(one.cycle) for one in problem.cases) / drive.belt_ratio
+    volts = problem.supply[1] / (drive.motor.nominal_voltage or inf)  # a stall torque is that at the printed voltage
+    more = {"peak_torque": 1.0, "intermittent_torque": 1.0, "stall_torque": volts if volts > 1.0 else 1.0}
+    estimated = {(one.part, one.figure): one.high for one in drive.estimated}  # a rule of thumb is no maker's limit
+    motor, gearhead = ("motor", drive.motor, drive.gearhead.ratio), ("gearhead", drive.gearhead, 1.0)
+    for kind, part, ratio in [("actuator", drive.actuator, 1.0)] if drive.actuator else [motor, gearhead]:
+        for name, factor in more.items():
+            printed = estimated.get((kind, name), getattr(part, name, nan))
+            yield f"{kind}'s {name}", factor * printed, at_gearhead / ratio
+
+
+def _driving_torque(cycle: LoadCycle) -> float:
+    """Largest torque of the load at its shaft where it is driven or held [N*m]."""
+    driven = cycle.torque * cycle.speed >= 0.0
+    return float(np.abs(cycle.torque[driven]).max(initial=0.0))
+
+
 LAWS: dict[str, Callable[[Case], Iterator[str]]] = {
     "search and explain": search_and_explain,
     "units": units,
@@ -213,7 +272,10 @@ LAWS: dict[str, Callable[[Case], Iterator[str]]] = {
     "one axis": one_axis,
     "monotony": monotony,
     "needs cost": needs_cost,
+    "limits": limits,
+    "peaks": peaks,
 }
+OF_A_SIZING = ("limits", "peaks")  # laws that look at a sizing alone, of a robot's joints too
 
 
 def broken(case: Case, law: str) -> list[str]:
@@ -231,20 +293,22 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("count", type=int)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--only", default="", help="laws whose name begins so")
+    parser.add_argument("--only", default="", help="laws whose names begin so, such as limits,peaks")
     given = parser.parse_args()
-    laws = [name for name in LAWS if name.startswith(given.only)]
+    laws = [name for name in LAWS if name.startswith(tuple(given.only.split(",")))]
     tried, wrong = 0, Counter[str]()
     with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings(), brief():
         warnings.simplefilter("ignore")
         for number in range(given.first, given.first + given.count):
             case = case_of(number, Path(scratch))
             tried += case is not None
-            for law in laws if case else ():
-                lines = broken(case, law)  # type: ignore[arg-type]
-                wrong[law] += bool(lines)
-                for line in lines[:3]:
-                    print(f"{number} {law}: {line}", flush=True)
+            joints = joints_of(number, Path(scratch)) if number % ROBOTS == 0 else []
+            for one in filter(None, (case, *joints)):
+                for law in laws if one is case else set(laws) & {*OF_A_SIZING}:
+                    lines = broken(one, law)
+                    wrong[law] += bool(lines)
+                    for line in lines[:3]:
+                        print(f"{number} {law}: {line}", flush=True)
     print(f"{tried} machines with drives to look at; broken: {dict(wrong)}")
     return bool(sum(wrong.values()))
 

@@ -10,14 +10,16 @@ from typing import Any, NamedTuple
 from unittest.mock import patch
 
 import yaml
-from laws_machines import Plain, catalogue, machine
+from laws_machines import Plain, catalogue, machine, robot
 
 from drivesizer import sizing
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.spec.several_axes.machine_file import load_machine
 
 __all__ = [
     "DRIVES",
@@ -27,6 +29,7 @@ __all__ = [
     "brief",
     "case_of",
     "differences",
+    "joints_of",
     "parts_of",
     "same_everywhere",
     "spec_of",
@@ -80,6 +83,16 @@ def case_of(number: int, folder: Path) -> Case | None:
     some = (*found.sets, *found.misses)[:DRIVES]
     each = tuple(explained(spec, one, parts) for one in some)
     return Case(data, folder, found, each, (each[number % len(each)],)) if each else None
+
+
+def joints_of(number: int, folder: Path) -> list[Case]:
+    """The sizing of each joint of the robot of a number; none where it is refused."""
+    (folder / "arm.yaml").write_text(yaml.safe_dump(robot(number, folder), sort_keys=False), encoding="utf-8")
+    try:
+        sized = size_machine(load_machine(folder / "arm.yaml"), top=DRIVES)
+    except InputError:
+        return []
+    return [Case({}, folder, one.result, (), ()) for one in sized.axes]
 
 
 def parts_of(drive: DriveSet) -> tuple[str, ...]:

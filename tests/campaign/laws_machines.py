@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import copy
 import re
+import shutil
 import sys
 import tempfile
 from decimal import Decimal
@@ -23,11 +24,22 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "benchmarks"))
 from estimates_study import STARTERS, scaled, varied  # noqa: E402
 
-__all__ = ["Plain", "backwards", "catalogue", "in_other_units", "machine", "scaled_by", "several_cases"]
+__all__ = [
+    "WHOLE",
+    "Plain",
+    "backwards",
+    "catalogue",
+    "in_other_units",
+    "machine",
+    "robot",
+    "scaled_by",
+    "several_cases",
+]
 
 Plain = dict[str, Any]
 CATALOGUES = (["robotis"], ["pololu"], ["gobilda"], ["pololu", "gobilda"], ["cubemars", "myactuator"], ["maxon"],
               ["faulhaber"], ["faulhaber", "gobilda"])  # fmt: skip
+WHOLE = ["all"]
 NEEDS: tuple[Plain, ...] = ({}, {}, {"diameter": "60 mm"}, {"mass": "2 kg"}, {"encoder_counts": 100},
                             {"inertia_ratio": 40}, {"hold_unpowered": True})  # fmt: skip
 LOAD = {"mass", "belt_mass", "inertia", "friction_torque", "friction_force", "force", "preload_torque", "rated_torque"}
@@ -83,7 +95,7 @@ def machine(number: int, folder: Path) -> Plain:
     kind = kinds[rng.integers(len(kinds))]
     data = varied(yaml.safe_load(_starter(kind)), rng, folder / f"cycle{number}.csv")
     data["select"] = {
-        "catalogs": CATALOGUES[rng.integers(len(CATALOGUES))],
+        "catalogs": WHOLE if number % 10 == 9 else CATALOGUES[rng.integers(len(CATALOGUES))],
         "objective": ("mass", "energy")[rng.integers(2)],
     }
     if rng.random() < 0.4 and "screw" not in kind:
@@ -97,6 +109,18 @@ def machine(number: int, folder: Path) -> Plain:
         data["supply"] = data.get("supply", {}) | {"current": f"{rng.choice([5, 20, 80])} A"}
     if needs := NEEDS[rng.integers(len(NEEDS))]:
         data["needs"] = dict(needs)
+    return data
+
+
+def robot(number: int, folder: Path) -> Plain:
+    """A robot of that number: the example's arm with another payload, other speeds and catalogues."""
+    rng = np.random.default_rng([number, 11])
+    text = (ROOT / "examples" / "six_joint_arm.yaml").read_text(encoding="utf-8")
+    shutil.copy(ROOT / "examples" / "six_joint_arm.urdf", folder)
+    data: Plain = yaml.safe_load(text)
+    data["robot"]["payload"]["mass"] = f"{rng.uniform(0.1, 4.0):.3g} kg"
+    data["robot"]["limits"]["all"] = {"acceleration": f"{rng.uniform(2.0, 12.0):.3g} rad/s^2"}
+    data["select"] |= {"catalogs": (WHOLE, ["maxon"], ["cubemars", "myactuator", "robotis"])[rng.integers(3)]}
     return data
 
 
