@@ -107,7 +107,7 @@ def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], fo
         searches=len(sizings.made),
         certain=found.certain and all(_bounded(sizings, axis.name, found) for axis in machine.axes),
         notes=(
-            *_notes(machine, found, axes),
+            *_notes(machine, found, axes, bool(sizings.uncertain)),
             *sizings.joints.notes,
             *_own_drives(sizings, axes),
             *_on_joints(sizings, axes, found),
@@ -307,11 +307,12 @@ def _on_joints(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combinat
     return sizings.joints.notes_on(drives)
 
 
-def _notes(machine: MachineSpec, found: Combination, axes: tuple[AxisSizing, ...]) -> list[str]:
+def _notes(machine: MachineSpec, found: Combination, axes: tuple[AxisSizing, ...], uncertain: bool) -> list[str]:
     """Choice of the drives, as sentences."""
     notes = []
     if found.missing:
-        notes.append(f"{found.missing}: no drive meets all limits, even with the lightest drives on it")
+        with_ = "with the drives that were tried" if uncertain else "even with the lightest drives"
+        notes.append(f"{found.missing}: no drive meets all limits, {with_} on it")
     for axis in axes:
         lacking = [f"{part} of {one.of}" for one in axis.carried for part in one.lacking]
         if lacking:

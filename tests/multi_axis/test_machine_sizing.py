@@ -251,6 +251,8 @@ def test_a_drive_on_the_link_that_it_moves_carries_itself(at: int, tmp_path: Pat
             assert "elbow moves its own drive, and no drive carries itself" in found.notes
         if not found.complete:
             without += 1
+            lightest = any("even with the lightest" in note for note in found.notes)
+            assert not (lightest and pairs)  # one lighter and dearer, that its first rounds left out, may do
             continue
         (own,), (on_shoulder,) = elbow.carried, shoulder.carried
         assert found.total == pytest.approx(pairs[shoulder.best.label, elbow.best.label], rel=1e-12)
