@@ -565,6 +565,14 @@ def at_most(demand: float, limit: float, needed: float = 0.0, zero: float = 0.0)
     return Verdict(demand, limit, "fail" if (demand - zero) * (1 + needed) > limit - zero else "pass", margin)
 
 
+def for_short(demand: float, limit: float, lasting: float, needed: float) -> Verdict:
+    """A demand against a limit for a short time, which where it is not printed is at least the continuous one."""
+    if not math.isnan(limit):
+        return at_most(demand, limit, needed)
+    least = at_most(demand, lasting, needed)
+    return Verdict(demand, NAN, "pass" if least.status == "pass" else "unknown", NAN)
+
+
 def within(value: float, least: float, most: float) -> Verdict:
     """A temperature within a range, of which an end that is missing is that of IEC 60034-1: 0 or 40 degC."""
     if value < least or value > most:
@@ -675,7 +683,8 @@ def chosen(
     """Every check of one set with the first controller of which none fails: by figures that it lacks, then by current.
 
     One more is better with which fewer are unknown, where it lacks no figure. Where all fail there is none, for others
-    may exist, but where without one a check fails as well. ``of``: demands with a controller, which hang on its loss.
+    may exist, but where without one a check fails as well; more voltage than the supply has fails with the largest.
+    ``of``: demands with a controller, which hang on its loss.
     """
 
     def with_one(controller: Any | None) -> dict[str, Verdict]:
@@ -691,8 +700,15 @@ def chosen(
 
     motor, _, encoder = parts
     found = of(None)
-    does = controllers_for(spec, offered, motor.kind, _wanted(spec, found, motor, encoder))
-    best, one = with_one(does[0][1] if does else None), does[0][1] if does else None
+    wanted = _wanted(spec, found, motor, encoder)
+    does = controllers_for(spec, offered, motor.kind, wanted)
+    one = does[0][1] if does else None
+    if not does and wanted.volts > spec.supply.lowest:  # no controller's fault: the largest is named
+        nothing = Wanted(0.0, 0.0, 0.0, 0.0, 0.0)
+        able = [c for _, c in controllers_for(spec, offered, motor.kind, nothing)]
+        able = [c for c in able if not math.isnan(c.supply_min + c.supply_max + c.continuous_current + c.peak_current)]
+        one = max(able, key=lambda c: (c.continuous_current, c.part), default=None)
+    best = with_one(one)
     if not does or fails(best, [n for n in ELECTRICAL if n not in HANGING]):
         return best, one, of(one)
     for lacks, other in does[1:]:
@@ -744,9 +760,13 @@ def checks(
         if spec.belt.max_speed is not None:
             out["belt_speed"] = at_most(found.gear_speed / belt * r, spec.belt.max_speed, fast)
     out["gearhead_continuous_torque"] = at_most(found.gear_rms, head.continuous_torque, more)
-    out["gearhead_intermittent_torque"] = at_most(found.gear_peak, head.intermittent_torque, more)
+    out["gearhead_intermittent_torque"] = for_short(
+        found.gear_peak, head.intermittent_torque, head.continuous_torque, more
+    )
     out["gearhead_continuous_speed"] = at_most(found.gear_sustained * i, head.continuous_input_speed, fast)
-    out["gearhead_intermittent_speed"] = at_most(found.gear_speed * i, head.intermittent_input_speed, fast)
+    out["gearhead_intermittent_speed"] = for_short(
+        found.gear_speed * i, head.intermittent_input_speed, head.continuous_input_speed, fast
+    )
     out["gearhead_continuous_power"] = at_most(found.gear_mean_power, head.continuous_power, more)
     out["gearhead_intermittent_power"] = at_most(found.gear_peak_power, head.intermittent_power, more)
     out["gearhead_temperature_range"] = within(ambient, head.temperature_min, head.temperature_max)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from specs import poorer
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
@@ -26,6 +27,11 @@ MORE = {
     "with a resistance": "power_stage: {resistance: 20 mohm}\n",
     "nothing is accepted": "select: {catalogs: [maxon], estimates: off}\n",
 }
+
+
+@pytest.fixture(scope="module")
+def catalog(catalog):
+    return poorer(catalog)
 
 
 def recording(rng, count, torque):

@@ -13,7 +13,7 @@ from drivesizer.results.objectives import ranked_by
 from drivesizer.search.order import ranking
 from drivesizer.search.order.sifting import sifted
 from drivesizer.search.parts_offered import load_parts
-from drivesizer.sizing import size
+from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec, read_spec
 
 VEHICLE = """
@@ -70,6 +70,15 @@ def test_no_controller_for_the_voltage_is_unknown_and_said():
     servo = next(s for s in found if s.motor.part in alone)
     assert servo.controller is None and servo.status == "unknown"
     assert check(servo, "controller_available").note == "none is listed for 325 V"
+
+
+def test_more_voltage_than_the_supply_has_is_no_lack_of_controllers(example):
+    """The paper's drive on diagonals: more than 22 V, which fails with a controller of 0.9 duty and 0.5 V of drop."""
+    (one,) = explain(load_spec(example.with_name("sps_platform.yaml")), "118752", "406764")
+    volts = check(one, "supply_voltage")
+    assert check(one, "controller_available").status == "pass" and one.controller
+    assert volts.status == "fail" and volts.demand > 22.0
+    assert volts.limit == pytest.approx(0.9 * (22.0 - 0.5), rel=1e-6)
 
 
 def test_the_mains_are_not_the_bus():

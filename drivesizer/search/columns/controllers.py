@@ -3,7 +3,8 @@
 Of those with the bus, the voltage and the kind of motor that suffice the smallest, by continuous current; one
 of which all of that is known before one of which something is not. Ties go by part number. Where none of them suffices
 a motor has none, for others may still exist: unknown. One that is inside an actuator, or that the spec names, is all
-that there is: the nearest is then named, so that its check can say by how much it falls short.
+that there is: the nearest is then named, so that its check can say by how much it falls short; so is the largest where
+the motor takes more voltage than the supply has, which fails with any.
 """
 
 from __future__ import annotations
@@ -120,6 +121,7 @@ class Usable(NamedTuple):
     order: NDArray[np.int64]  # their rows
     allowed: NDArray[np.bool_]  # which of them may drive which motor: (motors, controllers)
     nearest: NDArray[np.int64]  # of each motor that may have no other; -1 where there is none, or others may exist
+    largest: NDArray[np.int64]  # of those that each motor may have, by known figures; -1 where there is none
     partial: NDArray[np.bool_]  # which motors may have one that no catalogue lists
     unclear: NDArray[np.bool_]  # of which of all controllers the supply's range is not wholly known; of none it is
     lowest: float  # V, of the supply
@@ -127,7 +129,7 @@ class Usable(NamedTuple):
 
     def of(self, motors: NDArray[np.int64]) -> Usable:
         """The same of some motors, by their rows."""
-        columns = {name: getattr(self, name)[motors] for name in ("allowed", "nearest", "partial")}
+        columns = {name: getattr(self, name)[motors] for name in ("allowed", "nearest", "largest", "partial")}
         return self._replace(**columns)
 
     def available(self, motor: NDArray[np.int64], row: NDArray[np.int64]) -> CheckColumn:
@@ -177,7 +179,8 @@ def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest:
     partial = ~has_own & ((catalog.motors["controller"] != "") | (not choice.named))
     unclear = np.append(np.isnan(table["supply_min"] + table["supply_max"]), False)
     nearest = np.where(partial, -1, _last(allowed, order))
-    return Usable(order, allowed, nearest, partial, unclear, lowest, np.nan)
+    known = ~unclear[order] & ~np.isnan(table["continuous_current"] + table["peak_current"])[order]
+    return Usable(order, allowed, nearest, _last(allowed & known, order), partial, unclear, lowest, np.nan)
 
 
 def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -211,7 +214,8 @@ def controllers(
     rms_current, peak_current
         Motor currents of each candidate [A]; NaN unknown.
     voltage
-        Motor voltage of each candidate [V], where the method looks at it.
+        Motor voltage of each candidate [V], where the method looks at it. Where it is more than the supply has that is
+        no controller's fault, and the largest is named.
     speeds
         What each candidate's controller has to keep up with, where the method looks at it.
     usable
@@ -233,9 +237,7 @@ def controllers(
     lasting = controller_current(table, usable.ambient)
     figure = {name: _beside(table[name], order) for name in ("peak_current", "peak_time")}  # shape (controllers, 1)
     continuous = _beside(lasting, order)
-    enough = usable.allowed.T.take(
-        motor, axis=1
-    )  # shape (controllers, rows): few long rows are quicker than many short ones
+    enough = usable.allowed.T.take(motor, axis=1)  # (controllers, rows): few long rows are quicker than many short ones
     if barred is not None:
         enough &= ~barred
     enough &= ~(continuous < rms_current)
@@ -256,7 +258,10 @@ def controllers(
                 lacking = lacking + (unknown & (demand != 0.0))
     if known is not None:
         enough &= ~known | (lacking == 0)
-    row = _first(order, enough, lacking, usable.nearest[motor] if barred is None else np.full(len(motor), -1))
+    otherwise = usable.nearest[motor] if barred is None else np.full(len(motor), -1)
+    if voltage is not None and barred is None:
+        otherwise = np.where(voltage > lowest, usable.largest[motor], otherwise)
+    row = _first(order, enough, lacking, otherwise)
     continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
     return Chosen(row, [
         usable.available(motor, row),

@@ -205,6 +205,12 @@ class _Cases(NamedTuple):
             volts = [u.cold_voltage.value for u in self.stresses]
         return self.controllers(volts, barred, known)
 
+    def beyond_supply(self, found: _Found) -> NDArray[np.bool_]:
+        """Candidates whose motor takes more voltage than the supply has, with any controller."""
+        more, cases = 1.0 + self.problem.spec.margins.speed, zip(self.problem.cases, found.pairs, strict=True)
+        beyond = [more * low.voltage > case.spec.supply.lowest for case, (low, _) in cases]
+        return np.asarray(np.logical_or.reduce(beyond), bool)
+
     def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
         specs = [case.spec for case in self.problem.cases]
@@ -304,7 +310,7 @@ def _pointless(found: _Found, no_better: dict[str, NDArray[np.bool_]], tried: ND
 def _wanting(case: _Cases, row: NDArray[np.int64], found: _Found) -> NDArray[np.bool_]:
     """Candidates with whose controller a check fails or is unknown that another one may meet."""
     unmet: NDArray[np.bool_] = np.logical_or.reduce([~check.passed for check in found.checks if check.name in HANGING])
-    unmet &= (row >= 0) & ~found.failed(others=True)
+    unmet &= (row >= 0) & ~found.failed(others=True) & ~case.beyond_supply(found)
     if not unmet.any():
         return unmet
     known = np.logical_and.reduce([c.demand.complete for c in case.moving])
