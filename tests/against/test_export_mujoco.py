@@ -18,6 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from specs import poorer
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.export import export_of
@@ -40,10 +41,10 @@ CASCADE = """control:
 
 
 @pytest.fixture(scope="module")
-def sps(spec):
-    """Speed measured exactly, as MuJoCo's own sensors have it."""
+def sps(spec, catalog):
+    """Speed measured exactly, as MuJoCo's own sensors have it; the motor without its figures of heat."""
     exact = spec.control.model_copy(update={"speed_from": "exact"})
-    return spec.model_copy(update={"control": exact}), size(spec, top=1).sets[0]
+    return spec.model_copy(update={"control": exact}), size(spec, catalog=poorer(catalog), top=1).sets[0]
 
 
 @pytest.fixture(scope="module")
