@@ -111,6 +111,11 @@ def test_shares_that_cannot_be_are_one_line(cases: list[dict[str, Any]], said: s
     assert said in str(error.value) and "\n" not in str(error.value)
 
 
+def test_what_alternates_takes_no_tolerance() -> None:
+    with pytest.raises(InputError, match="cases that alternate by their shares are at nominal figures"):
+        robot(RAMP | {"share": "10 % +- 1 %"})
+
+
 # --- a brake that closes at rest --------------------------------------------------------------------------------------
 
 LIFT: dict[str, Any] = {

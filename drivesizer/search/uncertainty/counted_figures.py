@@ -46,6 +46,7 @@ NOT_SAMPLED = {  # figures whose tolerance has no effect on any sampled check, b
     "mounting": "the mounting is in all samples as in the nominal one",
     "environment.altitude": "derating by altitude is that of the nominal one",
     "paper_factors": "the paper's factors do not enter the physics",
+    "requirements": "what is required is no figure of the machine",
     "budget": _BUDGET, "battery": "of the battery autonomy, range, peak and voltage are sampled",
     **dict.fromkeys(
         ("platform.size", "platform.passages", "platform.misjudged", "platform.following"),

@@ -21,6 +21,7 @@ from drivesizer.spec.tolerance_text import Toleranced, taken
 
 __all__ = ["load_spec", "read_spec"]
 
+_SHAPING = ("load", "motion", "transmission", "platform", "cases")  # the load cycles
 _VARIED = ("load", "motion", "supply", "environment", "platform")
 
 
@@ -50,6 +51,10 @@ def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
     data, toleranced = taken(source, None if before is None or before._toleranced else before._source)
     spec = _read(source, data, before)
     spec._toleranced = toleranced
+    shaping = next((one for one in toleranced if spec.shift and one.path[0] in _SHAPING), None)
+    if shaping is not None:
+        text = "cases that alternate by their shares are at nominal figures; expected it without a tolerance"
+        raise InputError(f"{source.where(shaping.path)}: {text}")
     for one in toleranced:  # both ends must be values that the field may have
         for end, value in (("lowest", one.distribution.low), ("highest", one.distribution.high)):
             _reached(source, data, one, end, value)
