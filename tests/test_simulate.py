@@ -13,6 +13,7 @@ import yaml
 from scipy.integrate import solve_ivp
 from specs import HEAT
 
+from drivesizer.control.closed_loop import linear_run
 from drivesizer.control.drive_train import DriveTrain, Regime, drive_train, modes
 from drivesizer.control.loop_analysis import analyse
 from drivesizer.control.loop_models import from_error, voltage_open_loop
@@ -186,6 +187,22 @@ def test_python_control_along_the_paper_s_profile(spec, chosen):
     assert late.max() == pytest.approx(7.11e-3, abs=5e-6)  # m/s
     assert time[1 + late.argmax()] == pytest.approx(20.4e-3, abs=PERIOD + 1e-9)
     assert any("of 244 s are simulated: of a constant stretch" in said for said in proof.linear.left_out)
+
+
+def test_python_control_is_simulated_around_each_of_the_engine_s_peaks(spec, chosen, monkeypatch):
+    """The current peaks in the first ramp, of 1.5 m/s², the voltage at the top speed, 9 s later."""
+    monkeypatch.setattr(linear_run, "_MOST", 3000)
+    motion = Profile("far apart", (0.0, 0.2, 1.0, 9.2, 10.0), (0.0, 0.3, 0.3, 1.5, 1.5))
+    run = validate(spec, chosen, profile=motion).linear
+    time, current = run.series["time"], run.series["current"]
+    assert np.isfinite(current).sum() <= 3000 and np.isnan(current).sum() == np.count_nonzero(np.diff(time) > 1.0) > 0
+    by = {one.linear.name: one for one in run.figures}
+    assert by["peak_voltage"].engine.at_time - by["peak_current"].engine.at_time > 5.0
+    for name in ("peak_current", "tracking_error_peak", "peak_voltage"):
+        linear, engine = by[name]
+        assert np.abs(time - engine.at_time).min() < 2 * PERIOD
+        assert abs(linear.at_time - engine.at_time) < 0.4
+    assert any("around the engine's largest current, speed error and voltage" in said for said in run.left_out)
 
 
 BUMP = Profile("bump", (0.0, 0.0204, 0.08, 0.14, 0.3), (1.0, 1.0, 1.02, 0.99, 0.99))

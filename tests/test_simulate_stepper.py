@@ -232,6 +232,7 @@ def test_commands_say_open_loop(path: Path, tmp_path: Path, monkeypatch: pytest.
     shown = CliRunner().invoke(app, ["validate", "--csv", "t.csv"])
     assert shown.exit_code == 0, shown.output
     assert "Checks in open loop" in shown.output and "Microsteps of a full step" in shown.output
+    assert "a stepper follows its pulses in open loop, and nothing is fed back." in " ".join(shown.output.split())
     assert "load_angle (deg)" in Path("t.csv").read_text(encoding="utf-8").splitlines()[0]
 
 

@@ -15,8 +15,8 @@ from drivesizer.results.sizing import Figure
 from drivesizer.units import label, show
 
 __all__ = [
-    "BESIDE", "NONE", "GainRow", "beside", "cell", "gain", "gain_rows", "left_out", "linear", "loop_figures",
-    "loop_name", "remedies", "settled",
+    "BESIDE", "NONE", "NO_LINEAR", "GainRow", "beside", "cell", "gain", "gain_rows", "left_out", "linear",
+    "loop_figures", "loop_name", "remedies", "settled",
 ]  # fmt: skip
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
@@ -63,11 +63,12 @@ def cell(figure: Figure) -> str:
     return show(figure.value, figure.unit, figure.kind, 4 if figure.name == "pole_radius" else 3)
 
 
+NO_LINEAR = "python-control is not beside it: a stepper follows its pulses in open loop, and nothing is fed back."
 BESIDE = "PID and DC motor by python-control, beside the engine"
 
 
 def beside(run: LinearRun) -> list[tuple[str, str, str, str, str]]:
-    """Rows of the linear simulation beside the engine: title, value and moment by either; empty where one has none."""
+    """Rows of the linear simulation beside the engine: title, value and moment by either; a dash where one has none."""
     return [(row.linear.title, *_at(row.linear), *_at(row.engine)) for row in run.figures]
 
 
@@ -78,7 +79,7 @@ def left_out(run: LinearRun) -> str:
 
 def _at(figure: Figure | None) -> tuple[str, str]:
     if figure is None or isnan(figure.value):
-        return NONE if figure else "", ""
+        return NONE, ""
     return figure.text, "" if figure.at_time is None else f"{figure.at_time:.4g} s"
 
 

@@ -3,7 +3,8 @@ r"""PID and DC motor in python-control along the profile: the textbook's answer 
 The model is that of ``loop_models``: a DC motor with the load's inertia where the motor drives it, a sampled controller
 that computes for a period, the speed fed back. Its inputs are the reference speed and the load torque that the load
 cycle has at that moment: friction and weight with the gears' efficiency by the direction of power. It starts in
-equilibrium. Of a long stretch in which nothing changes as much is simulated as the loop takes to settle.
+equilibrium. Of a long stretch in which nothing changes as much is simulated as the loop takes to settle, of a motion of
+many samples stretches around the engine's peaks.
 """
 
 from __future__ import annotations
@@ -35,6 +36,11 @@ __all__ = ["linear_run"]
 
 Array = NDArray[np.float64]
 
+_PEAKS = {  # title, column of the series, figure of the engine
+    "peak_current": ("Motor current, peak", "current", "current"),
+    "tracking_error_peak": ("Tracking error, peak", "error", "load_speed_error"),
+    "peak_voltage": ("Motor voltage, peak", "voltage", "voltage"),
+}
 _SETTLED = 1e-6  # of a transient, after which nothing more of a constant stretch is simulated
 _MOST, _MOST_VALUES = 100_000, 5_000_000  # samples of the velocity loop, and values of all outputs in them
 
@@ -62,9 +68,9 @@ def linear_run(case: ClosedLoop) -> LinearRun:
     if case.train.gap:
         said.append("no backlash")
     if all(loop.stable for loop in case.loops.all):
-        course = _course(case)
-        series = _simulated(case, course)
-        said += course.said
+        courses, shortened = _courses(case)
+        series = _joined([_simulated(case, course) for course in courses])
+        said += shortened
     else:
         said.append("an unstable loop has no response")
     return LinearRun(train=case.train, figures=_beside(case, series), series=series, left_out=tuple(said))
@@ -81,10 +87,10 @@ class _Course(NamedTuple):
     slope: Array  # rad/s^2 over each period
     load: Array  # N*m at the motor, over each period
     before: float  # N*m, before it begins
-    said: list[str]
 
 
-def _course(case: ClosedLoop) -> _Course:
+def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
+    """The whole motion or stretches of it, and what is left out, as a sentence."""
     task, h = case.task, case.velocity_period
     start = task.time[0]
     corners = np.unique(np.concatenate([task.time, [t for t in task.load_time if start < t < task.time[-1]]]))
@@ -97,25 +103,40 @@ def _course(case: ClosedLoop) -> _Course:
     kept = corners - gone
     most = min(_MOST, _MOST_VALUES // (len(OUTPUTS) * _fine_steps(case.controller)))
     count = max(math.ceil((kept[-1] - kept[0]) / slow - 1e-9), 1) * round(slow / h)
-    first = 0
+    stretches = [(0, count)]
     if count > most:
-        peak = case.figure("current_time") - np.interp(case.figure("current_time"), corners, gone) - kept[0]
-        first = round(max(min(peak / h - most / 2, count - most), 0.0) / (slow / h)) * round(slow / h)
-        count = most // round(slow / h) * round(slow / h)
-    t = kept[0] + h * np.arange(first, first + count + 1)
-    w = np.interp(t, kept, speed) * case.train.ratio
-    middle = t[:-1] + 0.5 * h
-    slope = np.diff(w) / h
-    load = _load_torque(case, 0.5 * (w[1:] + w[:-1]), slope, np.interp(middle, kept, more))
-    before = _load_torque(case, w[:1], np.zeros(1), np.interp(t[:1], kept, more))[0]
-    at = np.searchsorted(kept, t, side="right").clip(1, len(kept)) - 1
-    lasts, simulated = corners[-1] - corners[0], count * h
-    said = [] if simulated > 0.999 * lasts else [_shortened(simulated, lasts, around=first > 0 or count == most)]
-    return _Course(t + gone[at], w, slope, load, before, said)
+        peaks = [case.figure(f"{figure}_time") for _, _, figure in _PEAKS.values()]
+        places = [(peak - np.interp(peak, corners, gone) - kept[0]) / slow for peak in peaks]
+        stretches = _around(places, count, most // len(peaks), round(slow / h))
+
+    def course(first: int, end: int) -> _Course:
+        t = kept[0] + h * np.arange(first, end + 1)
+        w = np.interp(t, kept, speed) * case.train.ratio
+        middle = t[:-1] + 0.5 * h
+        slope = np.diff(w) / h
+        load = _load_torque(case, 0.5 * (w[1:] + w[:-1]), slope, np.interp(middle, kept, more))
+        before = _load_torque(case, w[:1], np.zeros(1), np.interp(t[:1], kept, more))[0]
+        at = np.searchsorted(kept, t, side="right").clip(1, len(kept)) - 1
+        return _Course(t + gone[at], w, slope, load, before)
+
+    lasts, simulated = corners[-1] - corners[0], h * sum(end - first for first, end in stretches)
+    said = [] if simulated > 0.999 * lasts else [_shortened(simulated, lasts, around=count > most)]
+    return [course(*stretch) for stretch in stretches], said
+
+
+def _around(places: list[float], count: int, most: int, step: int) -> list[tuple[int, int]]:
+    """Stretches of so many samples at most around places in steps, without overlap; each of whole steps."""
+    length, found = max(most // step, 1), list[tuple[int, int]]()
+    for place in sorted(places):
+        first = round(max(min(place - length / 2, count // step - length), 0.0))
+        begin = found.pop()[0] if found and first <= found[-1][1] else first
+        found.append((begin, first + length))
+    return [(first * step, end * step) for first, end in found]
 
 
 def _shortened(simulated: float, lasts: float, *, around: bool) -> str:
-    of = "those around the largest current" if around else "of a constant stretch as much as it takes to settle"
+    largest = "those around the engine's largest current, speed error and voltage, each from equilibrium"
+    of = largest if around else "of a constant stretch as much as it takes to settle"
     return f"{simulated:.4g} s of {lasts:.6g} s are simulated: {of}"
 
 
@@ -187,6 +208,13 @@ def _simulated(case: ClosedLoop, course: _Course) -> dict[str, Array]:
     }
 
 
+def _joined(runs: list[dict[str, Array]]) -> dict[str, Array]:
+    """Stretches one behind the other; where one ends but the last, a sample without figures."""
+    ends = [{name: x[-1:] if name == "time" else np.full(1, math.nan) for name, x in run.items()} for run in runs]
+    parts = [part for pair in zip(runs, ends, strict=True) for part in pair][:-1]
+    return {name: np.concatenate([part[name] for part in parts]) for name in runs[0]}
+
+
 def _loop(case: ClosedLoop, mode: Mode) -> System:
     """The closed loop with all its inputs; the last output is fed back."""
     train, c = case.train, case.controller
@@ -223,11 +251,7 @@ def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Arra
 
 def _beside(case: ClosedLoop, series: dict[str, Array]) -> tuple[Beside, ...]:
     speed, radius, velocity = SPEED[case.spec.load.axis], case.train.radius, case.loops.velocity
-    peaks = (
-        ("peak_current", "Motor current, peak", ("current", "A"), "current", "current", 1.0),
-        ("tracking_error_peak", "Tracking error, peak", speed, "error", "load_speed_error", radius),
-        ("peak_voltage", "Motor voltage, peak", ("voltage", "V"), "voltage", "voltage", 1.0),
-    )
+    units = {"current": ("current", "A"), "error": speed, "voltage": ("voltage", "V")}
     of_loop = (
         ("bandwidth", "Velocity loop, bandwidth (-3 dB)", "frequency", "Hz"),
         ("phase_margin", "Velocity loop, phase margin", "angle", "deg"),
@@ -235,9 +259,10 @@ def _beside(case: ClosedLoop, series: dict[str, Array]) -> tuple[Beside, ...]:
         ("overshoot", "Velocity loop, overshoot of a step", "dimensionless", "%"),
     )
     found = []
-    for name, title, (kind, unit), column, figure, factor in peaks:
-        value, at = _peak(series, column)
+    for name, (title, column, figure) in _PEAKS.items():
+        (value, at), (kind, unit) = _peak(series, column), units[column]
         linear = Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at)
+        factor = radius if column == "error" else 1.0
         own = replace(linear, value=case.figure(figure) * factor, at_time=case.figure(f"{figure}_time"))
         found.append(Beside(linear, own))
     analysed = [
@@ -251,5 +276,5 @@ def _peak(series: dict[str, Array], column: str) -> tuple[float, float | None]:
     if not series:
         return math.nan, None
     size = np.abs(series[column])
-    at = int(np.argmax(size))
+    at = int(np.nanargmax(size))
     return float(size[at]), float(series["time"][at])

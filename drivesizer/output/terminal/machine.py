@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from drivesizer.output.energy_table import consumer_rows
 from drivesizer.output.terminal import tables as tables
@@ -44,6 +45,9 @@ def machine(console: Console, found: DriveSet) -> None:
             table.add_row(*row)
         console.print(table)
         console.print(tables.loose(found.energy.figures, "The battery"))
+        if found.energy.assumptions:
+            assumed = "; ".join(found.energy.assumptions)
+            console.print(Text(f"Assumptions of the energy budget: {assumed}.\n", style="dim"))
     if found.braking:
         resistor = f"; brake resistor {found.braking.name}" if found.braking.name else ""
         console.print(tables.loose(found.braking.figures, f"Regenerated energy{resistor}"))

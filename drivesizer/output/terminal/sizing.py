@@ -290,7 +290,7 @@ def _changes(console: Console, found: DriveSet) -> None:
 
 def validation(proof: Validation) -> None:
     """Print a validation, in closed loop or of a stepper."""
-    from drivesizer.output.loop_table import left_out, remedies  # with what a sizing need not load
+    from drivesizer.output.loop_table import NO_LINEAR, left_out, remedies  # with what a sizing need not load
     from drivesizer.output.terminal.loops import linear, loops
 
     console = tables.console()
@@ -310,6 +310,8 @@ def validation(proof: Validation) -> None:
     if proof.linear:
         console.print(linear(proof.linear))
         console.print(left_out(proof.linear))
+    else:
+        console.print(NO_LINEAR)
 
 
 def validations(proofs: Sequence[Validation], objective: str) -> None:

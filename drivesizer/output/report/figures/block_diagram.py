@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
 __all__ = ["block_diagram"]
 
-_WIDTH, _HEIGHT = 6.5, 1.78  # in
-_AXIS, _BACK, _INNER, _AHEAD = 0.98, 0.14, 0.43, 1.64  # in, heights of the main path, of feedback and of feedforward
+_WIDTH, _HEIGHT = 6.5, 1.83  # in
+_AXIS, _BACK, _INNER, _AHEAD = 1.0, 0.14, 0.4, 1.69  # in, heights of the main path, of feedback and of feedforward
 _LEFT, _RIGHT = 0.55, 0.68  # in, of the reference's and of the load's name
-_TALL, _SUM, _GAP = 0.68, 0.075, 0.145  # in: a block's height, a sum's radius, an arrow's length
+_TALL, _SUM, _GAP = 0.78, 0.075, 0.145  # in: a block's height, a sum's radius, an arrow's length
 
 
 class _Block(NamedTuple):

@@ -56,7 +56,9 @@ def _over_time(validation: Validation, names: tuple[str, ...], place: int) -> li
         said = LINEAR if place == 1 else f"{name}, {LINEAR}"
         hover = f"%{{y:.4~r}} {label(unit)}<extra>{LINEAR}</extra>"
         where = {"yaxis": "y" if place == 1 else f"y{place}", "showlegend": place == 1}
-        made.append(line(linear["time"][kept], shown, said, "orange", hovertemplate=hover, **where))
+        made.append(
+            line(linear["time"][kept], shown, said, "orange", dashes((0, (5, 2.5))), hovertemplate=hover, **where)
+        )
     return made
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.loop_table import BESIDE, beside, gain, gain_rows, left_out, linear, remedies
+from drivesizer.output.loop_table import BESIDE, NO_LINEAR, beside, gain, gain_rows, left_out, linear, remedies
 from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
 from drivesizer.output.report.figures.time_strips import windows
 from drivesizer.output.report.lines import rows as table
@@ -61,7 +61,7 @@ def _blocks(content: Content) -> Iterator[Block]:
     shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
     cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
     yield Picture("loop", shown + cut, f"{v.loop} over time", about="shows it over time.",
-                  on_page=f"{shown} All diagrams share the axis of time.", floats=True)  # fmt: skip
+                  on_page=f"{shown} All diagrams share the axis of time.")  # fmt: skip
     gains = [Row((row.title, gain(row))) for row in gain_rows(v.gains)]
     rule = f"Rule of the {v.set_up.lower()}: {v.gains.rule}. Source: {v.gains.source}."
     columns = Column("gain", "name", 1.0), Column("value", "number")
@@ -77,6 +77,8 @@ def _blocks(content: Content) -> Iterator[Block]:
                  Column("engine", "number"), Column("at", "number"))  # fmt: skip
         yield Table(BESIDE, heads, [Row(row) for row in beside(v.linear)], name="python-control", dense=True)
         yield Words(left_out(v.linear), "note")
+    else:
+        yield Words(NO_LINEAR, "note")
     if v.assumptions:
         yield Bullets("Assumptions of the simulation:", list(v.assumptions))
     if v.warnings:
