@@ -238,6 +238,7 @@ def _traces(axes: Axes, validation: Validation, names: tuple[str, ...], shown: S
         for number, window in enumerate(shown.windows):
             if window.start >= series["time"][-1] or window.end <= series["time"][0]:  # of python-control's part
                 continue
-            time, values = within(series["time"], series[name], window)
+            seen = window._replace(start=max(window.start, series["time"][0]), end=min(window.end, series["time"][-1]))
+            time, values = within(series["time"], series[name], seen)
             axes.plot(shown.place(number, time), from_si(values, unit, kind), color=colour, linestyle=dashes,
                       linewidth=width, label="" if number else said, zorder=above)  # fmt: skip
