@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
 from drivesizer.physics.extremes import distinct
-from drivesizer.physics.power_stage import STAGE_FIGURES
+from drivesizer.physics.power_stage import STAGE_FIGURES, least_capacitance
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.ratings import controller_current, permitted_power
 from drivesizer.spec.robot import RobotSpec
@@ -36,6 +36,7 @@ __all__ = [
     "none_suits",
     "offered_buses",
     "offers",
+    "room_on_bus",
     "selected",
     "usable_controllers",
 ]
@@ -316,6 +317,31 @@ def no_better_than(spec: RobotSpec, table: Table[Any], usable: Usable) -> dict[s
     return {
         name: np.logical_and.reduce([column[:, None] <= column for column in columns]) for name, columns in more.items()
     }
+
+
+def room_on_bus(spec: RobotSpec, table: Table[Any], usable: Usable) -> NDArray[np.float64]:
+    """Energy that each usable controller stores at least; no end of it where the spec says how the bus is held.
+
+    Parameters
+    ----------
+    spec
+        The requirements.
+    table
+        The controllers of the catalogue.
+    usable
+        Those for the supply.
+
+    Returns
+    -------
+    array
+        Of each, in their order [J].
+    """
+    if spec.supply.capacitance is not None or spec.chopper_voltage is not None:
+        return np.full(len(usable.order), np.inf)
+    current, most = (table[name][usable.order] for name in ("continuous_current", "supply_max"))
+    highest = spec.supply.highest
+    room: NDArray[np.float64] = 0.5 * least_capacitance(current, highest) * (most**2 - highest**2)
+    return room
 
 
 def _beside(column: NDArray[Any], order: NDArray[np.int64]) -> NDArray[Any]:

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced, stress
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import HANGING, Speeds, controllers, no_better_than
+from drivesizer.search.columns.controllers import HANGING, Speeds, controllers, no_better_than, room_on_bus
 from drivesizer.search.columns.decided import decided
 from drivesizer.search.columns.encoders import line_frequency
 from drivesizer.search.columns.exactly import exact
@@ -211,6 +212,18 @@ class _Cases(NamedTuple):
         beyond = [more * low.voltage > case.spec.supply.lowest for case, (low, _) in cases]
         return np.asarray(np.logical_or.reduce(beyond), bool)
 
+    def full_bus(self, found: _Found, tried: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Usable controllers without room for the energy returned with those tried: (controllers, candidates).
+
+        Of those that lose no more, with which no less is returned.
+        """
+        usable, table = self.offered.controllers, self.problem.catalog.controllers
+        loss = self.problem.spec.feed({name: table[name][usable.order] for name in STAGE_FIGURES}).stage.least_loss
+        full = np.zeros((len(loss), len(tried)), bool)
+        for case, (low, _) in zip(self.problem.cases, found.pairs, strict=True):
+            full |= room_on_bus(case.spec, table, usable)[:, None] * (1.0 + 1e-9) < low.stored
+        return np.asarray(full & (loss[:, None] <= loss[tried]), bool)
+
     def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
         specs = [case.spec for case in self.problem.cases]
@@ -278,7 +291,8 @@ def _walked(
     place[usable.order] = np.arange(len(usable.order))
     barred, one, new = np.zeros((len(usable.order), len(rows)), bool), row[rows], found.on(rows)
     while len(rows):
-        barred |= (usable.order[:, None] == one) | _pointless(new, no_better, place[one])
+        full = case.full_bus(new, place[one])
+        barred |= (usable.order[:, None] == one) | _pointless(new, no_better, place[one], full)
         now = found.on(rows)
         fails = now.failed()
         one = case.some(rows).others(new, barred, ~fails)
@@ -295,14 +309,18 @@ def _walked(
     return row, found
 
 
-def _pointless(found: _Found, no_better: dict[str, NDArray[np.bool_]], tried: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _pointless(
+    found: _Found, no_better: dict[str, NDArray[np.bool_]], tried: NDArray[np.int64], full: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
     """Controllers that cannot do better than those tried: (controllers, candidates).
 
-    No better for one check that fails; where none does, for all that are unknown.
+    No better for one check that fails; where none does, for all that are unknown, of which the bus is where it is full.
     """
     failed, checks = found.failed(), [check for check in found.checks if check.name in no_better]
     fails: Any = np.logical_or.reduce([no_better[check.name][:, tried] & check.failed for check in checks])
-    lacks = np.logical_and.reduce([no_better[check.name][:, tried] | check.passed for check in checks])
+    lacks = np.logical_and.reduce([
+        no_better[check.name][:, tried] | check.passed | (full & (check.name == "bus_voltage")) for check in checks
+    ])  # fmt: skip
     barred: NDArray[np.bool_] = np.where(failed, fails, lacks)
     return barred
 
