@@ -46,7 +46,7 @@ def test_it_is_the_document_of_the_terminal_and_more(document, result):
     assert document["schema_version"] == json_documents.SCHEMA_VERSION
     told = json.loads(json_documents.as_text(json_documents.sizing(result)))
     assert {key: document[key] for key in told} == told
-    assert set(document) - set(told) == {"parts_list", "validation"}
+    assert set(document) - set(told) == {"parts_list", "validation", "platform"}
     driven = document["validation"]
     assert driven["set"] == document["sets"][0] and driven["spec"] == document["spec"]
 

@@ -93,7 +93,9 @@ def test_unknown_ends_follow_from_voltage_resistance_and_constant(part):
 
 @pytest.mark.parametrize("unknown", ["resistance", "torque_constant"])
 def test_without_them_there_is_no_line(part, unknown):
-    assert all(map(isnan, line(part(stall_torque=None, **{unknown: None}))[:2]))
+    """Nor what they would follow from: V/R, and k_t from no load and from the nominal point."""
+    others = dict.fromkeys(("stall_torque", "stall_current", "no_load_speed", "nominal_current"))
+    assert all(map(isnan, line(part(**others, **{unknown: None}))[:2]))
 
 
 def test_an_actuators_speed_is_not_made_of_a_constant_with_losses(part):
@@ -170,7 +172,7 @@ def test_an_actuators_chart_is_at_its_output(part, shown):
 
 
 def test_without_figures_there_is_no_chart(part, shown):
-    said = shown(part(stall_torque=None, resistance=None))
+    said = shown(part(stall_torque=None, stall_current=None, resistance=None))
     assert "torque and speed" in said
     assert "┤" not in said
 
@@ -185,7 +187,7 @@ def test_the_nominal_current_is_derated_by_what_is_left_to_the_copper(part, ambi
 
 @pytest.mark.parametrize("ambient", [25, 40, 80])
 def test_without_a_nominal_current_copper_and_heat_balance(part, ambient):
-    current = permitted_current(part(nominal_current=None), ambient + 273.15)
+    current = permitted_current(part(nominal_current=None, nominal_torque=None), ambient + 273.15)
     copper = R * (1 + COPPER * (HOT - 25)) * current**2
     assert (R_TH1 + R_TH2) * copper == pytest.approx(HOT - ambient)
 
@@ -241,7 +243,7 @@ def test_a_warm_motor_starts_from_its_housing(part):
 
 def test_what_is_borne_for_ever_has_no_end_and_more_is_shorter(part):
     hit = part()
-    forever = permitted_current(part(nominal_current=None), T_25)
+    forever = permitted_current(part(nominal_current=None, nominal_torque=None), T_25)
     assert overload_times(hit, 0.999 * forever)[0] == float("inf")
     assert overload_times(hit, 1.001 * forever)[0] < float("inf")
     times = [overload_times(hit, n * I_N) for n in (1.5, 2.0, 3.0, 5.0)]
@@ -268,7 +270,7 @@ def test_rows_whose_figures_are_unknown_are_left_out(part, shown):
     said = words(shown(part(winding_time_constant=None)))
     assert "continuous current by ambient" in said
     assert "overload: unknown without winding time constant" in said
-    assert "at standstill 1." in words(shown(part(nominal_current=None)))
+    assert "at standstill 1." in words(shown(part(nominal_current=None, nominal_torque=None)))
 
 
 def test_what_is_missing_is_one_line(part, shown):
