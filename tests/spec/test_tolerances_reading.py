@@ -144,7 +144,7 @@ REFUSED = [
     ("mass: 45 kg ", "mass: 45 kg +- 50 kg ", "robot.yaml:10: load.mass: ", "-5 kg at its lowest: must be above 0 kg"),
     ("mass: 45 kg ", "mass: normal(45 kg, 12 kg) ", "robot.yaml:10: load.mass: ", "-3 kg at its lowest: must be above"),
     ("efficiency: 0.95 ", "efficiency: 0.95 +- 0.1 ", "robot.yaml:38: transmission[2].efficiency: ", "at its highest"),
-    ("min: 22 V ", "min: 22 V +- 4 V ", "robot.yaml:49: supply.min: ", "expected min <= nominal <= max"),
+    ("min: 22 V ", "min: 22 V +- 4 V ", "robot.yaml:50: supply.min: ", "expected min <= nominal <= max"),
     ("mass: 45 kg ", "mass: 45 V +- 3 V ", "robot.yaml:10: load.mass: ", "unit of voltage, not of mass"),
     ("mass: 45 kg ", "mass: lognormal(45 kg, 3 kg) ", "robot.yaml:10: load.mass: ", "no distribution that is known"),
     ("select:\n", "tolerances: {motor: {resistance: +- 120 %}}\nselect:\n", "tolerances.motor.resistance", "reaches 0"),
