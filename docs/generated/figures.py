@@ -89,7 +89,7 @@ def _permitted(form: str) -> bytes:
     (drive,) = explain(spec, "118752", "406764")
     found = permitted_speeds(spec, drive)
     assert found is not None
-    return speed_by_direction(found, spec.platform.limits.speed, form)
+    return speed_by_direction(found, form)
 
 
 def _at_the_bench(form: str) -> bytes:
