@@ -6,7 +6,8 @@ import pytest
 import yaml
 
 from drivesizer.results.ratings import controller_power_limit
-from drivesizer.sizing import explain
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 
 X1 = {
@@ -84,3 +85,17 @@ def test_where_the_first_is_too_weak_the_next_is_taken(tmp_path):
     (tmp_path / "robot.yaml").write_text(yaml.safe_dump(spec), encoding="utf-8")
     (found,) = explain(load_spec(tmp_path / "robot.yaml"), "M1", "direct")
     assert found.controller.part == "unlimited" and found.status != "fail"
+
+
+def test_samples_have_the_power_where_a_controller_alone_limits_it(tmp_path):
+    """No limit of the supply, which takes back all that returns: nothing else needs the power."""
+    (tmp_path / "own.yaml").write_text(CATALOG.replace("1.0, 20, 0.01", "2.0, 40, 0.01"), encoding="utf-8")
+    spec = SPEC | {
+        "load": SPEC["load"] | {"torque": "0.9 N*m +- 5 %"},
+        "supply": {"nominal": "28 V", "regeneration": 1},
+    }
+    spec |= {"select": {"catalogs": ["own.yaml"], "controller": {"part": ["limited"]}}}
+    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(spec), encoding="utf-8")
+    (found,) = size(load_spec(tmp_path / "robot.yaml"), top=1, sampling=Sampling(64, 1, None)).sets
+    (power,) = (one for one in found.reliability.checks if one.name == "controller_power")
+    assert power.passes == 1.0 and 0.5 < power.low < power.high < 1.5

@@ -144,9 +144,9 @@ def test_the_probability_of_a_check_is_its_own(maxon, table):
 
 def test_a_check_that_is_known_at_an_end_of_the_bands_alone_passes_in_no_sample(maxon, table):
     """As one whose demand is nothing at the favourable end and whose limit is unknown: here one that is never known."""
-    poorer = with_figure(maxon, "temperature_min", np.nan, "gearheads", GEARHEAD)
+    poorer = with_figure(maxon, "continuous_torque", np.nan, "gearheads", GEARHEAD)
     whole = problem(table, search_view(with_figure(poorer, "rotor_inertia", np.nan)))
-    never = "gearhead_temperature_range"
+    never = "gearhead_continuous_torque"
     rows = (whole.catalog.table(s).rows[p] for s, p in (("motors", MOTOR), ("gearheads", GEARHEAD)))
     given = Candidates(*(np.array([row]) for row in rows), np.ones(1), np.ones(1, bool))
     found = by_physics(whole, given, False)

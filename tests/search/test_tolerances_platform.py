@@ -86,7 +86,7 @@ def test_samples_are_what_the_plain_evaluation_says(ready: Prepared, parts: Cata
     for row in (0, 17, 40, 63):
         exact = _plainly(ready, parts, one, ready.values[row])
         # a set without a figure of it has no such check, nor a brushed motor, which commutates itself
-        assert set(got) - set(exact) <= {"motor_peak_torque", "controller_speed"}
+        assert set(got) - set(exact) <= {"motor_peak_torque", "controller_speed", "controller_power"}
         for name, column in got.items():
             if name not in exact:
                 continue

@@ -67,6 +67,7 @@ def moments(
     kept, count = kept_on_the_bus(spec), current.shape[-1]
     stores = bool(np.any(kept > 0.0))
     limited = spec.supply.current is not None or spec.supply.power is not None
+    limited = limited or not np.isnan(parts.controller["max_power"]).all()
     outputs = _Outputs(
         limited or stores or energies, energies or stores, stores,
         np.broadcast_to(kept, (count,)), np.broadcast_to(demands.surplus(k_t), (count,)),
