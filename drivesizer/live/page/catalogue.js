@@ -23,7 +23,10 @@ export function prepare({ edit, again, notice }) {
 
 export async function open() {
   if (!built) build();
-  if (!dialog.open) dialog.showModal();
+  if (!dialog.open) {
+    reading = false;
+    dialog.showModal();
+  }
   await renew();
 }
 
@@ -46,16 +49,18 @@ async function renew(name = null, again = () => {}) {
     const [piece] = await whole("catalogues", { text: state.text });
     own.known(piece.catalogues);
     filter.show(piece, name);
-    await look();
+    if (!reading) await look(); // what is being read stays
   } catch (error) {
     list.wrong(found, error);
   }
 }
 
 let requested = 0;
+let reading = false; // a part, or parts side by side, in place of the list
 
 /** Lists the parts that meet the conditions; the newest request counts. */
 async function look(start = 0) {
+  reading = false;
   const mine = ++requested, wanted = filter.wanted();
   found.setAttribute("aria-busy", "true");
   try {
@@ -80,6 +85,7 @@ async function compare(rows) {
 /** Another view in place of the list. */
 async function turned(job, body, show) {
   const mine = ++requested;
+  reading = true;
   try {
     const [piece] = await whole(job, { text: state.text, ...body });
     if (mine === requested) show(found, piece);
@@ -89,6 +95,7 @@ async function turned(job, body, show) {
 }
 
 function back() {
+  reading = false;
   requested += 1;
   list.again(found);
 }
