@@ -63,8 +63,8 @@ def robot(chance: Random) -> Case:
 
 
 def whole(chance: Random) -> Case:
-    """A vehicle or a flywheel with a few figures changed, sized with all catalogues that ship; more takes too long."""
-    data = moderately(of_load(chance.choice(("wheeled_vehicle", "flywheel"))), chance, specs())
+    """A flywheel with a few figures changed, sized with all catalogues that ship; more takes too long."""
+    data = moderately(of_load("flywheel"), chance, specs())
     data["select"] = {"catalogs": ["all"], "objective": "mass"}
     return Case({"robot.yaml": as_yaml(data), **_BESIDE}, [["size", "robot.yaml", *chance.choice(([], ["--json"]))]])
 
