@@ -6,9 +6,18 @@ from dataclasses import field, fields
 from math import nan
 from typing import Any, NamedTuple
 
-__all__ = ["DATA", "Column", "columns", "figure", "text"]
+__all__ = ["DATA", "Column", "PartRecord", "columns", "figure", "text"]
 
 DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
+
+
+class PartRecord:
+    """A record of a part, whose figures laws read by name (``physics.figures``)."""
+
+    __slots__ = ()
+
+    def __getitem__(self, name: str) -> Any:
+        return getattr(self, name)
 
 
 class Column(NamedTuple):

@@ -6,7 +6,7 @@ steppers and batteries are parts of their own.
 
 from __future__ import annotations
 
-from drivesizer.catalog.columns import figure, text
+from drivesizer.catalog.columns import PartRecord, figure, text
 from drivesizer.files.frozen import dataclass
 
 __all__ = [
@@ -15,7 +15,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Actuator:
+class Actuator(PartRecord):
     """A motor sold with its gearhead inside, maybe with encoder and controller: figures at the output, as printed."""
 
     part: str = text()
@@ -78,7 +78,7 @@ class Actuator:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Brake:
+class Brake(PartRecord):
     """A holding brake that releases when it has current."""
 
     part: str = text()
@@ -110,7 +110,7 @@ class Brake:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stepper:
+class Stepper(PartRecord):
     """One wiring of a stepper motor; its pull-out torque over speed is in ``pull_outs``."""
 
     part: str = text()
@@ -145,7 +145,7 @@ class Stepper:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Belt:
+class Belt(PartRecord):
     """One toothed belt, closed."""
 
     part: str = text()
@@ -162,7 +162,7 @@ class Belt:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pulley:
+class Pulley(PartRecord):
     """One pulley for toothed belts."""
 
     part: str = text()
@@ -180,7 +180,7 @@ class Pulley:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Screw:
+class Screw(PartRecord):
     """One nut with its shaft, of steel, as long as the machine needs."""
 
     part: str = text()
@@ -208,7 +208,7 @@ class Screw:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Battery:
+class Battery(PartRecord):
     """One cell or block."""
 
     part: str = text()
@@ -237,7 +237,7 @@ class Battery:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BrakeResistor:
+class BrakeResistor(PartRecord):
     """A resistor for a chopper, a shunt regulator, which has both, or what a drive has of them inside."""
 
     part: str = text()
@@ -269,7 +269,7 @@ class BrakeResistor:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PowerSupply:
+class PowerSupply(PartRecord):
     """A power supply unit, or a converter from one direct voltage to another."""
 
     part: str = text()

@@ -15,7 +15,6 @@ from math import inf, isfinite, isnan
 
 import numpy as np
 
-from drivesizer.catalog.parts import by_name
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases.at_shaft import AtShaft, at_shaft
@@ -181,13 +180,13 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
     for inertia, of in ((drive_set.brake_inertia, "brake"), (gearhead.inertia, "gearhead"),
                         (drive_set.encoder.inertia if drive_set.encoder else 0.0, "encoder")):  # fmt: skip
         _known(inertia, f"inertia of the {of}", said)
-    gear_efficiency, idle = gear_loss(by_name(gearhead))
-    coulomb, viscous = (float(x) for x in friction(by_name(motor)))
+    gear_efficiency, idle = gear_loss(gearhead)
+    coulomb, viscous = (float(x) for x in friction(motor))
     train = DriveTrain(
-        resistance=float(resistance_25(by_name(motor))),
+        resistance=float(resistance_25(motor)),
         inductance=motor.inductance,
         torque_constant=motor.torque_constant,
-        back_emf_constant=float(back_emf_constant(by_name(motor))),
+        back_emf_constant=float(back_emf_constant(motor)),
         friction=_known(coulomb, "friction of the motor", said) + float(idle),
         viscous=_known(viscous, "viscous friction of the motor", said),
         motor_inertia=drive_set.inertia(unknown=0.0),

@@ -12,7 +12,7 @@ k_e back-EMF constant [V*s/rad], i ratio.
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from math import nan
 from typing import Any
 
@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.parts import OneRow, one_row
 from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.pull_out import torque_of_part
-from drivesizer.machine.set_columns import OneRow
 from drivesizer.machine.set_cycle import turned
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, DRIVING, SPEED, AtGearhead, at_gearhead
 from drivesizer.physics.load_cycle import Ends
@@ -91,7 +91,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    motor, gearhead, encoder = (OneRow(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
+    motor, gearhead, encoder = (one_row(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
     if drive_set.steps:
         demand = turned(spec, drive_set)[1]
@@ -150,7 +150,7 @@ def _lines(spec: RobotSpec, drive_set: DriveSet, demand: Demands, hot: float, fa
     (cold_at_rest, cold_slope), (at_rest, slope) = (_line(spec, demand, drive_set, voltage, T) for T in (ambient, hot))
     no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
     w = np.linspace(0.0, np.fmax(no_load, fastest), _POINTS)  # as far as the cycle goes where friction is unknown
-    continuous, thermal = _continuous(spec, demand, OneRow(drive_set.motor), w)
+    continuous, thermal = _continuous(spec, demand, one_row(drive_set.motor), w)
     return {
         "voltage": voltage,
         "ambient": ambient,
@@ -192,7 +192,7 @@ def _line(
     """Torque at standstill [N*m] and its change with speed [N*m s/rad] at a voltage behind stage and supply."""
     k_t = drive_set.motor.torque_constant
     leads = spec.feed_of(drive_set.controller).leads
-    resistance = float(resistance_at(resistance_25(asdict(drive_set.motor)), temperature) + leads)
+    resistance = float(resistance_at(resistance_25(drive_set.motor), temperature) + leads)
     volts = volts_of(demand, np.array([k_t]), np.array([resistance]))[0]
     per_volt = k_t / resistance
     return float((voltage - volts[DIRECTION]) * per_volt), float(-volts[SPEED] / demand.total_ratio[0] * per_volt)
@@ -216,7 +216,8 @@ def _continuous(spec: RobotSpec, demand: Demands, motor: OneRow, w: Array) -> tu
 
 def _intermittent(demand: Demands, drive_set: DriveSet, w: Array) -> Array:
     """The lesser of what controller and gearhead permit for a while [N*m]; one of them where the other is unknown."""
-    peak = float(OneRow(drive_set.controller)["peak_current"][0])
+    controller = drive_set.controller
+    peak = controller.peak_current if controller else nan
     by_controller = drive_set.motor.torque_constant * peak - _friction(demand, w)
     found: Array = np.fmin(by_controller, drive_set.gearhead.intermittent_torque * demand.coefficients[0, DRIVING])
     return found

@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.parts import one_row
 from drivesizer.errors import InputError
 from drivesizer.load_cases import at_driven_shaft
 from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of
-from drivesizer.machine.set_columns import one_row, own_coefficients, own_losses
+from drivesizer.machine.set_columns import own_coefficients, own_losses
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, at_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import lost_in_gearhead

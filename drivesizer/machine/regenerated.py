@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.set_columns import one_row
+from drivesizer.catalog.parts import one_row
 from drivesizer.machine.set_cycle import heated
 from drivesizer.machine.supply_power import DrivePower, drive_power, drive_power_in_parts, together
 from drivesizer.physics.elements.brake_resistor import burning, burnt_energy, largest_mean, largest_pulse

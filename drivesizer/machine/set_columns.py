@@ -8,41 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.parts import one_row
 from drivesizer.physics.motor_demand import Coefficients, coefficients
 from drivesizer.physics.stress import housing_loss
 
-__all__ = ["OneRow", "one_row", "own_coefficients", "own_losses"]
-
-
-class OneRow:
-    """A part's figures as columns of one; without a part every figure is unknown.
-
-    >>> from drivesizer.catalog.parts import NO_GEARHEAD
-    >>> OneRow(NO_GEARHEAD)["ratio"], OneRow(None)["inertia"]
-    (array([1.]), array([nan]))
-    """
-
-    def __init__(self, part: Any) -> None:
-        self.part = part
-        self.taken: dict[str, NDArray[Any]] = {}
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self.taken:
-            self.taken[name] = np.array([np.nan if self.part is None else getattr(self.part, name)])
-            self.taken[name].flags.writeable = False  # others take it as well
-        return self.taken[name]
-
-
-@lru_cache(maxsize=256)
-def one_row(part: Any) -> OneRow:
-    """A part's figures as columns of one; of parts of late with those that were taken before.
-
-    Parameters
-    ----------
-    part
-        Out of a catalogue; None where there is none.
-    """
-    return OneRow(part)
+__all__ = ["own_coefficients", "own_losses"]
 
 
 @lru_cache(maxsize=256)

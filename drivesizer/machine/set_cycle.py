@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.parts import OneRow, one_row
 from drivesizer.load_cases import load_cycle
-from drivesizer.machine.set_columns import OneRow, one_row, own_coefficients, own_losses
+from drivesizer.machine.set_columns import own_coefficients, own_losses
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, at_gearhead
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import Feed

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, field
+from dataclasses import field
 from math import inf, nan
 from typing import Any
 
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.catalog.parts import by_name
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 from drivesizer.files.frozen import dataclass
 from drivesizer.physics.elements.braking import released_power
@@ -84,9 +83,7 @@ class DriveParts:
 
     def inertia(self, unknown: float = nan) -> float:
         """Its inertia at the motor's shaft, brake and encoder included, by ``drive_inertia`` [kg*m^2]."""
-        motor, gearhead = by_name(self.motor), by_name(self.gearhead)
-        encoder = by_name(self.encoder) if self.encoder else None
-        return float(drive_inertia(motor, gearhead, encoder, self.brake_inertia, unknown=unknown))
+        return float(drive_inertia(self.motor, self.gearhead, self.encoder, self.brake_inertia, unknown=unknown))
 
     @property
     def rotors_at_load(self) -> float:
@@ -96,7 +93,7 @@ class DriveParts:
     @property
     def released_power(self) -> float:
         """Power that keeps its brake released [W]; 0 without one, or where it is unknown."""
-        return float(released_power(asdict(self.brake))) if self.brake else 0.0
+        return float(released_power(self.brake)) if self.brake else 0.0
 
     @property
     def label(self) -> str:

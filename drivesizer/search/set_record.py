@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
-import numpy as np
-
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
+from drivesizer.catalog.parts import one_row
 from drivesizer.machine.budgets import MachineBudget, regeneration
 from drivesizer.machine.motor_pieces import motor_pieces
 from drivesizer.machine.problem import quickest_winding
@@ -314,7 +313,7 @@ def _held(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
         return []
     ambient = case.spec.environment.ambient
     losses = warming(set_cycle(case.spec, parts, case.at_belt))
-    found = warm_up(two_bodies(asdict(parts.motor)), ambient, losses)
+    found = warm_up(two_bodies(parts.motor), ambient, losses)
     ends = (found.highest[0], found.housing[1], found.periodic.housing.max()) if found else (math.nan,) * 3
     return [
         Figure(name=name, title=title, value=float(value), kind="temperature", unit="degC")
@@ -344,11 +343,10 @@ _LIVES = {
 
 def _gearhead_life(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
     """Lives of the gearhead in the load case that wears it most; none without a rated life, or where it never turns."""
-    columns = {name: np.array([value]) for name, value in asdict(gearhead).items()}
     found = []
     for rated, (name, title) in _LIVES.items():
         cycles = [case.at_belt.behind(float(evaluation.candidates.belt[index])) for case in evaluation.problem.cases]
-        life = min(float(life_of_gearheads(cycle, columns, rated)[0]) for cycle in cycles)
+        life = min(float(life_of_gearheads(cycle, one_row(gearhead), rated)[0]) for cycle in cycles)
         if math.isfinite(life):
             found.append(Figure(name=name, title=title, value=life, kind="time", unit="h"))
     return found
@@ -363,7 +361,7 @@ def _braking(evaluation: Evaluation, index: int, parts: DriveParts) -> list[Figu
     worst, radius, axis = Stop(0.0, 0.0, 0.0), 1.0, "rotary"
     for case in evaluation.problem.cases:
         cycle = case.at_belt.behind(parts.belt_ratio)
-        _, found = stops(case.spec, cycle, asdict(gearhead), asdict(brake), own)
+        _, found = stops(case.spec, cycle, gearhead, brake, own)
         if not found.energy <= worst.energy:  # NaN too
             worst, radius, axis = found, case.cycle.radius, case.spec.load.axis
     travel = worst.angle / (1.0 if brake.shaft == "load" else parts.total_ratio) * radius
@@ -395,7 +393,7 @@ def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -
 
 def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller) -> list[Figure]:
     """Overload time of the motor at the controller's peak current, cold and at its highest temperature."""
-    bodies = two_bodies(asdict(motor))
+    bodies = two_bodies(motor)
     ambient, current = evaluation.spec.environment.ambient, controller.peak_current
     hot = values["winding_temperature"]
     starts = {"cold": cold(ambient), "warm": State(hot, hot)}

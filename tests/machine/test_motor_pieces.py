@@ -9,9 +9,9 @@ import pytest
 
 from drivesizer.catalog import Motor
 from drivesizer.catalog.no_gearhead import NO_GEARHEAD
+from drivesizer.catalog.parts import OneRow
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.motor_pieces import motor_pieces
-from drivesizer.machine.set_columns import OneRow
 from drivesizer.output.json import documents
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.pieces import PIECES

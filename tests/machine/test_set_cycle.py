@@ -11,11 +11,11 @@ from specs import poorer
 from starters import BODIES, starter
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.parts import NO_GEARHEAD
+from drivesizer.catalog.parts import NO_GEARHEAD, OneRow
 from drivesizer.machine import supply_power
 from drivesizer.machine.efficiency import operation
 from drivesizer.machine.energy_flow import energy_flow
-from drivesizer.machine.set_columns import OneRow, own_losses
+from drivesizer.machine.set_columns import own_losses
 from drivesizer.machine.set_cycle import Warming, set_cycle, turned, warming, waveform
 from drivesizer.machine.supply_power import drive_power, drive_power_in_parts
 from drivesizer.machine.warm_up import finer, warm_up

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import Controller, Encoder
-from drivesizer.catalog.parts import by_name
 from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.control.closed_loop.set_up import FOLLOWS
 from drivesizer.control.loop_design import stated_margin
@@ -92,7 +91,7 @@ def _resisted(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn]
     The simulation has the winding at 25 °C; it may be as cold as the ambient, and as warm as its largest current heats
     it in the steady state, up to its permitted temperature.
     """
-    motor, ambient = by_name(case.drive_set.motor), case.spec.environment.ambient
+    motor, ambient = case.drive_set.motor, case.spec.environment.ambient
     read = case.drawn if power else case.required
     value, more = read(name), case.allowance(name, required=not power)
     if two_bodies(motor).known or not case.spec.plant.warming:
@@ -202,7 +201,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
 
 def _lasting_current(case: ClosedLoop) -> float:
     """Continuous current of the controller in the case's ambient [A]."""
-    return float(controller_current(by_name(_controller(case)), case.spec.environment.ambient))
+    return float(controller_current(_controller(case), case.spec.environment.ambient))
 
 
 def _peak_share(case: ClosedLoop) -> float:
@@ -215,7 +214,7 @@ def _peak_share(case: ClosedLoop) -> float:
 
 def _heat(case: ClosedLoop) -> Iterator[Check]:
     """The motor's RMS current, and the winding's highest temperature in the periodic steady state."""
-    figures, ambient = by_name(case.drive_set.motor), case.spec.environment.ambient
+    figures, ambient = case.drive_set.motor, case.spec.environment.ambient
     limit = figures["max_winding_temperature"]
     rms_current = _most(
         case, "rms_current", lambda x: nominal_current_limit(x, figures, ambient, motor_needed(case.spec, 0.0))
@@ -245,7 +244,7 @@ def _winding(case: ClosedLoop) -> tuple[float, str]:
         return case.periodic["winding"], "highest in the periodic steady state"
     motor, rms = case.drive_set.motor, case.figure("rms_current")
     R_th = motor.thermal_resistance_winding, motor.thermal_resistance_housing
-    steady = steady_winding_temperature(case.spec.environment.ambient, resistance_25(by_name(motor)), *R_th, rms)
+    steady = steady_winding_temperature(case.spec.environment.ambient, resistance_25(motor), *R_th, rms)
     return float(steady), "steady mean, copper loss"
 
 
@@ -270,7 +269,7 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
     yield _check(_most(case, "gear_torque", peak), case.figure("gear_torque_time"))
     mean, sustained = _lasting(case.profile)
     yield _check(
-        continuous_speed_limit(by_name(gearhead), mean, sustained, case.train.motor_per_speed),
+        continuous_speed_limit(gearhead, mean, sustained, case.train.motor_per_speed),
         note="of the reference: the lasting speed by the maker's rule, or the mean",
     )
     yield _check(

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.catalog.parts import Controller, by_name
+from drivesizer.catalog.parts import Controller, one_row
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, within_reach
 from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
@@ -132,7 +132,7 @@ def _drive(
     def limit(value: float) -> float:
         return math.inf if math.isnan(value) else float(value)
 
-    figures = by_name(controller or Controller())
+    figures = controller or Controller()
 
     return Drive(
         train=train,
@@ -158,9 +158,8 @@ def _from_gearhead(spec: RobotSpec, drive_set: DriveParts) -> float:
     """Loss of the gearhead that heats the housing, per speed of the motor, by the mean of the load cycle [W*s/rad]."""
     if not (spec.mounting and spec.mounting.gear_loss_share):
         return 0.0
-    gearhead = {name: np.array([value]) for name, value in by_name(drive_set.gearhead).items()}
     cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, math.inf).behind(drive_set.belt_ratio)
-    return float((loss_at_flange(spec, cycle, gearhead) / gearhead["ratio"])[0])
+    return float(loss_at_flange(spec, cycle, one_row(drive_set.gearhead))[0]) / drive_set.gearhead.ratio
 
 
 def motor_heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None, list[str]]:
@@ -178,7 +177,7 @@ def motor_heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None
     tuple
         The bodies, None where a figure is unknown or the spec wants them cold; and assumptions, as sentences.
     """
-    figures = by_name(drive_set.motor)
+    figures = drive_set.motor
     bodies: TwoBodies = two_bodies(figures)
     if not (bodies.known and spec.plant.warming):
         return None, []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -164,7 +164,7 @@ def _stepper(
     motor, gearhead, damping = drive_set.motor, drive_set.gearhead, spec.control.damping_ratio
     found = {"gearhead": gearhead.inertia, "brake": drive_set.brake_inertia, "load": shaft.inertia}
     said += [f"the {_SMALL[name]} is unknown and taken as 0" for name, one in found.items() if math.isnan(one)]
-    efficiency, idle = gear_loss(asdict(gearhead))
+    efficiency, idle = gear_loss(gearhead)
     return Stepper(
         teeth=motor.pole_pairs,
         torque=np.ones(2),

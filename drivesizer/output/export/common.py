@@ -12,7 +12,7 @@ J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, d
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from math import cos, isfinite, isnan, nan
 from typing import Any
 
@@ -31,6 +31,7 @@ from drivesizer.loads.lever import Lever
 from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.output.export.limits import Limits, limits
 from drivesizer.output.export.stepper import OpenLoopStepper, limits_of, stepper_of
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, two_bodies
@@ -184,9 +185,9 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
     """
     case, spec = _load_case(for_drive(spec, found.chosen_screw), wheel)
     stepper, train, controller, said = _controlled(spec, found)
-    usable, motor = float(spec.feed_of(found.controller).usable), asdict(found.motor)
+    usable = float(spec.feed_of(found.controller).usable)
     voltage = spec.supply.lowest if isnan(usable) else usable
-    own, bodies, lever = found.controller, two_bodies(motor), _lever(spec)
+    own, bodies, lever = found.controller, two_bodies(found.motor), _lever(spec)
     return Export(
         name=spec.name,
         label=found.label,
@@ -199,11 +200,11 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
         voltage=voltage,
         voltage_known=not isnan(usable),
         peak_current=own.peak_current if own else float("nan"),
-        continuous_current=float(controller_current(asdict(own), spec.environment.ambient)) if own else float("nan"),
+        continuous_current=float(controller_current(own, spec.environment.ambient)) if own else float("nan"),
         limits=limits_of(found, stepper, train) if stepper else limits(spec, found, train, voltage),
         heat=bodies if bodies.known else None,
         housing=_housing(spec, found, bodies),
-        rotor_loss=_loss(motor),
+        rotor_loss=_loss(found.motor),
         ambient=spec.environment.ambient,
         elastic=spec.plant.model != "rigid",
         turns=spec.load.axis == "rotary",
@@ -303,7 +304,7 @@ def _named(part: Any) -> str:
     return " ".join(name for n, name in enumerate(names) if name and name not in names[:n])
 
 
-def _loss(motor: dict[str, Any]) -> tuple[float, float]:
+def _loss(motor: Figures) -> tuple[float, float]:
     coulomb, viscous = (float(x[0]) for x in housing_loss(motor, np.ones(1)))
     return (coulomb if isfinite(coulomb) else 0.0), (viscous if isfinite(viscous) else 0.0)
 

@@ -9,7 +9,6 @@ the friction of a joint by itself. K total ratio, e efficiency of gearhead and b
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from math import inf, isfinite, isnan, nan, sqrt
 from typing import NamedTuple
 
@@ -84,11 +83,11 @@ def _peak_currents(found: DriveSet, train: DriveTrain, voltage: float) -> dict[s
 
 def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
     controller, motor = found.controller, found.motor
-    rated = rated_ambient(asdict(motor))
+    rated = rated_ambient(motor)
     derating = float(current_derating(spec.environment.ambient, motor.max_winding_temperature, rated))
     left = rise_left(spec.environment)
     derating *= sqrt(left)
-    lasting = float(controller_current(asdict(controller), spec.environment.ambient)) if controller else nan
+    lasting = float(controller_current(controller, spec.environment.ambient)) if controller else nan
     return {
         "motor, nominal current": motor.nominal_current * derating,
         "controller, continuous current": lasting * left,

@@ -7,7 +7,6 @@ the figures of all candidates at once. Every step keeps its equation and the num
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Any
 
 from drivesizer import equations as eq
@@ -196,7 +195,7 @@ def of_drive(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Requirement]:
     if drive is None:
         return vehicle(spec, 0.0).steps
     wheel = vehicle(spec, drive.motor.rotor_inertia).steps
-    return wheel | at_the_motor(spec, wheel, asdict(drive.motor), asdict(drive.gearhead), drive.belt_ratio).steps
+    return wheel | at_the_motor(spec, wheel, drive.motor, drive.gearhead, drive.belt_ratio).steps
 
 
 def _as_printed(d: Derivation, declared: Equation, **inputs: Any) -> None:

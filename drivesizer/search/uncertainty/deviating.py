@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from drivesizer.catalog.parts import by_name
 from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.results.drive_set import DriveParts
@@ -47,8 +46,8 @@ def deviating_drive(one: DriveParts, spec: RobotSpec, factors: Factors) -> Drive
 
 
 def _motor(one: DriveParts, factors: Mapping[str, float]) -> Any:
-    bought = replace(one.motor, back_emf_constant=float(back_emf_constant(by_name(one.motor))))
-    varied = _times(bought, motor_factors(factors)) | with_dry_share(by_name(bought), factors)
+    bought = replace(one.motor, back_emf_constant=float(back_emf_constant(one.motor)))
+    varied = _times(bought, motor_factors(factors)) | with_dry_share(bought, factors)
     return replace(bought, **varied)
 
 
@@ -63,7 +62,7 @@ def _controller(one: DriveParts, spec: RobotSpec, factors: Mapping[str, float]) 
     controller, more = one.controller, factors.get("losses")
     if not controller or not more:
         return controller
-    stage = with_stage_losses(by_name(controller), more, assume=spec.select.estimates == "on")
+    stage = with_stage_losses(controller, more, assume=spec.select.estimates == "on")
     volts, efficiency = float(stage["voltage_drop"]), float(stage["max_efficiency"])
     return replace(controller, voltage_drop=volts, max_efficiency=efficiency)
 

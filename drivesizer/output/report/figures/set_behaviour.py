@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from functools import cached_property
 from math import fsum, isfinite, isnan, sqrt
 
@@ -84,7 +83,7 @@ class Behaviour:
         return max(known, key=lambda pair: pair[1].periodic.winding_peak) if len(known) == len(found) else None
 
     def _warm(self, found: SetCycle) -> WarmUp | None:
-        bodies = two_bodies(asdict(found.motor.part))
+        bodies = two_bodies(found.motor.part)
         return warm_up(bodies, found.spec.environment.ambient, warming(found)) if found.known else None
 
     @cached_property
@@ -134,12 +133,12 @@ class Behaviour:
         """Current and voltage; limits are those of the case as specified."""
         motor, controller = self.drive_set.motor, self.drive_set.controller
         derated = motor.nominal_current * current_derating(
-            self.spec.environment.ambient, motor.max_winding_temperature, rated_ambient(asdict(motor))
+            self.spec.environment.ambient, motor.max_winding_temperature, rated_ambient(motor)
         )
         left = rise_left(self.spec.environment)
         currents = [("motor, nominal", float(derated) * sqrt(left))]
         if controller:
-            lasting = float(controller_current(asdict(controller), self.spec.environment.ambient))
+            lasting = float(controller_current(controller, self.spec.environment.ambient))
             currents += [("controller, continuous", lasting * left)]
             currents += [("controller, peak", controller.peak_current)]
         return current_and_voltage(
