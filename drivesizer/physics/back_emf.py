@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.products import once_per_part
+from drivesizer.physics.figures import once_per_part
 
 __all__ = ["ELECTRONICS", "back_emf_constant"]
 

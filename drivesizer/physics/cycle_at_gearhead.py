@@ -32,10 +32,10 @@ from drivesizer.physics.cycle_figures import (
 )
 from drivesizer.physics.elements.gear_life import turned_load
 from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, extremes_of, first_largest
+from drivesizer.physics.figures import product
 from drivesizer.physics.groups import layout as at
 from drivesizer.physics.groups.census import SHORT, Census, census, in_blocks
 from drivesizer.physics.load_cycle import Figure, end_times, mean_product, middle, places
-from drivesizer.physics.products import product
 from drivesizer.physics.waveform import Wave, energy
 
 __all__ = [

@@ -1,10 +1,24 @@
-"""Figures of a part by field name: what every law of this room takes, whether of one part or of columns of them."""
+"""Figures of parts by field name, as every law takes them; columns over many candidates, and products of such.
+
+Products go a part at a time, each too small to be worth threads, which would wait for one another. Figures of a part
+are computed once for each part, not for each candidate that has it.
+"""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, Protocol, TypeVar
 
-__all__ = ["Figures"]
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Figures", "once_per_part", "product"]
+
+Array = NDArray[np.float64]
+Result = TypeVar("Result")
+_MULTIPLIED = 1 << 17  # products of figures at a time
+_WIDEST = 2048  # columns at a time, where these are too many
 
 
 class Figures(Protocol):
@@ -15,3 +29,64 @@ class Figures(Protocol):
 
     def __getitem__(self, name: str, /) -> Any:
         """A figure."""
+
+
+def product(rows: Array, columns: Array) -> Array:
+    """A matrix product of few figures each, ``rows @ columns``.
+
+    Parameters
+    ----------
+    rows
+        Shape (n, k).
+    columns
+        Shape (k, m).
+
+    Returns
+    -------
+    array
+        Shape (n, m).
+
+    Examples
+    --------
+    >>> product(np.array([[1.0, 2.0]]), np.array([[3.0], [4.0]])).tolist()
+    [[11.0]]
+    """
+    if rows.size * columns.shape[1] <= _MULTIPLIED:
+        return rows @ columns
+    found = np.empty((len(rows), columns.shape[1]))
+    wide = min(columns.shape[1], _WIDEST)
+    high = max(_MULTIPLIED // (columns.shape[0] * wide), 1)
+    for top in range(0, len(rows), high):
+        for left in range(0, columns.shape[1], wide):
+            part = slice(top, top + high), slice(left, left + wide)
+            np.matmul(rows[part[0]], columns[:, part[1]], out=found[part])
+    return found
+
+
+def once_per_part(compute: Callable[[Figures], Result]) -> Callable[[Figures], Result]:
+    """Make a function of a part's figures use what columns of many candidates know: which part is whose.
+
+    Parameters
+    ----------
+    compute
+        Function of figures by field name, one part's or columns, that mixes no rows. Its result is a column or a tuple
+        of columns.
+
+    Returns
+    -------
+    callable
+        The same function. Of figures with a method ``each`` it is what that gives.
+
+    Examples
+    --------
+    >>> doubled = once_per_part(lambda part: 2.0 * part["mass"])
+    >>> doubled({"mass": 0.5})
+    1.0
+    """
+
+    @wraps(compute)
+    def computed(part: Figures) -> Result:
+        each: Callable[[Callable[[Figures], Result]], Result] | None = getattr(part, "each", None)
+        return compute(part) if each is None else each(compute)
+
+    return computed

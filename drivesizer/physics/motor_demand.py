@@ -25,7 +25,7 @@ from drivesizer.physics.cycle_at_gearhead import (
     AtGearhead,
     lacking,
 )
-from drivesizer.physics.products import once_per_part
+from drivesizer.physics.figures import once_per_part
 
 __all__ = [
     "DRY_SHARE", "SLOTLESS", "Coefficients", "Demands", "coefficients", "demands", "drive_inertia", "flange_loss",

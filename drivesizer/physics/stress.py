@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
+from drivesizer.physics.figures import once_per_part
 from drivesizer.physics.load_cycle import Figure
 from drivesizer.physics.motor_demand import Demands, nominal_friction
-from drivesizer.physics.products import once_per_part
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
 
 __all__ = [

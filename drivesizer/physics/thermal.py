@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.files.frozen import dataclass
-from drivesizer.physics.products import once_per_part
+from drivesizer.physics.figures import once_per_part
 
 __all__ = [
     "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",

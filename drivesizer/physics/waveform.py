@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.extremes import first_largest
-from drivesizer.physics.products import product
+from drivesizer.physics.figures import product
 
 __all__ = [
     "Energy", "Wave", "balanced", "crossing", "energy", "extreme_powers", "highest_powers", "in_halves",

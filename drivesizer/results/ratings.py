@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.products import once_per_part
+from drivesizer.physics.figures import once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet

@@ -7,7 +7,7 @@ from specs import selecting
 from starters import starter
 
 from drivesizer.physics import cycle_at_gearhead, waveform
-from drivesizer.physics.products import product
+from drivesizer.physics.figures import product
 from drivesizer.results.check_columns import at_most, worst_case
 from drivesizer.search.columns import bus_bounds, overload_bounds, waveform_bounds
 from drivesizer.search.columns.candidates import Candidates

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
 from drivesizer.physics.extremes import Envelope, distinct, highest_and_lowest
+from drivesizer.physics.figures import product
 from drivesizer.physics.heat_bounds import Blocks, Bracket, blocks, bracket, merged
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, at_input, of_the_source
-from drivesizer.physics.products import product
 from drivesizer.physics.several_belts import behind_one, heat_behind_one
 from drivesizer.physics.stress import Heat, Parts, Stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies

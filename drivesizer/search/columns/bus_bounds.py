@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.extremes import Envelope, refined
+from drivesizer.physics.figures import product
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.products import product
 from drivesizer.physics.several_belts import behind_one, heat_behind_one
 from drivesizer.physics.stress import Heat, Parts, Stress, on
 from drivesizer.physics.thermal import resistance_25, resistance_at

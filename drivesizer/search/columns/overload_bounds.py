@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.extremes import Envelope
+from drivesizer.physics.figures import product
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.products import product
 from drivesizer.physics.several_belts import behind_one
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.results.ratings import controller_current

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, lacking
+from drivesizer.physics.figures import product
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
-from drivesizer.physics.products import product
 from drivesizer.physics.several_belts import at_a_time, behind_one, heat_behind_one
 from drivesizer.physics.stress import Heat, Parts, Stress, on, replaced, temperature_at_most, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies

@@ -16,8 +16,8 @@ from drivesizer.catalog import Brake, Controller
 from drivesizer.files.fields import at_defaults, default, no_entries
 from drivesizer.loads.kinds import Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.physics.figures import once_per_part
 from drivesizer.physics.power_stage import Feed, power_stage
-from drivesizer.physics.products import once_per_part
 from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.motions import Motion, Trapezoid
 from drivesizer.spec.robot.contradictions import refuse_contradictions
