@@ -54,10 +54,14 @@ def meeting(counts: Counts, best: Status | None, of: str = "") -> str:
     >>> counts = [Counts(considered=99, feasible=n, passing=k, failed_by={}) for n, k in ((1, 1), (7, 0), (113, 87))]
     >>> [meeting(count, "pass") for count in counts]
     ['1 meets all limits', '7 fail no check', '87 meet all limits, 26 more fail none, figures missing']
+    >>> meeting(Counts(considered=99, feasible=7, passing=5, failed_by={}, left_out=8), "pass")
+    '5 meet all limits, 10 more fail none, figures missing, 8 of them left out by select: {unknown: reject}'
     """
     passing = counts.passing if best in ("pass", None) else 0
-    more = counts.feasible - passing
+    more = counts.feasible - passing + counts.left_out
+    those = "" if counts.left_out == more else f"{counts.left_out:,} of them "
+    left = f", {those}left out by select: {{unknown: reject}}" if counts.left_out else ""
     if not passing and more:
-        return f"{more:,} fail{'s' * (more == 1)} no check{of}"
+        return f"{more:,} fail{'s' * (more == 1)} no check{of}{left}"
     meet = f"{passing:,} meet{'s' * (passing == 1)} all limits{of}"
-    return f"{meet}, {more:,} more fail{'s' * (more == 1)} none, figures missing" if more else meet
+    return f"{meet}, {more:,} more fail{'s' * (more == 1)} none, figures missing{left}" if more else meet

@@ -212,10 +212,6 @@ def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
     said += f", {counts.judged:,} were checked in the machine" if some else ""
     said += f", {ranked_by(result.objective, shown)}" if counts.feasible > 1 else ""
     console.print(f"{drives} considered, {said}.")
-    if counts.left_out:
-        console.print(
-            f"{counts.left_out:,} more meet all limits that are known; select: {{unknown: reject}} leaves them out."
-        )
     if whole and counts.failed_by:
         console.print("The others fail on:" if counts.feasible else "They fail on:")
         for name, count in sorted(counts.failed_by.items(), key=lambda item: -item[1]):
