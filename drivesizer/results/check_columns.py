@@ -27,6 +27,7 @@ __all__ = ["PROPOSAL", "CheckColumn", "at_least", "at_most", "between", "fits", 
 # what a check has of each candidate
 _COLUMNS = ("demand", "limit", "passed", "failed", "time", "case", "opened", "low", "high", "least_margin", "bounded")
 _ALIKE = 1e-9  # by which margins differ through rounding alone
+_MOST_DOUBLINGS = 10  # beyond which no drive is farther
 _NO_MARGIN = 1e99  # above any margin; over the demand it orders checks that have none
 
 
@@ -75,6 +76,18 @@ class CheckColumn:
         decided = self.passed | self.failed if self.opened is None else self.passed | self.failed | self.opened
         known = decided & (self.demand != self.zero)
         return np.where(known & np.isfinite(found), found, none)
+
+    @property
+    def doublings(self) -> NDArray[np.int64]:
+        """Number of times that the known end of a limit doubles up to the demand of an undecided check.
+
+        >>> at_most("motor_power", np.array([18.0, 22.0, 45.0, 90.0]), 20.0, most=99.0).doublings.tolist()
+        [0, 0, 1, 2]
+        """
+        with np.errstate(all="ignore"):
+            found = np.log2((self.demand - self.zero) / (self.limit - self.zero))
+        undecided = ~(self.passed | self.failed) & (found > 0.0)  # written so that NaN is none
+        return np.where(undecided, np.minimum(found, _MOST_DOUBLINGS), 0.0).astype(np.int64)
 
     @property
     def tightness(self) -> NDArray[np.float64]:

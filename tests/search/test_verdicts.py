@@ -208,6 +208,33 @@ def test_of_undecided_drives_those_come_first_of_which_least_is_undecided():
         assert max(undecided[:n], default=0) <= count + 2
 
 
+# no peak and no stall is printed of these: 1.2, 1.7 and 3.9 N*m continuous, of 257, 270 and 710 g
+TURNTABLE = """
+name: turntable
+load: {kind: rotary_table, inertia: %s kg*m^2}
+motion: {speed: 20 rpm, acceleration_time: 0.2 s, cruise_time: 100 s, rest_time: 3 s}
+transmission: [{kind: gearhead}]
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [robotis], estimates: "%s", motor: {part: [L42-10-S300-R, PM42-010-S260-R, PM54-040-S250-R]}}
+"""
+
+
+def test_of_drives_that_lack_the_same_figures_the_nearest_comes_first():
+    """20 rpm in 0.2 s, 10.47 rad/s^2: of 0.57 kg*m^2 5.97 N*m, 5.0, 3.5 and 1.5 times what is printed."""
+    found = size(spec_of(TURNTABLE % (0.57, "off"))).sets
+    lacking = [{check.name for check in one.checks if check.status == "unknown"} for one in found]
+    assert lacking[0] == lacking[1] == lacking[2]
+    assert [one.motor.part for one in found] == ["PM54-040-S250-R", "PM42-010-S260-R", "L42-10-S300-R"]
+
+
+def test_nothing_printed_bounds_a_peak_of_no_maker():
+    """Of 1.43 kg*m^2 14.97 N*m, 12.5 times the continuous torque of the smallest: open, and behind nearer ones."""
+    found = {one.motor.part: one for one in size(spec_of(TURNTABLE % (1.43, "on"))).sets}
+    assert next(iter(found)) == "PM54-040-S250-R"
+    peak = next(check for check in found["L42-10-S300-R"].checks if check.name == _SHORT)
+    assert (peak.status, peak.probability < 0.1) == ("open", True) and peak.demand / 1.2 > 10.0
+
+
 STEPPER = """
 name: stepper
 load: {kind: flywheel, inertia: 200 g*cm^2}

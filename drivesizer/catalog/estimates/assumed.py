@@ -104,7 +104,7 @@ ASSUMED: tuple[Fit, ...] = (
         0,
         0,
         (),
-        "no peak is printed: from the continuous torque to the stall",
+        "no peak is printed: from the continuous torque to the stall, if that is printed",
     ),
     Fit(
         Law("", "", "thermal_resistance_housing", ("thermal_resistance_housing",)),
@@ -183,6 +183,8 @@ def by_rating(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estim
 def by_stall(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
     """Estimates with the peak torque of actuators that print none: from the continuous torque to that at stall.
 
+    Where no stall is printed either nothing bounds it: the middle is that of a band up to ten times the continuous one.
+
     Parameters
     ----------
     table
@@ -198,12 +200,13 @@ def by_stall(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estima
     if table.section != "actuators":
         return found
     lasting, stall = table["nominal_torque"], table["stall_torque"]
-    low, high = np.fmax(lasting, _LEAST_SHARE * stall), np.where(np.isnan(stall), _MOST * lasting, stall)
+    low, usual = np.fmax(lasting, _LEAST_SHARE * stall), np.where(np.isnan(stall), _MOST * lasting, stall)
     low = np.where(np.isnan(lasting), low, lasting)
-    rows = np.flatnonzero(np.isnan(table["peak_torque"]) & (low < high))
+    rows = np.flatnonzero(np.isnan(table["peak_torque"]) & (low < usual))
     if not len(rows):
         return found
-    middle, law = np.sqrt(low * high)[rows], np.full(len(rows), _UP_TO_STALL)
+    middle, law = np.sqrt(low * usual)[rows], np.full(len(rows), _UP_TO_STALL)
+    high = np.where(np.isnan(stall), inf, stall)
     return found | {"peak_torque": Estimates(rows, middle, low[rows], high[rows], law)}
 
 
@@ -224,7 +227,7 @@ def by_rule(catalog: Catalog) -> dict[str, Estimates]:
     for name, stall in _STALL.items():
         rows = catalog.by_rule("actuators", name)
         value = table[name][rows]
-        high = np.where(np.isnan(table[stall][rows]), _MOST * value, table[stall][rows])
+        high = np.where(np.isnan(table[stall][rows]), inf, table[stall][rows])
         wide = high > value  # written so that NaN fails too
         if wide.any():
             law = np.full(int(wide.sum()), RULE)

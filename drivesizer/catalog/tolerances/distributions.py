@@ -25,7 +25,7 @@ def lognormal(low: Any, median: Any, high: Any, deviations: Array) -> Array:
     Parameters
     ----------
     low, high
-        Its 5th and 95th percentile.
+        Its 5th and 95th percentile; one that is infinite lies as far from the median as the other.
     median
         Between them.
     deviations
@@ -40,8 +40,12 @@ def lognormal(low: Any, median: Any, high: Any, deviations: Array) -> Array:
     --------
     >>> lognormal(0.5, 1.0, 4.0, np.array([-1.6448536269514722, 0.0, 1.6448536269514722])).round(9)
     array([0.5, 1. , 4. ])
+    >>> lognormal(0.5, 1.0, np.inf, np.array([1.6448536269514722])).round(9)
+    array([2.])
     """
-    return np.asarray(median * np.where(deviations > 0.0, high / median, median / low) ** (deviations / END))
+    up, down = np.divide(high, median), np.divide(median, low)
+    up, down = np.where(np.isinf(high), down, up), np.where(np.isinf(low), up, down)
+    return np.asarray(median * np.where(deviations > 0.0, up, down) ** (deviations / END))
 
 
 def deviations_at(share: Array) -> Array:

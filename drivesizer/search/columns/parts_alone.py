@@ -256,13 +256,15 @@ def _started(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearhe
     place = gearheads.of(some.belt, sets.gearhead)
     unknown = gearheads.amount.unknown.take(place, axis=0) | motor.unknown.take(sets.motor, axis=0)
     unknown |= np.concatenate([one.amount.unknown for one in parts.load]).take(some.belt, axis=0)
+    doublings = gearheads.amount.doublings[place] + motor.doublings[sets.motor]
+    doublings += np.concatenate([one.amount.doublings for one in parts.load])[some.belt]
     margin = gearheads.bound[place]
     if margins:
         of_load = np.concatenate([one.amount.margin for one in parts.load])
         margin = np.minimum.reduce([gearheads.amount.margin[place], motor.margin[sets.motor], of_load[some.belt]])
     cycles = [_behind_each(ats, some.belt) for ats in parts.behind]
     counted = None if crossed.first is None else some.row < crossed.first
-    return Started(sets, Sieve(crossed.number(*some), unknown, margin, margins, counted), cycles)
+    return Started(sets, Sieve(crossed.number(*some), unknown, doublings, margin, margins, counted), cycles)
 
 
 def all_of_them(problem: Problem, offered: Offers, sets: Candidates) -> Iterator[Started]:

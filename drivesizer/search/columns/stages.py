@@ -58,6 +58,7 @@ class Examined(NamedTuple):
     rows: NDArray[np.int64]  # which of those that were looked at these are
     checks: list[CheckColumn]  # theirs; in stages none are kept
     unknown: NDArray[np.uint64]  # checks that are, as bits in the order of ``check_kinds``, shape (rows, words)
+    doublings: NDArray[np.int64]  # of known limits up to the demands, over these
     margin: Array  # the smallest; where margins are not computed, in stages what it is at most by the gearhead alone
     encoder: NDArray[np.int64]
     controller: NDArray[np.int64]
@@ -312,6 +313,6 @@ def _examined(sieve: Sieve, parts: Parts, found: Powered) -> Examined:
     bound = np.concatenate([sieve.margin[:0], *(bound for _, bound in sieve.rejected)])
     brake = np.full(len(parts.motor.rows), -1) if parts.brake is None else parts.brake.rows
     return Examined(
-        sieve.rows, sieve.checks, sieve.unknown, sieve.margin, parts.encoder.rows[keep], found.controller[keep],
-        brake[keep], figures, sieve.failed_by, rejected, bound,
+        sieve.rows, sieve.checks, sieve.unknown, sieve.doublings, sieve.margin, parts.encoder.rows[keep],
+        found.controller[keep], brake[keep], figures, sieve.failed_by, rejected, bound,
     )  # fmt: skip

@@ -31,6 +31,7 @@ class Amount(NamedTuple):
 
     failed: NDArray[np.bool_]  # whether any fails
     unknown: NDArray[np.uint64]  # which are, as bits, shape (rows, words)
+    doublings: NDArray[np.int64]  # of known limits up to the demands, over the checks that are undecided
     margin: Array  # the smallest of those that hang on the load; infinite where margins are not computed
 
 
@@ -52,14 +53,16 @@ def amounting(found: Sequence[CheckColumn], count: int, margins: bool) -> Amount
         Of each row.
     """
     failed, unknown, margin = np.zeros(count, bool), np.zeros((count, _WORDS), np.uint64), np.full(count, np.inf)
+    doublings = np.zeros(count, np.int64)
     for check in found:
         failed |= check.failed
         if not check.passed.all():
             word, bit = _BITS[check.name]
             unknown[:, word] |= np.where(check.passed, np.uint64(0), bit)
+            doublings += check.doublings
         if margins:
             margin = np.minimum(margin, check.tightness)
-    return Amount(failed, unknown, margin)
+    return Amount(failed, unknown, doublings, margin)
 
 
 def bound_of(found: Sequence[CheckColumn], count: int) -> Array:
@@ -91,6 +94,7 @@ class Sieve:
         self,
         rows: NDArray[np.int64],
         unknown: NDArray[np.uint64],
+        doublings: NDArray[np.int64],
         margin: Array,
         margins: bool,
         counted: NDArray[np.bool_] | None = None,
@@ -99,7 +103,8 @@ class Sieve:
 
         ``counted``: whose failures count and which may be the closest rejected; None all.
         """
-        self.rows, self.unknown, self.margin, self.margins, self.counted = rows, unknown, margin, margins, counted
+        self.rows, self.unknown, self.doublings, self.margin = rows, unknown, doublings, margin
+        self.margins, self.counted = margins, counted
         self.staged = True
         self.checks: list[CheckColumn] = []
         self.failed_by: Counter[str] = Counter()
@@ -108,7 +113,8 @@ class Sieve:
     @classmethod
     def of_all(cls, rows: NDArray[np.int64], checks: list[CheckColumn]) -> Sieve:
         """Candidates that all go through, with the checks of their parts in full."""
-        sieve = cls(rows, np.zeros((len(rows), _WORDS), np.uint64), np.full(len(rows), np.inf), False)
+        none = np.zeros((len(rows), _WORDS), np.uint64), np.zeros(len(rows), np.int64)
+        sieve = cls(rows, *none, np.full(len(rows), np.inf), False)
         sieve.staged, sieve.checks = False, checks
         return sieve
 
@@ -117,7 +123,8 @@ class Sieve:
         found = []
         for place in places:
             counted = None if self.counted is None else self.counted[place]
-            part = Sieve(self.rows[place], self.unknown[place], self.margin[place], self.margins, counted)
+            undecided = self.unknown[place], self.doublings[place]
+            part = Sieve(self.rows[place], *undecided, self.margin[place], self.margins, counted)
             part.staged, part.checks = self.staged, [check.on(place) for check in self.checks]
             found.append(part)
         found[0].failed_by, found[0].rejected = self.failed_by, self.rejected
@@ -142,11 +149,10 @@ class Sieve:
             rejected, kept = np.flatnonzero(self._counted(amount.failed)), np.flatnonzero(~amount.failed)
             self.rejected.append((self.rows[rejected], bound_of([c.on(rejected) for c in found], len(rejected))))
             self.rows, self.margin = self.rows[kept], self.margin[kept]
-            self.unknown, unknown = self.unknown.take(kept, axis=0), amount.unknown.take(kept, axis=0)
+            self.unknown, self.doublings = self.unknown.take(kept, axis=0), self.doublings[kept]
             self.counted = None if self.counted is None else self.counted[kept]
-        else:
-            unknown = amount.unknown
-        self.unknown |= unknown
+        self.unknown |= amount.unknown[kept]
+        self.doublings += amount.doublings[kept]
         if self.margins:
             self.margin = np.minimum(self.margin, amount.margin[kept])
         return kept

@@ -1,8 +1,8 @@
 """Order of drives before their margins count, and how many of them margins decide between.
 
 Before the objective goes the certainty that a drive passes: of open ones how probable it is, of unknown ones how few
-checks are undecided. Margins need the waveform, so that they are computed of as
-few as are equal to the last that is shown.
+checks are undecided and how few times a known limit must be doubled for them. Margins need the waveform, so that they
+are computed of as few as are equal to the last that is shown.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.search.order import ranking
 from drivesizer.search.order.open_checks import passing
 from drivesizer.search.order.ranking import Ranking
-from drivesizer.search.order.sifting import OPEN, PASSES, Sifted
+from drivesizer.search.order.sifting import OPEN, PASSES, UNKNOWN, Sifted
 
 __all__ = ["Rank", "equals_of_the_last", "held_back", "ranked", "waveforms"]
 
 Array = NDArray[np.float64]
 _CELLS = 50_000  # drives times pieces of the load cycle, of which margins are computed to order equals
 _SAMPLED = 32  # open drives at most
+_HARDLY = 4  # unknown checks behind which one stands that passes in less than a tenth of its band
 _TENTHS = 12  # places for tenths of a probability, and for what is not sampled
 
 
@@ -106,7 +107,8 @@ def _precedence(
             controller=few.controller[[place]], brake=few.brake[[place]]
         )
         together = passing(problem, one, few.open_checks(place), each=False)[""]
-        precedence[row] = _TENTHS * (OPEN + 1) - 1 - int(10.0 * together)
+        tenths = int(10.0 * together)
+        precedence[row] = _TENTHS * (OPEN + 1) - 1 - tenths if tenths else _TENTHS * UNKNOWN + _HARDLY
     return precedence
 
 

@@ -34,7 +34,7 @@ _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_wavefo
 _CHUNK = 1 << 20  # drives at a time
 _NEAREST = 32  # of the rejected, kept until all are known
 _SOME = 1 << 12  # of the rejected, among which the farthest that may be kept is found
-_OF_ROWS = ("rows", "unknown", "margin", "encoder", "controller", "brake")  # of what was examined
+_OF_ROWS = ("rows", "unknown", "doublings", "margin", "encoder", "controller", "brake")  # of what was examined
 _ALIKE = 1e-7  # share of a margin within which rounding makes others equal
 
 
@@ -46,7 +46,7 @@ class Sifted(NamedTuple):
     figures: dict[str, Array]  # that objectives count
     lacking: NDArray[
         np.int64
-    ]  # number of checks that are unknown, but for those that are so of all; 1 more if any is open
+    ]  # checks that are unknown, but for those that are so of all, and doublings up to their demands; 1 if any is open
     most: Array  # what the smallest margin of each is at most; infinite where that is not known
     passes: NDArray[np.bool_]  # none of its checks is unknown or open
 
@@ -58,6 +58,7 @@ class _Found(NamedTuple):
     sets: Candidates
     opened: NDArray[np.bool_]
     unknown: NDArray[np.uint64]  # checks, as bits, shape (rows, words)
+    doublings: NDArray[np.int64]  # of known limits up to the demands, over these
     figures: dict[str, Array]
     most: Array
     failed_by: Counter[str]
@@ -172,10 +173,7 @@ def _together(found: Iterator[Examined]) -> Examined:
     several = list(found)
     if len(several) == 1:
         return several[0]
-    whole = {
-        name: np.concatenate([getattr(one, name) for one in several])
-        for name in ("rows", "unknown", "margin", "encoder", "controller", "brake", "rejected", "bound")
-    }
+    whole = {name: np.concatenate([getattr(one, name) for one in several]) for name in (*_OF_ROWS, "rejected", "bound")}
     figures = {name: np.concatenate([one.figures[name] for one in several]) for name in several[0].figures}
     failed_by = sum((one.failed_by for one in several), Counter[str]())
     return Examined(checks=[], figures=figures, failed_by=failed_by, **whole)
@@ -189,7 +187,7 @@ def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.b
     few = _closest(one.bound)
     failing = _nearest(problem, [(every.on(one.rejected[few]), one.bound[few])])
     count = len(every.counted.motor) * len(every.belts)
-    return _Found(count, every.on(one.rows), opened, one.unknown, figures, most, one.failed_by, *failing)
+    return _Found(count, every.on(one.rows), opened, one.unknown, one.doublings, figures, most, one.failed_by, *failing)
 
 
 def _closest(bound: Array) -> NDArray[np.int64]:
@@ -289,7 +287,9 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
         figures, nothing = dict.fromkeys((*COUNTED, "margin", BRAKE), none.belt), np.zeros(0, np.int64)
         return Sifted(none, nothing, figures, nothing, none.belt, nothing == 0)
     sets = joined([k.sets for k in kept])
-    opened, unknown, most = (np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown", "most"))
+    opened, unknown, doublings, most = (
+        np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown", "doublings", "most")
+    )
     figures = {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures}
     rows = estimated(problem, sets)
     if names & set(COUNTED) and len(rows):
@@ -302,7 +302,7 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
         return _on(Sifted(sets, opened * OPEN, figures, nothing, most, ~opened), np.flatnonzero(known))
     own = unknown & ~np.bitwise_and.reduce(unknown, axis=0)  # what all lack sets none back
     lacking = np.unpackbits(own.view(np.uint8), axis=1).sum(axis=1, dtype=np.int64)
-    lacking += opened & (lacking > 0)  # some checks of these are open besides
+    lacking += doublings + (opened & (lacking > 0))  # some checks of these are open besides
     certainty = np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES))
     return Sifted(sets, certainty, figures, lacking, most, known & ~opened)
 
