@@ -7,10 +7,7 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: workers fill the cores, more threads only wait
 
 import gc
-import shutil
 import signal
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -22,6 +19,7 @@ from specs import estimates_off
 from drivesizer import cli
 from drivesizer.catalog import Catalog, load
 from drivesizer.files.cache import digest_of
+from drivesizer.files.machine_code import translate_all
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, load_spec
@@ -37,10 +35,10 @@ settings.load_profile("suite")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Point compiled catalogues and machine code to a folder of the tests, kept between runs.
+    """Point compiled catalogues to a folder of the tests, kept between runs, and translate what has changed.
 
     A hook and not a fixture, because the doctests in the package load catalogues too. Parallel workers inherit the
-    folder of the process that started them, and find the machine code there.
+    folder of the process that started them.
     """
     gc.set_threshold(50_000, 20, 50)  # what is imported and collected stays: to look through it is a sixth of the time
     if hasattr(config, "workerinput"):
@@ -49,8 +47,7 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["DRIVESIZER_CACHE"] = str(CACHE)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each command that a test starts compiles it all
     _drop_outdated()
-    if getattr(config.option, "numprocesses", None):
-        _compile_kernels()
+    translate_all()
 
 
 def pytest_collection_finish() -> None:
@@ -62,7 +59,7 @@ def pytest_collection_finish() -> None:
 def _drop_outdated() -> None:
     """Remove what other sources of the package made: the name of a compiled catalogue has its version in it.
 
-    Edits change no version. Machine code is named by its own sources; the few newest are kept.
+    Edits change no version.
     """
     package = ROOT / "drivesizer"
     sources = sorted(path for path in package.rglob("*.*") if "__pycache__" not in path.parts)
@@ -73,27 +70,6 @@ def _drop_outdated() -> None:
         for old in (path for path in CACHE.iterdir() if path.is_file()):
             old.unlink(missing_ok=True)
         stamp.write_text(digest, encoding="utf-8")
-    kernels = sorted((CACHE / "kernels").glob("*"), key=lambda path: path.stat().st_mtime)
-    for folder in kernels[:-8]:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def _compile_kernels() -> None:
-    """Kernels without bitcode before the workers begin, so that each is compiled once and not by every worker."""
-    from drivesizer.control.engine.kernel import KERNEL as DRIVE
-    from drivesizer.control.path_following.kernel import KERNEL as PLATFORM
-
-    wanted = {"validate": (DRIVE, "sps_robot.yaml"), "drive": (PLATFORM, "sps_platform.yaml")}
-    runs = [
-        subprocess.Popen(
-            [sys.executable, "-m", "drivesizer", command, str(ROOT / "examples" / spec)],
-            cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )
-        for command, (kernel, spec) in wanted.items()
-        if not kernel.kept
-    ]  # fmt: skip
-    for run in runs:
-        run.wait()  # whatever is wrong with it, a test will find
 
 
 @pytest.fixture(scope="session")

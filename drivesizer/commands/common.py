@@ -163,7 +163,7 @@ def progress() -> Iterator[Callable[[int, int], None]]:
 
 
 def simulating(on: str) -> AbstractContextManager[None]:
-    """Status line of a simulation; the first one on a machine says that it is compiled before.
+    """Status line of a simulation; one whose machine code is not at hand says that it is made first.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def simulating(on: str) -> AbstractContextManager[None]:
     """
     from drivesizer.control.engine import kept
 
-    return working(on if kept() else f"{on}; compiling the simulation first, once on this machine, some 10 s")
+    return working(on if kept() else f"{on}; translating the simulation to machine code first, once, some 10 s")
 
 
 @contextmanager

@@ -2,36 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
 from io import StringIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files import plain_rows
-from drivesizer.files.machine_code import Kernel, defined_in, machine_code
+__all__ = ["plain_columns"]
 
-__all__ = ["KERNEL", "compiled", "plain_columns"]
-
-KERNEL = Kernel(
-    functions=defined_in((plain_rows,)),
-    modules=(plain_rows,),
-    inline=True,
-    slow="numba is not installed: long recordings are read some times slower",
-    arguments="b1 d1 d2",
-)
 Array = NDArray[np.float64]
 _PLAIN = b"0123456789+-.eE, \r\n"  # of numbers that need no closer look
 _PIECE = 1 << 21  # bytes that are read at a time
-_LONG = 1 << 22  # bytes from where machine code, which has to be loaded, is the quicker
-_TENS = np.array([float(10**k) for k in range(plain_rows.TENS + 1)])
-
-
-@cache
-def compiled() -> Callable[..., int] | None:
-    """``plain_rows.read_rows`` as machine code; None where it was neither translated beforehand nor compiled before."""
-    return machine_code(KERNEL) if KERNEL.kept else None
 
 
 def plain_columns(text: bytes, below: int, rising: int, factors: list[float], most: int) -> list[Array] | None:
@@ -65,7 +45,7 @@ def plain_columns(text: bytes, below: int, rising: int, factors: list[float], mo
     start, read = below, 0
     while start < len(text):
         end = text.find(b"\n", start + _PIECE) + 1 or len(text)
-        found = _values(text[start:end], len(factors), long=len(text) > _LONG)
+        found = _values(text[start:end], len(factors))
         if found is None:
             return None
         for column, values in zip(columns, found, strict=True):
@@ -74,14 +54,8 @@ def plain_columns(text: bytes, below: int, rising: int, factors: list[float], mo
     return columns if read == lines and _in_si(columns, rising, factors) else None  # else a blank line was left out
 
 
-def _values(piece: bytes, width: int, *, long: bool) -> Array | None:
+def _values(piece: bytes, width: int) -> Array | None:
     """Values of some rows: (columns, rows)."""
-    read = compiled() if long else None
-    if read is not None:
-        values = np.empty((width, piece.count(b"\n") + 1))
-        count = read(np.frombuffer(piece, np.int8), _TENS, values)
-        if count > 0:
-            return values[:, :count]
     if not piece.strip() or piece.translate(None, _PLAIN):
         return None
     try:

@@ -1,25 +1,32 @@
-"""Plain functions on arrays as machine code: translated beforehand, else compiled by numba; and the cache of that.
+"""Plain functions on arrays as machine code: a shared library beside their sources, made of them when drivesizer is installed.
 
-What numba compiled is kept in a folder named by the digest of all its source files and numba's version, so that
-outdated code is never used; where that folder cannot be written it is compiled in memory at every start. It runs
-without the interpreter's lock: threads run in parallel.
+numba reads the Python functions and optimises them, LLVM makes an object file for any processor of the system, and
+the C compiler links it, or zig where there is none. Nothing of numba or LLVM is loaded to call it. A library carries
+the digest of all that it is made of in its name: where sources have changed it is made anew at first use.
+``make kernels`` makes all of them.
 """
 
 from __future__ import annotations
 
+import ctypes
+import importlib
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
 import tempfile
 import warnings
 from collections.abc import Callable, Sequence
-from importlib import metadata
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
-from drivesizer.errors import reason_of
-from drivesizer.files.cache import CacheWarning, digest_of, folder
-from drivesizer.files.translation import linked, usable
+from drivesizer.files.cache import digest_of
 
-__all__ = ["Kernel", "SlowWarning", "defined_in", "files_of", "machine_code", "translated"]
+__all__ = ["Kernel", "SlowWarning", "all_kernels", "defined_in", "files_of", "machine_code", "translate", "translate_all"]
+
+_ELEMENTS = {"d": "float64", "b": "int8", "q": "int64"}  # of arrays, by their letter
 
 
 class SlowWarning(UserWarning):
@@ -32,44 +39,21 @@ class Kernel(NamedTuple):
     functions: tuple[Callable[..., Any], ...]  # each calls only those before it; the last one is called from outside
     modules: tuple[ModuleType, ...]  # that define them and their constants
     inline: bool  # whether each is inlined where it is called: faster, and longer to compile
-    slow: str  # the warning without numba
-    arguments: str  # of the last one: a word each, type and dimensions, as ``translation.linked`` takes them
+    slow: str  # what is slow without machine code
+    arguments: str  # of the last one: a word each, type and dimensions: ``d2`` rows of floats, ``d0`` a float
 
     @property
-    def sources(self) -> str:
-        """Digest of all that it is made from."""
-        return digest_of(self.arguments.encode(), *(path.read_bytes() for path in files_of(self)))
-
-    @property
-    def translation(self) -> Path:
-        """File of what it was translated to beforehand."""
+    def library(self) -> Path:
+        """File of its machine code, beside its last function."""
         last = self.functions[-1]
-        return Path(last.__code__.co_filename).with_name(f"{last.__name__}.bitcode")
+        made_of = (path.read_bytes() for path in (*files_of(self), Path(__file__)))
+        digest = digest_of(sysconfig.get_platform().encode(), self.arguments.encode(), *made_of)
+        return Path(last.__code__.co_filename).with_name(f"{last.__name__}-{digest}.so")
 
     @property
     def kept(self) -> bool:
-        """Whether nothing has to be compiled by numba: translated beforehand, or compiled before by this numba."""
-        if usable(self.translation, self.sources) is not None:
-            return True
-        try:
-            place = self._place(metadata.version("numba"))
-        except metadata.PackageNotFoundError:
-            return False
-        return place.is_dir() and any(place.rglob("*.nbc"))
-
-    def _place(self, version: str) -> Path:
-        made_from = (path.read_bytes() for path in files_of(self))
-        return folder() / "kernels" / digest_of(version.encode(), *made_from)
-
-    def folder(self, version: str) -> Path | None:
-        """Folder of compiled code; None where nothing can be written."""
-        place = self._place(version)
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=place):
-                return place
-        except OSError:
-            return None
+        """Whether it has been translated as its sources are now."""
+        return self.library.is_file()
 
 
 def files_of(kernel: Kernel) -> list[Path]:
@@ -85,74 +69,115 @@ def defined_in(modules: Sequence[ModuleType]) -> tuple[FunctionType, ...]:
 
 
 def machine_code(kernel: Kernel) -> Callable[..., int]:
-    """The last function of a kernel as machine code; as plain Python without numba.
+    """The last function of a kernel as machine code, which runs without the interpreter's lock.
 
     Warns
     -----
     SlowWarning
-        When numba is not installed.
-    CacheWarning
-        Once it is compiled, when it cannot be kept.
+        Where there is no machine code and none can be made: then it is the function as plain Python.
     """
-    if (ready := linked(kernel.translation, kernel.sources, kernel.arguments)) is not None:
-        return ready
     try:
-        import numba
-    except ImportError:
-        warnings.warn(kernel.slow, SlowWarning, stacklevel=3)
+        if not kernel.kept:
+            translate(kernel)
+        return _callable(kernel)
+    except (ImportError, OSError, subprocess.CalledProcessError):
+        warnings.warn(f"{kernel.slow}, for there is no machine code here; install it anew", SlowWarning, stacklevel=3)
         plain: Callable[..., int] = kernel.functions[-1]
         return plain
-    config: Any = numba.config
-    place, before = kernel.folder(numba.__version__), config.CACHE_DIR
-    try:
-        config.CACHE_DIR = str(place or before)
-        made = translated(kernel, numba.njit, keep=place is not None)
-    finally:
-        config.CACHE_DIR = before
-    if place is not None:
-        _warn_where_not_stored(made._cache, place)
-    compiled: Callable[..., int] = made
-    return compiled
 
 
-def _warn_where_not_stored(cache: Any, place: Path) -> None:
-    """Warn where numba cannot store its code, such as on a full disk, instead of stopping the run."""
-    save = cache.save_overload
+def _callable(kernel: Kernel) -> Callable[..., int]:
+    """A function of arrays and floats out of a library."""
+    native = getattr(ctypes.CDLL(str(kernel.library)), kernel.functions[-1].__name__)
+    wanted = [(_ELEMENTS[word[0]], int(word[1])) for word in kernel.arguments.split()]
+    native.argtypes = [ctypes.c_void_p] * 2
+    for _, dimensions in wanted:
+        native.argtypes += [ctypes.c_int64] * (5 + 2 * dimensions) if dimensions else [ctypes.c_double]
 
-    def save_or_warn(*given: Any) -> None:
-        try:
-            save(*given)
-        except OSError as error:
-            warnings.warn(f"the compiled code is not kept in {place} ({reason_of(error)})", CacheWarning, stacklevel=2)
+    def call(*given: Any) -> int:
+        slots: list[Any] = []
+        for (kind, dimensions), value in zip(wanted, given, strict=True):
+            if not dimensions:
+                slots.append(value)
+            elif value.dtype.name == kind and value.ndim == dimensions and value.flags.c_contiguous:
+                # as numba hands an array over: owner, parent, items, bytes of one, address, shape, strides
+                slots += (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
+            else:
+                raise TypeError(f"an array of {value.dtype.name}, {value.shape}; expected {kind} and {dimensions}")
+        found, raised = ctypes.c_int64(), ctypes.c_void_p()
+        if native(ctypes.byref(found), ctypes.byref(raised), *slots):
+            raise RuntimeError("the machine code raised an exception")
+        return found.value
 
-    cache.save_overload = save_or_warn
+    return call
 
 
-def translated(kernel: Kernel, njit: Any, keep: bool) -> Any:
-    """Compile every function; in a namespace of their own they call each other, not the plain ones.
+def translate(kernel: Kernel) -> None:
+    """Make the library of a kernel; those of its earlier sources are removed.
 
     Parameters
     ----------
     kernel
-        What is compiled.
-    njit
-        numba's, or a stand-in.
-    keep
-        Whether the last one is kept in the cache folder.
+        What is translated.
 
-    Returns
-    -------
-    Callable
-        The last function, compiled.
+    Raises
+    ------
+    ImportError
+        Without numba.
+    OSError, subprocess.CalledProcessError
+        Where nothing can be written, or linked.
     """
-    names: dict[str, Any] = {}
+    from llvmlite import binding as llvm
+
+    library, compiled = kernel.library, _compiled(kernel)
+    module = llvm.parse_assembly(compiled.library.get_llvm_str())
+    module.get_function(compiled.fndesc.llvm_func_name).name = kernel.functions[-1].__name__
+    target = llvm.Target.from_default_triple().create_target_machine(cpu="", opt=3, reloc="pic", codemodel="default")
+    linker = ["cc"] if sys.platform == "linux" and shutil.which("cc") else [sys.executable, "-m", "ziglang", "cc"]
+    with tempfile.TemporaryDirectory(dir=library.parent) as place:
+        item, made = Path(place) / "kernel.o", Path(place) / "kernel.so"
+        item.write_bytes(target.emit_object(module))
+        subprocess.run([*linker, "-shared", item, "-lm", "-o", made], check=True, capture_output=True)
+        for old in library.parent.glob(f"{kernel.functions[-1].__name__}-*.so"):
+            old.unlink(missing_ok=True)
+        made.replace(library)
+
+
+def _compiled(kernel: Kernel) -> Any:
+    """What numba makes of a kernel, for any processor of the system."""
+    import numba
+
+    numba.config.CPU_NAME, numba.config.CPU_FEATURES = "generic", ""
+    names: dict[str, Any] = {}  # in a namespace of their own the functions call each other, not the plain ones
     for module in kernel.modules:
         names |= vars(module)
     # nothing is allocated inside: without counting references (_nrt) a call costs less than its work
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
-    inner: dict[str, Any] = {"no_cpython_wrapper": True} | ({"forceinline": True} if kernel.inline else {})
+    options = {
+        "nogil": True, "error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "no_cpython_wrapper": True,
+        "forceinline": kernel.inline,
+    }  # fmt: skip
     for function in kernel.functions:
-        more = {"cache": keep} if function is kernel.functions[-1] else inner
         copy = FunctionType(function.__code__, names, function.__name__)
-        names[function.__name__] = njit(**options, **more)(copy)
-    return names[kernel.functions[-1].__name__]
+        names[function.__name__] = numba.njit(**options)(copy)
+    last = names[kernel.functions[-1].__name__]
+    types = {letter: getattr(numba, kind) for letter, kind in _ELEMENTS.items()}
+    words = [(types[word[0]], int(word[1])) for word in kernel.arguments.split()]
+    last.compile(tuple(numba.types.Array(kind, n, "C") if n else kind for kind, n in words))
+    (compiled,) = last.overloads.values()
+    return compiled
+
+
+def all_kernels() -> list[Kernel]:
+    """Those of the package: in its modules of the name ``kernel``."""
+    package = Path(__file__).parent.parent
+    paths = sorted(path.relative_to(package.parent).with_suffix("") for path in package.rglob("kernel.py"))
+    modules = [importlib.import_module(".".join(path.parts)) for path in paths]
+    return [one for module in modules for one in vars(module).values() if isinstance(one, Kernel)]
+
+
+def translate_all() -> None:
+    """Make every library that is not there yet."""
+    for kernel in all_kernels():
+        if not kernel.kept:
+            sys.stderr.write(f"translating {kernel.functions[-1].__name__} to machine code ...\n")
+            translate(kernel)

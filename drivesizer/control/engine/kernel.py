@@ -33,17 +33,17 @@ KERNEL = Kernel(
     functions=(*(f for f in defined_in(_COMPILED) if f is not _LAST), _LAST),
     modules=(layout, *_COMPILED),
     inline=True,
-    slow="numba is not installed: the closed loop runs some hundred times slower",
+    slow="the closed loop runs some hundred times slower",
     arguments="d1 d1 d1 d5 d4 d2 d1 d1 d2 d1 d2 b1 q1",
 )
 
 
 @cache
 def compiled() -> Callable[..., int]:
-    """``sample_loop.simulate_one`` as machine code, kept in the user's cache folder; as plain Python without numba."""
+    """``sample_loop.simulate_one`` as machine code."""
     return machine_code(KERNEL)
 
 
 def kept() -> bool:
-    """Whether the simulation was compiled before by this numba; without numba it never is."""
+    """Whether the simulation is at hand as machine code."""
     return KERNEL.kept

@@ -1,4 +1,4 @@
-"""Simulation of a stepper as machine code, where numba is installed; as plain Python without it."""
+"""Simulation of a stepper as machine code; see ``machine_code``."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ KERNEL = Kernel(
     functions=defined_in((rotor,)),
     modules=(layout, rotor),
     inline=False,
-    slow="numba is not installed: the simulation of a stepper runs some hundred times slower",
+    slow="the simulation of a stepper runs some hundred times slower",
     arguments="d1 d1 d2 d1 d2 d0 d0 d0",
 )
 
 
 @cache
 def compiled() -> Callable[..., int]:
-    """``rotor.turn_rotor`` as machine code, kept in the user's cache folder; as plain Python without numba."""
+    """``rotor.turn_rotor`` as machine code."""
     return machine_code(KERNEL)

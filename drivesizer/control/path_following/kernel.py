@@ -1,4 +1,4 @@
-"""Simulation of a platform as machine code, where numba is installed; as plain Python without it."""
+"""Simulation of a platform as machine code; see ``machine_code``."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ KERNEL = Kernel(
     functions=(slip.grip, slip.grip_slope, *defined_in((kernel_forces, kernel_step, kernel_loop))),
     modules=(kernel_layout, slip, kernel_forces, kernel_step, kernel_loop),
     inline=False,
-    slow="numba is not installed: the simulation of a platform runs some hundred times slower",
+    slow="the simulation of a platform runs some hundred times slower",
     arguments="d2 d2 d1 d2 d2 d2 d2 d1 d2 d2 d2 d1 d1 d0 d0 d0 d2 d2 d2 d1 d2 d3 d2 d1",
 )
 
 
 @cache
 def compiled() -> Callable[..., int]:
-    """``kernel_loop.follow_one`` as machine code, kept in the user's cache folder; as plain Python without numba."""
+    """``kernel_loop.follow_one`` as machine code."""
     return machine_code(KERNEL)

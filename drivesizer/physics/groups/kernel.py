@@ -14,14 +14,14 @@ KERNEL = Kernel(
     functions=defined_in((look,)),
     modules=(layout, look),
     inline=True,
-    slow="numba is not installed: long load cycles take some times longer",
+    slow="long load cycles take some times longer",
     arguments="d0 d0 d1 d1 d1 d1 q1 d2 d3 q1 d3 d1",
 )
 BLOCKS = Kernel(
     functions=defined_in((in_blocks,)),
     modules=(block_layout, in_blocks),
     inline=True,
-    slow="numba is not installed: long load cycles take some times longer",
+    slow="long load cycles take some times longer",
     arguments="d0 d0 q1 d1 d1 d1 d1 q1 d1 d3",
 )
 
@@ -34,5 +34,5 @@ def compiled_blocks() -> Callable[..., int] | None:
 
 @cache
 def compiled() -> Callable[..., int] | None:
-    """``look.look_through`` as machine code; None where it was neither translated beforehand nor compiled before."""
+    """``look.look_through`` as machine code; None where it is not at hand."""
     return machine_code(KERNEL) if KERNEL.kept else None

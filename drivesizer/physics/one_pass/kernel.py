@@ -15,12 +15,12 @@ KERNEL = Kernel(
     functions=(look.below, *defined_in((heating, feeding, pieces, through))),
     modules=(layout, look, heating, feeding, pieces, through),
     inline=True,
-    slow="numba is not installed: long load cycles take some times longer",
+    slow="long load cycles take some times longer",
     arguments="d1 d1 d1 d2 d1 d1 d1 d1 q1",
 )
 
 
 @cache
 def compiled() -> Callable[..., int] | None:
-    """``through.pass_over`` as machine code; None where it was neither translated beforehand nor compiled before."""
+    """``through.pass_over`` as machine code; None where it is not at hand."""
     return machine_code(KERNEL) if KERNEL.kept else None
