@@ -15,7 +15,7 @@ class MachineCode(BuildHookInterface):  # type: ignore[type-arg]
     """Translates the kernels into the package; without them it works too, its closed loops slowly."""
 
     def dependencies(self) -> list[str]:
-        """What translates them: numba, and zig where no C compiler links; the others are what the kernels' rooms load."""
+        """What translates them: numba, zig where no C compiler links, and what the kernels' rooms load."""
         if sys.version_info >= (3, 15):  # for which there is no numba yet
             return []
         linker = [] if sys.platform == "linux" and shutil.which("cc") else ["ziglang"]
@@ -24,7 +24,7 @@ class MachineCode(BuildHookInterface):  # type: ignore[type-arg]
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Make the libraries beside their sources, and the wheel one for this system and every Python."""
         translate = "from drivesizer.files.machine_code import translate_all; translate_all()"
-        if subprocess.run([sys.executable, "-c", translate], cwd=self.root, check=False).returncode:
+        if subprocess.run([sys.executable, "-c", translate], cwd=self.root, check=False).returncode:  # noqa: S603
             self.app.display_warning("no machine code here: closed loops will run some hundred times slower")
             return
         system = sysconfig.get_platform().replace("-", "_").replace(".", "_")

@@ -1,16 +1,14 @@
-"""Plain functions on arrays as machine code: a shared library beside their sources, made of them when drivesizer is installed.
+"""Plain functions on arrays as machine code: a shared library beside their sources, made when drivesizer is installed.
 
 numba reads the Python functions and optimises them, LLVM makes an object file for any processor of the system, and
 the C compiler links it, or zig where there is none. Nothing of numba or LLVM is loaded to call it. A library carries
 the digest of all that it is made of in its name: where sources have changed it is made anew at first use.
-``make kernels`` makes all of them.
 """
 
 from __future__ import annotations
 
 import ctypes
 import importlib
-import os
 import shutil
 import subprocess
 import sys
@@ -24,7 +22,16 @@ from typing import Any, NamedTuple
 
 from drivesizer.files.cache import digest_of
 
-__all__ = ["Kernel", "SlowWarning", "all_kernels", "defined_in", "files_of", "machine_code", "translate", "translate_all"]
+__all__ = [
+    "Kernel",
+    "SlowWarning",
+    "all_kernels",
+    "defined_in",
+    "files_of",
+    "machine_code",
+    "translate",
+    "translate_all",
+]
 
 _ELEMENTS = {"d": "float64", "b": "int8", "q": "int64"}  # of arrays, by their letter
 
@@ -137,7 +144,7 @@ def translate(kernel: Kernel) -> None:
     with tempfile.TemporaryDirectory(dir=library.parent) as place:
         item, made = Path(place) / "kernel.o", Path(place) / "kernel.so"
         item.write_bytes(target.emit_object(module))
-        subprocess.run([*linker, "-shared", item, "-lm", "-o", made], check=True, capture_output=True)
+        subprocess.run([*linker, "-shared", item, "-lm", "-o", made], check=True, capture_output=True)  # noqa: S603
         for old in library.parent.glob(f"{kernel.functions[-1].__name__}-*.so"):
             old.unlink(missing_ok=True)
         made.replace(library)
@@ -147,12 +154,13 @@ def _compiled(kernel: Kernel) -> Any:
     """What numba makes of a kernel, for any processor of the system."""
     import numba
 
-    numba.config.CPU_NAME, numba.config.CPU_FEATURES = "generic", ""
+    config: Any = numba.config
+    config.CPU_NAME, config.CPU_FEATURES = "generic", ""
     names: dict[str, Any] = {}  # in a namespace of their own the functions call each other, not the plain ones
     for module in kernel.modules:
         names |= vars(module)
     # nothing is allocated inside: without counting references (_nrt) a call costs less than its work
-    options = {
+    options: dict[str, Any] = {
         "nogil": True, "error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "no_cpython_wrapper": True,
         "forceinline": kernel.inline,
     }  # fmt: skip

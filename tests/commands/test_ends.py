@@ -18,7 +18,7 @@ from starters import STARTERS
 from drivesizer import cli
 from drivesizer.commands import ends
 from drivesizer.errors import InputError
-from drivesizer.files.cache import CacheWarning, keep
+from drivesizer.files.cache import keep
 from drivesizer.files.writing import new, put, ready_all
 from drivesizer.output.export.fmu import render as render_fmu
 from drivesizer.output.terminal.tables import console
@@ -302,20 +302,6 @@ def test_closed_streams_are_no_fault(folder):
     command = f"{sys.executable} -m drivesizer size -q --csv a.csv >&- 2>&-"
     assert subprocess.run(["bash", "-c", command], check=False).returncode == 0
     assert Path("a.csv").read_text().startswith("list,rank,status")
-
-
-@pytest.mark.slow
-def test_machine_code_that_cannot_be_kept_is_a_warning_and_used(tmp_path):
-    from drivesizer.files.machine_code import _warn_where_not_stored
-
-    class Cache:
-        def save_overload(self, *_):
-            raise OSError(errno.ENOSPC, "No space left on device")
-
-    cache = Cache()
-    _warn_where_not_stored(cache, tmp_path)
-    with pytest.warns(CacheWarning, match=r"is not kept in .* \(no space left on device\)"):
-        cache.save_overload("signature", "code")
 
 
 def test_a_lock_that_cannot_be_written_is_one_line(tmp_path, monkeypatch):

@@ -11,7 +11,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drivesizer.control.open_loop import simulation
-from drivesizer.control.open_loop.rotor import turn_rotor
 from drivesizer.control.open_loop.simulation import Motion, Stepper, least_share, simulate
 from drivesizer.errors import InputError
 from drivesizer.physics.stepper.starting import start_speed
@@ -189,13 +188,3 @@ def test_a_motion_of_days_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(simulation, "_MOST", 1000)
     with pytest.raises(InputError, match="more than 1000 steps of a stepper's simulation; expected a shorter one by"):
         simulate(stepper(), Motion(time=(0.0, 1e9), speed=(70.0, 70.0)))
-
-
-def test_plain_python_is_the_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = stepper(**CASES["gears"])
-    short = Motion(time=(0.0, 0.01, 0.02, 0.03, 0.04), speed=(0.0, 8.0, 8.0, 0.0, 0.0))
-    compiled = simulate(one, short)
-    monkeypatch.setattr(simulation, "compiled", lambda: turn_rotor)
-    plain = simulate(one, short)
-    for name, figure in compiled.figures.items():
-        assert plain.figures[name] == pytest.approx(figure, rel=1e-9, abs=1e-12), name

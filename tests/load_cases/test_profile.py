@@ -331,8 +331,6 @@ def test_read_in_one_go_or_row_by_row_is_the_same(tmp_path, monkeypatch):
         path.write_bytes(text.encode() if isinstance(text, str) else text)
     monkeypatch.setattr(csv_numbers, "_PIECE", 50)
     at_once = [outcome(path) for path in paths]
-    monkeypatch.setattr(csv_numbers, "_LONG", 0)
-    assert at_once == [outcome(path) for path in paths]  # by machine code, where it is at hand
     monkeypatch.setattr(csv_columns, "plain_columns", lambda *_: None)
     assert at_once == [outcome(path) for path in paths]
     assert sum(isinstance(found, list) for found in at_once) > 20

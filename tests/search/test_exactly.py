@@ -10,7 +10,6 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.physics.groups import census
 from drivesizer.physics.one_pass import drives, kernel
-from drivesizer.physics.one_pass import layout as at
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.spec.robot import read_spec
@@ -117,32 +116,3 @@ def test_the_cases_meet_what_is_rare(catalog, tmp_path):
     assert np.isinf(winding.demand).any()
     assert (~winding.passed & ~winding.failed).any()
     assert ((above > 0.0) & (above < 100.0)).any()
-
-
-def test_machine_code_is_plain_python_to_the_last_bit():
-    rng = np.random.default_rng(5)
-    count = 60
-    duration = np.where(np.arange(count) < count // 2, 0.01, 1.0) * rng.uniform(0.1, 4.0, count)  # both series
-    ends = [rng.normal(size=2 * count) for _ in range(3)]
-    for column in ends:
-        column[::7] = 0.0
-    strides = np.tile(np.array([2, 1]), 3)
-    d = np.zeros(at.FIGURES)
-    d[:7], d[at.SURPLUS] = [1.3, 0.8, 1.0, 0.2, 0.1, 0.05, 0.9], 0.03
-    d[at.FEEDBACK], d[at.W_W], d[at.W_H], d[at.H_W], d[at.H_H] = 1e-3, -0.1, 0.1, 0.004, -0.006
-    d[at.HEAT_W], d[at.HEAT_H], d[at.FRICTION], d[at.IRON] = 0.3, 0.02, 0.4, 0.01
-    d[at.R_AMBIENT], d[at.R_RISE], d[at.QUICKEST], d[at.LEADS] = 2.0, 0.0078, 3.0, 0.02
-    d[at.LOSS], d[at.LEAST_LOSS], d[at.OHM], d[at.STANDBY] = 1.0, 0.5, 0.1, 2.0
-    d[at.SOURCE], d[at.RESISTANCE], d[at.DRIVES] = 24.0, 0.2, 1.0
-    d[at.KEPT], d[at.LIMIT], d[at.WANTED] = 0.8, 1.0, 2.0
-    d[at.INVERSE + 1 : at.INVERSE + at.MOST + 1] = 1.0 / np.arange(1, at.MOST + 1)
-    d[at.NODES : at.NODES + at.POINTS], d[at.NODES + at.POINTS : at.FACTORS] = np.linspace(0.1, 0.9, 6), 1.0 / at.POINTS
-    d[at.FACTORS + 2 :] = 1.0 / np.cumprod(np.arange(1.0, at.TERMS + 1.0))[1:]
-    found = []
-    for run in (kernel.KERNEL.functions[-1], kernel.compiled()):
-        figures, g = d.copy(), np.zeros(at.FOUND)
-        g[[at.WINDING, at.WINDING + 1, at.VOLTAGE, at.VOLTAGE + 1, at.POWER, at.POWER + 1]] = -np.inf
-        g[at.BEGIN] = -1.0
-        assert run(figures, g, np.zeros(at.CELLS), np.zeros((5, 1)), duration, *ends, strides) == 0
-        found.append((g.tobytes(), figures.tobytes()))
-    assert found[0] == found[1]
