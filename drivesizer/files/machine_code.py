@@ -151,7 +151,7 @@ def translate(kernel: Kernel) -> None:
 
 
 def _compiled(kernel: Kernel) -> Any:
-    """What numba makes of a kernel, for any processor of the system."""
+    """A kernel as numba compiles it for any processor of the system."""
     import numba
 
     config: Any = numba.config
