@@ -51,6 +51,7 @@ class Motor(PartRecord):
     winding: str = text()  # slotless: without iron teeth, as of ironless windings
     assigned_power: float = figure("power", "W")
     nominal_voltage: float = figure("voltage", "V")
+    max_voltage: float = figure("voltage", "V")  # of a supply, that its insulation permits
     no_load_speed: float = figure("rotary_speed", "rpm")
     no_load_current: float = figure("current", "mA")
     friction_torque: float = figure("torque", "mN*m")  # at any speed, where the maker states it separately

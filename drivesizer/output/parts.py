@@ -10,6 +10,7 @@ from typing import Any
 from drivesizer.catalog import Catalog
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.output.part_line import PartLine, line_of, resistor_line
+from drivesizer.results import ratings
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.mass import MassRow
 from drivesizer.results.problem import Problem
@@ -74,12 +75,18 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
     """
     spec = problem.machine
     lines = parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
-    volts, (low, high) = found.brake.supply if found.brake else nan, problem.supply
-    if volts < low or volts > high:
+    if found.brake and not isnan(found.brake.supply) and _has_own_supply(found, spec):
         lines = [replace(x, said=f"{x.said} {OWN_SUPPLY}") if x.role == "brake" else x for x in lines]
     if spec.gear is not None:
         lines.insert(_behind_belt(spec, lines), _gear_line(spec.gear, spec.load.motors))
     return [*lines, *_of_the_supply(found, problem)]
+
+
+def _has_own_supply(found: DriveSet, spec: RobotSpec) -> bool:
+    """Whether the brake of a drive is not on the machine's supply."""
+    given = spec.supply.brakes
+    apart = any(check.note == ratings.OWN_SUPPLY for check in found.every_check)
+    return apart if given is None else given != spec.supply.nominal
 
 
 def _of_the_supply(found: DriveSet, problem: Problem) -> Iterator[PartLine]:

@@ -127,6 +127,10 @@ _PHYSICS = {
     "motor_temperature_range": CheckKind(
         "Motor temperature range", *_CELSIUS, ("motor.ambient_min", "motor.ambient_max")
     ),
+    "motor_supply_voltage": CheckKind(
+        "Motor permissible supply voltage", *_VOLTS,
+        ("motor.max_voltage", "motor.nominal_voltage", "motor.max_speed", *EMF),
+    ),
     "inertia_ratio": CheckKind("Inertia ratio, load to motor", rests_on=_INERTIA, on_inertia=True),
     "first_resonance": CheckKind("First resonance", "frequency", "Hz", _INERTIA, on_inertia=True),
     "brake_fits": CheckKind("Brake fits the motor", rests_on=("brake.part",)),
@@ -135,6 +139,7 @@ _PHYSICS = {
     ),
     "gearhead_holding": CheckKind("Gearhead torque held at rest", *_NM, ("gearhead.intermittent_torque",)),
     "brake_speed": CheckKind("Brake speed", *_SPEED, (*_RATIO, "brake.max_speed")),
+    "brake_voltage": CheckKind("Brake coil voltage", *_VOLTS, ("brake.supply",)),
     "brake_stop_energy": CheckKind(
         "Emergency stop, energy in the brake", "energy", "J",
         (*_INERTIA, *_BRAKING, "brake.energy_per_stop"), on_inertia=True,

@@ -9,14 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import once_per_part
+from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.figures import Figures, once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet
+from drivesizer.spec.sections import Supply
 
 __all__ = [
     "ASSUMED",
     "ASSUMED_AMBIENT",
+    "OWN_SUPPLY",
+    "coil_voltage",
     "continuous_speed_limit",
     "controller_current",
     "controller_power_limit",
@@ -25,6 +29,7 @@ __all__ = [
     "nominal_torque_limit",
     "permitted_power",
     "short_limit",
+    "supply_voltage_limit",
     "unless_printed",
     "unstated_ambient",
     "unstated_temperature",
@@ -34,6 +39,14 @@ Array = NDArray[np.float64]
 _USUAL = (273.15, 313.15)  # K, 0 and 40 degC: ambients of IEC 60034-1 where nothing else is stated
 ASSUMED = "assumed, by select.assume"
 ASSUMED_AMBIENT = "assumed: 0 to 40 °C of IEC 60034-1, as the maker states no range"
+_EXTRA_LOW = 75.0  # V, direct, up to which nobody need test insulation: Directive 2014/35/EU, article 1
+_CLASS = (
+    1.5  # a winding for mains of 200 V, 283 V rectified, runs at 240 V + 10 %, 373 V: 1.32; for 400 V it is another
+)
+_BY_RULE = "by a rule, as its maker prints no highest voltage: 1.5 times the nominal one, or 75 V where that is more"
+_OF_A_CLASS = "assumed: its winding is that for this supply, as its maker prints no voltage"
+_COIL = 0.1  # share of its voltage: 24 V +- 10 % (Bosch Rexroth MSK, project planning, 10.10; Siemens SINAMICS S120)
+OWN_SUPPLY = "assumed: from a supply of its own, of the voltage that its coil needs"
 _COLDER = "at most: the permitted winding temperature is unknown"
 _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
 
@@ -326,6 +339,67 @@ def in_range(name: str, ambient: float, least: Any, most: Any, *, waived: bool =
     column = at_most(name, ambient, limit, zero=np.nan, at_best=ASSUMED if waived else ASSUMED_AMBIENT)
     unstated = np.isnan(least) | np.isnan(most)
     return replace(column, passed=passed, failed=cold | hot, bounded=passed & unstated)
+
+
+def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
+    """The highest supply voltage against what the insulation of motors permits.
+
+    Where the maker prints a limit it counts. Else a winding is taken to withstand 1.5 times its nominal voltage, and
+    75 V in any case; beyond that it is unknown. maxon, for one, specifies motors for extra-low voltage alone, as above
+    it tests of each application would be due (support.maxongroup.com, "Small voltage range of DC drives"). Of motors
+    without a nominal voltage that are not wound for extra-low voltage the winding is taken to be that for the supply.
+
+    Parameters
+    ----------
+    motor
+        Figures by field name.
+    volts
+        Highest voltage of the supply [V].
+
+    Returns
+    -------
+    list[CheckColumn]
+        Of the candidates; empty where no maker prints a limit and any winding withstands the voltage.
+    """
+    printed = motor["max_voltage"]
+    silent = np.isnan(printed)
+    if silent.all() and np.all(np.asarray(volts) <= _EXTRA_LOW):
+        return []
+    nominal = motor["nominal_voltage"]
+    wound_for = np.where(np.isnan(nominal), back_emf_constant(motor) * motor["max_speed"], nominal)
+    of_class = silent & np.isnan(nominal) & ~(wound_for <= _EXTRA_LOW) & (np.asarray(volts) > _EXTRA_LOW)
+    limit = np.where(silent, np.fmax(_CLASS * wound_for, _EXTRA_LOW), printed)
+    limit = np.where(of_class, np.nan, np.where(motor["kind"] == "stepper", np.inf, limit))  # has its own check
+    column = at_most("motor_supply_voltage", volts, limit, most=np.where(silent, np.inf, printed), undecided=_BY_RULE)
+    passed = column.passed | of_class
+    return [replace(column, passed=passed, bounded=of_class, at_best=_OF_A_CLASS, by_choice=True)]
+
+
+def coil_voltage(brake: Figures, supply: Supply) -> CheckColumn:
+    """Voltage that feeds a brake against that of its coil: ``supply.brakes``, else what it needs.
+
+    Parameters
+    ----------
+    brake
+        Figures by field name.
+    supply
+        Of the machine.
+
+    Returns
+    -------
+    CheckColumn
+        Of the candidates, at that end of what feeds them that is worse. Without ``supply.brakes`` one that the
+        machine's supply does not suit is taken to have a supply of its own, which its note says.
+    """
+    coil, given, there = brake["supply"], supply.brakes, brake["part"] != ""
+    low, high = (supply.lowest, supply.highest) if given in (None, supply.nominal) else (given, given)
+    least, most = (1.0 - _COIL) * coil, (1.0 + _COIL) * coil
+    weak = low < least
+    demand, limit = np.where(weak, least, high), np.where(there, np.where(weak, low, most), np.inf)
+    apart = there & ~(demand <= limit) & (given is None)
+    demand, limit = np.where(apart, coil, demand), np.where(apart, most, limit)
+    found = at_most("brake_voltage", demand, limit, by_choice=True, at_best=OWN_SUPPLY)
+    return replace(found, passed=found.passed | apart, bounded=apart)
 
 
 def unstated_ambient(sets: Iterable[DriveSet]) -> tuple[str, ...]:

@@ -86,6 +86,12 @@ class Supply(Section):
     )
     capacitance: Capacitance | None = Field(default=None, description="of the bus, where what is not accepted stays")
 
+    brakes: Voltage | None = Field(
+        default=None,
+        description="that holding brakes are fed with, as nominal where they share this supply; where not given "
+        "brakes of another voltage have a supply of their own",
+    )
+
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if not (self.min or self.nominal) <= self.nominal <= (self.max or self.nominal):

@@ -22,6 +22,7 @@ from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents as json_documents
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.motor_demand import demands, gear_loss
+from drivesizer.results.ratings import supply_voltage_limit
 from drivesizer.search.columns.candidates import Rows, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.limits import motor_limits
@@ -491,8 +492,38 @@ def test_without_a_no_load_torque_the_efficiency_is_all():
 def test_an_unknown_end_of_a_range_is_that_of_the_standard(ambient, open_end):
     """Between 0 and 40 degC, which IEC 60034-1 has for motors; what is beyond an end that nobody states is open."""
     cold, hot = np.array([-20, 60, -20, nan, nan, nan]), np.array([55, 70, 10, 55, 10, nan])
-    spec = SimpleNamespace(environment=SimpleNamespace(ambient=ambient + 273.15), select=SimpleNamespace(assume=()))
-    (found,) = motor_limits(spec, {"ambient_min": cold + 273.15, "ambient_max": hot + 273.15})
+    spec = SimpleNamespace(environment=SimpleNamespace(ambient=ambient + 273.15), select=SimpleNamespace(assume=()),
+                           supply=SimpleNamespace(highest=24.0))  # fmt: skip
+    motor = {"ambient_min": cold + 273.15, "ambient_max": hot + 273.15, "max_voltage": np.full(6, nan)}
+    (found,) = motor_limits(spec, motor)
     status = np.where(found.passed, "pass", np.where(found.failed, "fail", "unknown")).tolist()
     assert status == ["pass", "fail", "fail", "pass", "fail", open_end]
     assert found.limit[:3] - 273.15 == pytest.approx([55, 60, 10])
+
+
+@pytest.mark.parametrize(
+    ("volts", "status"),
+    [
+        # printed 60 V, printed 450 V; of 24, 48 and 283 V; of 50 V at its highest speed, of 250 V; nothing known
+        (48.0, ["pass"] * 8),
+        (70.0, ["fail"] + ["pass"] * 7),
+        (78.0, ["fail", "pass", "unknown", "unknown", "pass", "unknown", "pass", "pass"]),
+        (325.0, ["fail", "pass", "unknown", "unknown", "pass", "unknown", "pass", "pass"]),
+        (565.0, ["fail", "fail", "unknown", "unknown", "unknown", "unknown", "pass", "pass"]),
+    ],
+)
+def test_a_winding_withstands_the_printed_voltage_else_by_a_rule(volts, status):
+    """75 V are extra-low voltage; mains of 240 V + 10 % are 373 V, 1.32 times the 283 V of mains of 200 V."""
+    motor = {
+        "max_voltage": np.array([60, 450, *[nan] * 6]),
+        "nominal_voltage": np.array([24, 24, 24, 48, 283, nan, nan, nan]),
+        "back_emf_constant": np.array([0.5] * 7 + [nan]), "max_speed": np.array([90, 90, 90, 90, 90, 99, 500, nan]),
+        "torque_constant": np.array([0.5] * 7 + [nan]), "kind": np.array(["brushless"] * 8),
+    }  # fmt: skip
+    motor |= {name: np.full(8, nan) for name in ("speed_constant", "no_load_speed", "resistance", "no_load_current")}
+    motor["commutation"] = np.full(8, "")
+    (found,) = supply_voltage_limit(motor, volts)
+    assert [found.at(row, "physics").status for row in range(8)] == status
+    assert not supply_voltage_limit(motor | {"max_voltage": np.full(8, nan)}, 75.0)
+    steppers = motor | {"kind": np.full(8, "stepper"), "max_voltage": np.full(8, nan)}
+    assert not supply_voltage_limit(steppers, volts if volts > 75.0 else 325.0)[0].failed.any()

@@ -10,6 +10,7 @@ from drivesizer.machine.problem import problem
 from drivesizer.output.no_drive import not_enough
 from drivesizer.output.parts import machine_parts
 from drivesizer.results.objectives import ranked_by
+from drivesizer.results.ratings import OWN_SUPPLY
 from drivesizer.search.order import ranking
 from drivesizer.search.order.sifting import sifted
 from drivesizer.search.parts_offered import load_parts
@@ -159,15 +160,53 @@ def test_unknown_prices_are_ordered_by_mass():
     assert ranked_by("price", by_price) == "ranked by price, of which none is known: by mass"
 
 
-@pytest.mark.parametrize(("nominal", "own"), [("24 V", False), ("48 V", True)])
-def test_a_brake_of_another_voltage_has_a_supply_of_its_own(nominal, own):
+@pytest.mark.parametrize(
+    ("supply", "own", "fed", "limit"),
+    [
+        ("nominal: 24 V", False, 24.0, 26.4),  # a coil takes 10 % more or less
+        ("nominal: 24 V, min: 22 V, max: 29 V", True, 24.0, 26.4),
+        ("nominal: 48 V", True, 24.0, 26.4),
+        ("nominal: 48 V, brakes: 25 V", True, 25.0, 26.4),
+        ("nominal: 24 V, min: 21.6 V, brakes: 24 V", False, 24.0, 26.4),
+    ],
+)
+def test_a_brake_of_another_voltage_has_a_supply_of_its_own(supply, own, fed, limit):
     """AB brakes have a coil for 24 V."""
     text = VEHICLE.format(catalogs="maxon").replace("300 kg", "60 kg").replace("unknown: reject", "unknown: allow")
-    volts = f"supply: {{nominal: {nominal}, regeneration: 50 %, kind: battery}}"
+    volts = f"supply: {{{supply}, regeneration: 50 %, kind: battery}}"
     result = size(read(re.sub("supply: .*", volts, text)), top=1, brief=True)
     (line,) = (x for x in machine_parts(result.sets[0], result.problem) if x.role == "brake")
+    coil = check(result.sets[0], "brake_voltage")
     assert result.sets[0].brake.supply == 24.0
     assert line.said.endswith("24 V of its own supply" if own else "24 V")
+    assert (coil.status, coil.demand, coil.limit) == ("pass", fed, pytest.approx(limit))
+    assert coil.note == (OWN_SUPPLY if own and "brakes" not in supply else "")
+
+
+@pytest.mark.parametrize(
+    ("supply", "demand", "limit"),
+    [("nominal: 48 V, brakes: 27 V", 27.0, 26.4), ("nominal: 25 V, min: 21 V, brakes: 25 V", 21.6, 21.0)],
+)
+def test_a_coil_that_is_fed_with_another_voltage_fails(supply, demand, limit):
+    """24 V +- 10 % are 21.6 to 26.4 V: too much burns it, with too little it may not release."""
+    text = VEHICLE.format(catalogs="maxon").replace("300 kg", "60 kg").replace("unknown: reject", "unknown: allow")
+    text = re.sub("supply: .*", f"supply: {{{supply}, regeneration: 50 %, kind: battery}}", text)
+    result = size(read(text + "brake: {torque: 2 N*m, voltage: 24 V}\n"), top=1)
+    coil = check(result.misses[0], "brake_voltage")
+    assert not result.sets
+    assert (coil.status, coil.demand, coil.limit) == ("fail", pytest.approx(demand), pytest.approx(limit))
+
+
+def test_a_motor_for_extra_low_voltage_is_not_first_at_the_mains():
+    """Rectified mains of 230 V, 325 V: motors for 48 V are unknown and behind; one for 283 V is within 1.5 times."""
+    text = SERVO.replace("VOLTS", "325 V").replace("panasonicMORE", "maxon")
+    found = {s.motor.part: s for s in size(read(text), top=300, brief=True).sets}
+    low = next(s for s in found.values() if s.motor.manufacturer == "maxon")
+    servo = next(iter(found.values()))
+    volts = check(servo, "motor_supply_voltage")
+    assert (servo.motor.manufacturer, volts.status, volts.demand, volts.limit) == ("Yaskawa", "pass", 325.0, 424.5)
+    volts = check(low, "motor_supply_voltage")
+    assert (volts.status, volts.demand) == ("unknown", 325.0) and volts.limit <= 90.0 and "by a rule" in volts.note
 
 
 MOTORS = ["maxon", "faulhaber", "pololu", "robotis", "gobilda", "feetech", "cubemars", "odrive", "sunnyway", "nanotec"]

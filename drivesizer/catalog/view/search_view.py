@@ -186,6 +186,7 @@ def _motor(actuators: Table[Any]) -> _Inside:
     figures["back_emf_constant"] = actuators["motor_back_emf_constant"] * _inner(actuators)
     figures["friction_torque"] = actuators["coulomb_friction"] / i
     figures["viscous_friction"] = actuators["viscous_friction"] / i**2
+    figures["max_voltage"] = np.where(actuators["controller"] == "", actuators["supply_max"], np.nan)
     figures["commutation"] = np.where(actuators["controller"] != "", ELECTRONICS, "")
     inertia = actuators["rotor_inertia"] * _inner(actuators)
     figures["rotor_inertia"] = np.where(np.isnan(inertia), actuators["output_inertia"] / i**2, inertia)

@@ -22,6 +22,7 @@ from drivesizer.physics.elements.braking import SLIPPING, Stop, held_by_brake, h
 from drivesizer.physics.motor_demand import drive_inertia
 from drivesizer.results.check_columns import CheckColumn, at_most, between, fits
 from drivesizer.results.problem import Problem
+from drivesizer.results.ratings import coil_voltage
 from drivesizer.search.columns.candidates import FREE
 from drivesizer.search.columns.controllers import selected
 from drivesizer.spec.robot import RobotSpec
@@ -226,6 +227,8 @@ def _suits(
             braking = at_motor(brake, "inertia", gearhead["ratio"] * cycle.belt)
             inertia = drive_inertia(motor, gearhead, encoder, braking)
             checks += _stop_limits(spec, cycle, gearhead, brake, inertia)
+        if spec.supply.brakes is not None:
+            checks.append(coil_voltage(brake, spec.supply))
         for check in checks:
             passing &= check.passed
             failing |= check.failed
@@ -317,6 +320,7 @@ def brake_limits(
         found.append(at_most("gearhead_holding", torque, carried, needed=spec.margins.torque))
     fastest = np.where(np.isnan(brake["max_speed"]), np.inf, brake["max_speed"])
     turning = demand.peak_speed / _shaft(brake, demand.total_ratio * cycle.belt)
+    found.append(coil_voltage(brake, spec.supply))
     found.append(at_most("brake_speed", turning, fastest, needed=spec.margins.speed))
     if needs.emergency_stops:
         inertia = demand.coefficients[:, _ACCELERATION] / demand.total_ratio

@@ -31,6 +31,7 @@ from drivesizer.results.ratings import (
     nominal_current_limit,
     nominal_torque_limit,
     short_limit,
+    supply_voltage_limit,
 )
 from drivesizer.search.columns.brakes import at_motor, own_figure
 from drivesizer.search.columns.encoders import counting_limits
@@ -205,11 +206,11 @@ def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
     Returns
     -------
     list[CheckColumn]
-        Its range of ambient temperatures.
+        Its range of ambient temperatures, and the voltage that it withstands.
     """
-    ambient = spec.environment.ambient
-    waived = "ambient_range" in spec.select.assume
-    return [in_range("motor_temperature_range", ambient, motor["ambient_min"], motor["ambient_max"], waived=waived)]
+    waived, (least, most) = "ambient_range" in spec.select.assume, (motor["ambient_min"], motor["ambient_max"])
+    ambient = in_range("motor_temperature_range", spec.environment.ambient, least, most, waived=waived)
+    return [ambient, *supply_voltage_limit(motor, spec.supply.highest)]
 
 
 def waived(spec: RobotSpec, column: CheckColumn) -> CheckColumn:
