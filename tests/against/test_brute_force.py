@@ -16,12 +16,11 @@ from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
-from drivesizer.physics import winding_course
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.stress import Parts, heat, stress
+from drivesizer.search.columns import exactly
 from drivesizer.search.columns import limits_over_time as wave
-from drivesizer.search.columns import long_waveform
 from drivesizer.search.columns.block_bounds import closer_power
 from drivesizer.search.columns.bus_bounds import closer_stored, stored_by_segments
 from drivesizer.search.columns.candidates import Candidates, Rows, candidates
@@ -372,7 +371,7 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
     row = controllers(spec, catalog, pairs.motor, asked.rms_current, under.current.value, cold, usable=usable).row
     parts = Parts(motor, head, encoder, Rows(catalog.controllers, row))
     low, high = bounds(spec, at, asked, warm, under, parts)
-    exact, same_again = wave.exact(spec, at, asked, warm, under, parts)
+    exact, same_again = exactly.exact(spec, at, asked, warm, under, parts)
     known = ~np.isnan(exact.winding) & ~np.isnan(exact.power) & ~np.isnan(exact.above)
     known &= ~(exact.winding > motor["max_winding_temperature"])  # what fails by its heat needs no other bound
     np.testing.assert_array_equal(exact.voltage[known], same_again.voltage[known])
@@ -386,25 +385,6 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
         if closer is closer_power and count == 999 and np.isfinite(exact.power[known]).any() and spec.supply.current:
             width = (pair[1].power - pair[0].power)[known] / (high.power - low.power)[known]
             assert np.nanmedian(width) < 0.5  # of what moments and extremes alone leave
-
-
-def test_a_long_waveform_in_parts_is_the_same(folder, catalog, monkeypatch):
-    """Temperatures, largest moments, sums and what is stored over parts of seven segments, as over all at once."""
-    for name in LOADS:
-        spec = spec_of(name, folder)
-        one = problem(spec, catalog)
-        some = some_pairs(catalog, 60, f"parts {name}")
-        whole = evaluate(one, some)
-        monkeypatch.setattr(long_waveform, "PART", 7)
-        monkeypatch.setattr(winding_course, "_PART", 7)
-        parted = evaluate(one, some)
-        monkeypatch.undo()
-        for a, b in zip(whole.checks, parted.checks, strict=True):
-            np.testing.assert_allclose(a.demand, b.demand, rtol=1e-9, err_msg=f"{name}: {a.name}")
-            if a.time is not None:
-                np.testing.assert_allclose(a.time, b.time, rtol=1e-9, err_msg=f"{name}: {a.name}")
-        for figure, column in whole.figures.items():
-            np.testing.assert_allclose(column, parted.figures[figure], rtol=1e-9, atol=1e-12, err_msg=figure)
 
 
 def assert_between(spec, parts, bounds_, exact, known):

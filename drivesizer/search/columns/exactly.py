@@ -1,20 +1,18 @@
-"""Peaks and heat over the waveform of candidates: of a short cycle as columns, of a long one drive by drive.
-
-Both give the same figures; of a long cycle sums are added in another order.
-"""
+"""Peaks and heat over the waveform of candidates, from current and winding at each moment."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.kernel.drives import drives_of, held
+from drivesizer.kernel.evaluate import ENERGY, HEAT, POWER, evaluate
+from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.one_pass.drives import Figures, figures, is_long, through
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
 from drivesizer.results.ratings import controller_current
-from drivesizer.search.columns import limits_over_time
 from drivesizer.search.columns.limits_over_time import (
     Moments,
     Pair,
@@ -28,7 +26,6 @@ from drivesizer.spec.robot import RobotSpec
 __all__ = ["exact", "time_above"]
 
 Array = NDArray[np.float64]
-_LEVELS = {"winding": 0, "power": 1, "limits": 1, "all": 2}
 
 
 def exact(
@@ -40,46 +37,43 @@ def exact(
     parts: Parts,
     what: Wanted = "all",
 ) -> Pair:
-    """From the current of each moment and the winding's temperature then.
+    """Peaks and heat over the waveform, of candidates or of samples.
 
     Parameters
     ----------
-    spec, cycle, demand, heating, stresses, parts, what
-        As ``limits_over_time.exact`` takes them.
+    spec, cycle, demand, heating, stresses, parts
+        The spec, its load cycle at the gearhead, and columns over candidates.
+    what
+        Which to compute: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too;
+        whatever has ``limits``, the bus among it; or ``all``, energy too.
 
     Returns
     -------
     pair of Moments
-        As ``limits_over_time.exact`` gives them.
+        The same where heat is known; else the demand with the winding cold, and as warm as it may be.
     """
-    if not is_long(cycle):
-        return limits_over_time.exact(spec, cycle, demand, heating, stresses, parts, what)
-    ambient, motor = spec.environment.ambient, parts.motor
-    feed, kept = spec.feed(parts.controller, parts.brake), float(kept_on_the_bus(spec))
-    wanted = 2 if what == "limits" and kept > 0.0 else _LEVELS[what]
-    drives = figures(
+    ambient, motor, feed = spec.environment.ambient, parts.motor, spec.feed(parts.controller, parts.brake)
+    kept = kept_on_the_bus(spec)
+    level = {"winding": HEAT, "power": POWER, "limits": ENERGY if np.any(kept > 0.0) else POWER, "all": ENERGY}[what]
+    drives = drives_of(
         ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=kept,
-        limit=controller_current(parts.controller, ambient), wanted=wanted,
+        limit=controller_current(parts.controller, ambient),
     )  # fmt: skip
-    feed = feed.broadcast(len(drives.table))
-    high = _of_all(cycle, drives, feed, stresses, motor)
-    if what in ("limits", "all") and not kept > 0.0:
-        high = high._replace(stored=np.zeros(len(drives.table)))
-    rows = np.flatnonzero(~drives.known)
+    rows = np.flatnonzero(drives.course == 0.0)
+    if len(rows):
+        mean = np.where(np.isfinite(heating.winding), heating.winding, np.nan) - ambient
+        drives = drives._replace(held=hottest(spec, cycle, heating, stresses, motor) - ambient, held_mean=mean)
+    high = _moments(ambient, cycle, drives, feed, stresses, level)
+    if what == "limits" and level == POWER:
+        high = high._replace(stored=np.zeros_like(high.power))
     if not len(rows):
         return high, high
-    mean = np.where(np.isfinite(heating.winding), heating.winding, np.nan)[rows]
-    warm = drives.held(rows, hottest(spec, cycle, heating, stresses, motor)[rows], mean)
-    cold = np.full(len(rows), ambient)
-    few, of = feed.on(rows), on(stresses, rows)
-    for name, found in _moments(cycle, warm, few, of)._asdict().items():
-        if kept > 0.0 or name != "stored":
-            getattr(high, name)[rows] = found
-    low = _moments(cycle, drives.held(rows, cold, cold), few, of)
-    if not kept > 0.0:
-        low = low._replace(stored=high.stored[rows])
+    few = feed.broadcast(len(high.power)).on(rows)
+    cold = _moments(ambient, cycle.on(rows), held(drives, 0.0, 0.0, rows), few, on(stresses, rows), level)
+    if what == "limits" and level == POWER:
+        cold = cold._replace(stored=high.stored[rows])
     steady = temperature_at_most(ambient, cycle, heating, stresses, motor)
-    return between_bounds(high, low, rows, heating.winding, steady)
+    return between_bounds(high, cold, rows, heating.winding, steady)
 
 
 def time_above(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts) -> Array:
@@ -95,49 +89,28 @@ def time_above(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Hea
     Array
         [s], shape (rows,).
     """
-    if not is_long(cycle):
-        return limits_over_time.time_above(spec, cycle, demand, parts)
-    limit = controller_current(parts.controller, spec.environment.ambient)
-    drives = figures(
-        spec.environment.ambient, cycle, demand, heating, parts.motor, spec.feed(parts.controller, parts.brake),
-        leads=0.0, kept=0.0, limit=limit, wanted=-1,
-    )  # fmt: skip
-    nothing = np.zeros(len(drives.table))
-    return through(cycle, drives.held(slice(None), nothing, nothing)).above
+    ambient, feed = spec.environment.ambient, spec.feed(parts.controller, parts.brake)
+    limit = controller_current(parts.controller, ambient)
+    drives = drives_of(ambient, cycle, demand, heating, parts.motor, feed, limit=limit)
+    found: Array = evaluate(held(drives, 0.0, 0.0), cycle.load_cycle, POWER).above
+    return found
 
 
-def _of_all(cycle: AtGearhead, drives: Figures, feed: Feed, stresses: Stress, motor: object) -> Moments:
-    """Of drives with a known course of temperatures; what runs away is as warm as permitted. NaN of the others."""
-    count, known = len(drives.table), np.flatnonzero(drives.known)
-    every = Moments(*np.full((len(Moments._fields), count), np.nan))
-    some = drives._replace(table=drives.table[known], known=drives.known[known])
-    found = _moments(cycle, some, feed.on(known), on(stresses, known))
-    away = np.flatnonzero(np.isinf(found.winding))
-    if len(away):
-        permitted = np.asarray(motor["max_winding_temperature"])[known[away]]  # type: ignore[index]
-        held = some.held(away, permitted, permitted)
-        besides = _moments(cycle, held, feed.on(known[away]), on(stresses, known[away]))
-        for name, column, values in zip(Moments._fields, found, besides, strict=True):
-            if not name.startswith("winding"):
-                column[away] = values
-    for whole, column in zip(every, found, strict=True):
-        whole[known] = column
-    return every
-
-
-def _moments(cycle: AtGearhead, drives: Figures, feed: Feed, stresses: Stress) -> Moments:
-    """Figures that the pass finds, with the voltage of a cold start, standby power and what the source adds."""
-    found, cold, standby = through(cycle, drives), stresses.cold_voltage, feed.stage.standby
+def _moments(
+    ambient: Array | float, cycle: AtGearhead, drives: Drive, feed: Feed, stresses: Stress, level: int
+) -> Moments:
+    """Figures of the kernel with the voltage of a cold start, standby power and what the source adds."""
+    found, cold, standby = evaluate(drives, cycle.load_cycle, level), stresses.cold_voltage, feed.stage.standby
     colder = cold.value > found.voltage
     return Moments(
-        winding=found.winding,
+        winding=found.winding + ambient,
         winding_time=found.winding_time,
         voltage=np.where(colder, cold.value, found.voltage),
         voltage_time=np.where(colder, cold.time, found.voltage_time),
         copper=found.copper,
         power=of_the_source(found.power + standby, feed),
         power_time=found.power_time,
-        drawn=found.drawn + standby * cycle.load_cycle.total,
+        drawn=found.drawn + found.source_heat + standby * cycle.load_cycle.total,
         returned=found.returned,
         stored=found.stored,
         above=found.above,

@@ -1,6 +1,6 @@
 """Limits that need the winding or the current of each moment: temperature, voltage, supply, bus, time of overload.
 
-The winding is as warm as it is at each moment of the cycle in periodic steady state (``winding_course``); its voltage
+The winding is as warm as it is at each moment of the cycle in periodic steady state (``kernel``); its voltage
 is checked cold, as it starts, too. Where a figure is missing that this needs, a check passes by the warmest that the
 winding may be and fails by the coldest, so that less data never looks better (``checks.between``).
 Before the waveform come safe bounds from moments and extremes alone (``waveform_bounds``).
@@ -17,15 +17,10 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
-from drivesizer.physics.several_belts import behind_each, belts_of
-from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
-from drivesizer.physics.thermal import resistance_25
-from drivesizer.physics.waveform import Wave, longest_above, wave
-from drivesizer.physics.winding_course import current_and_winding
+from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most
 from drivesizer.results.check_columns import CheckColumn, at_most, between
-from drivesizer.results.ratings import controller_current, controller_power_limit
+from drivesizer.results.ratings import controller_power_limit
 from drivesizer.search.columns.limits import waived, winding_limit
-from drivesizer.search.columns.resisted import Resisted, energy_over_time, largest_voltage, most_power
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
@@ -36,17 +31,14 @@ __all__ = [
     "Wanted",
     "between_bounds",
     "bus_limit",
-    "exact",
     "hottest",
     "kept_on_the_bus",
     "least",
-    "time_above",
     "warmest_passing",
     "waveform_limits",
 ]
 
 Array = NDArray[np.float64]
-_AT_ONCE = 400_000  # candidates times segments that are held at a time
 _STAYS = "unknown: where it goes: give brake_resistor, supply.capacitance, or supply.accepts: all of a battery"
 _HELD = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
 
@@ -86,61 +78,6 @@ Exactly = Wanted | bool | NDArray[np.bool_]  # what is computed from the wavefor
 _OF_THE_WINDING = ("winding", "winding_time", "voltage", "voltage_time", "copper")
 _TOLD = {"winding": _OF_THE_WINDING, "power": (*_OF_THE_WINDING, "power", "power_time", "above")}
 Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
-
-
-def exact(
-    spec: RobotSpec,
-    cycle: AtGearhead,
-    demand: Demands,
-    heating: Heat,
-    stresses: Stress,
-    parts: Parts,
-    what: Wanted = "all",
-) -> Pair:
-    """From the current of each moment and the winding's temperature then; some candidates at a time.
-
-    Parameters
-    ----------
-    spec, cycle, demand, heating, stresses, parts
-        The spec, its load cycle at the gearhead, and columns over candidates.
-    what
-        Which to compute: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too;
-        whatever has ``limits``, the bus among it; or ``all``, energy too.
-
-    Returns
-    -------
-    pair of Moments
-        The same where heat is known; else the demand with the winding cold, and as warm as it may be.
-    """
-    slices = _slices(cycle, len(demand.rms_current))
-    if len(slices) == 1:
-        return _pair(spec, cycle, demand, heating, stresses, parts, what)
-    found = [
-        _pair(spec, cycle.on(k), on(demand, k), on(heating, k), on(stresses, k), parts.on(k), what) for k in slices
-    ]
-    low, high = (Moments(*(np.concatenate(c) for c in zip(*side, strict=True))) for side in zip(*found, strict=True))
-    return low, high
-
-
-def _pair(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts, what: Wanted
-) -> Pair:
-    ambient, motor = spec.environment.ambient, parts.motor
-    flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
-    rows = np.flatnonzero(np.isnan(course.peak))
-    T, R_25 = (course.ends, course.means), np.asarray(resistance_25(motor))
-    course.ends[rows] = hottest(spec, cycle, heating, stresses, motor)[rows, None, None]
-    surplus, speed = demand.surplus(motor["torque_constant"]), cycle.turning.speed
-    high = _moments(spec, cycle, flows, (R_25, *T), (surplus, speed), stresses, parts, what)
-    high = high._replace(winding=course.peak, winding_time=course.peak_time)
-    if not len(rows):
-        return high, high
-    some, cold = Wave(flows.duration, flows.current[rows], flows.voltage[rows]), np.full((len(rows), 1, 1), ambient)
-    winding, turning = (R_25[rows], cold, cold[..., 0]), (surplus[rows], speed if speed.ndim == 2 else speed[rows])
-    low = _moments(spec, cycle.on(rows), some, winding, turning, on(stresses, rows), parts.on(rows), what)
-    return between_bounds(
-        high, low, rows, heating.winding, temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor)
-    )
 
 
 def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady: Array) -> Pair:
@@ -238,81 +175,6 @@ def warmest_passing(
     bound = hottest(spec, cycle, heating, stresses, motor)
     found = np.fmin(np.where(np.isnan(peak), bound, peak), motor["max_winding_temperature"])
     return np.where(np.isfinite(found), found, np.nan)
-
-
-def _moments(
-    spec: RobotSpec,
-    cycle: AtGearhead,
-    flows: Wave,
-    winding: tuple[Array, Array, Array],
-    turning: tuple[Array, Array],
-    stresses: Stress,
-    parts: Parts,
-    what: Wanted,
-) -> Moments:
-    """The demand with windings of a resistance at 25 degC and temperatures at the ends of the pieces and over each.
-
-    ``turning``: by what their constants differ, and the speed at both ends of each piece (see ``waveform.balanced``).
-    """
-    at, feed = Resisted(flows, *winding, *turning), spec.feed(parts.controller, parts.brake)
-    voltage, when = largest_voltage(at, stresses.cold_voltage, feed.leads if spec.resists else None)
-    total = flows.duration.sum()
-    copper = behind_each(cycle, lambda _, some: some @ flows.duration, at.lost) / total
-    nothing = np.full_like(voltage, np.nan)
-    found = Moments(nothing, nothing, voltage, when, copper, *[nothing] * 6)
-    if what == "winding":
-        return found
-    power, power_time = most_power(at, feed)
-    above = longest_above(flows, controller_current(parts.controller, spec.environment.ambient))
-    found = found._replace(power=power, power_time=power_time, above=above)
-    if what == "power":
-        return found
-    kept = kept_on_the_bus(spec)
-    if what == "limits" and not kept > 0.0:
-        return found._replace(stored=np.zeros_like(power))
-    sums = energy_over_time(at, feed, kept, storing=kept > 0.0)
-    return found._replace(**(sums._asdict() | ({} if kept > 0.0 else {"stored": np.zeros_like(power)})))
-
-
-def time_above(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> Array:
-    """Longest uninterrupted time above the controller's continuous current.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    demand
-        Columns over candidates, of ``demands``.
-    parts
-        The parts of each candidate, with its controller.
-
-    Returns
-    -------
-    Array
-        [s], shape (rows,).
-    """
-    figures = parts.motor["torque_constant"], controller_current(parts.controller, spec.environment.ambient)
-    found: Array = behind_each(cycle, _time_above, demand.coefficients, *figures)
-    return found
-
-
-def _time_above(cycle: AtGearhead, coefficients: Array, k_t: Array, limit: Array) -> Array:
-    found = np.empty(len(limit))
-    for k in _slices(cycle, len(found)):
-        c = coefficients[k]
-        found[k] = longest_above(wave(cycle.load_cycle.duration, cycle.functions, c, c, k_t[k]), limit[k])
-    return found
-
-
-def _slices(cycle: AtGearhead, count: int) -> list[slice]:
-    """Pieces of so many candidates, behind one belt each unless all are one piece; of none one: columns stay."""
-    size = max(1, _AT_ONCE // cycle.base.pieces)
-    if count <= size:
-        return [slice(0, count)]
-    belts = belts_of(cycle, count)
-    return [slice(k, min(k + size, rows.stop)) for rows in belts for k in range(rows.start, rows.stop, size)]
 
 
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:

@@ -1,0 +1,122 @@
+"""Candidates as the kernel takes them, out of the columns that the search, a record and samples have."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drivesizer.kernel.records import Drive
+from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
+from drivesizer.physics.motor_demand import Demands
+from drivesizer.physics.power_stage import Feed
+from drivesizer.physics.stress import Heat
+from drivesizer.physics.thermal import COPPER, resistance_at, two_bodies
+
+__all__ = ["drives_of", "held"]
+
+_ERROR = 1e-3  # of what a change within a segment does to the winding at its end
+
+
+def drives_of(
+    ambient: Any,
+    cycle: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    motor: Any,
+    feed: Feed,
+    *,
+    leads: Any = 0.0,
+    kept: Any = 0.0,
+    limit: Any = np.nan,
+    error: float = _ERROR,
+) -> Drive:
+    """Drives as columns; a winding whose course cannot be computed has to be held at a rise.
+
+    Parameters
+    ----------
+    ambient
+        Temperature around the motors [K].
+    cycle
+        The load cycle behind their belts; the kernel takes that at the load.
+    demand, heating
+        Required torque and current, and losses.
+    motor
+        Figures of the motors by field name.
+    feed
+        Their power stages and the supply.
+    leads
+        Resistance that takes of the voltage before the winding [ohm].
+    kept
+        Share of what is returned that stays on the bus [1].
+    limit
+        Current of which the time above counts [A].
+    error
+        Permitted at the end of a segment, as a share of what the change within it does to the winding [1].
+
+    Returns
+    -------
+    Drive
+        Columns.
+    """
+    bodies, k_t, belt, e = two_bodies(motor), motor["torque_constant"], np.asarray(cycle.belt), cycle.base.efficiency
+    c, stage = demand.coefficients / np.reshape(k_t, (-1, 1)), feed.stage
+    with np.errstate(divide="ignore", invalid="ignore"):  # of unknown figures
+        C_w, C_h = bodies.capacity_w, bodies.capacity_h
+    drive = Drive(
+        driving=c[:, DRIVING] / e / belt,
+        braking=c[:, BRAKING] * e / belt,
+        resting=c[:, AT_REST] / belt,
+        accelerating=c[:, ACCELERATION] * belt,
+        direction=c[:, DIRECTION],
+        turning=c[:, SPEED] * belt,
+        emf=demand.back_emf * demand.total_ratio * belt,
+        surplus=demand.surplus(k_t) * belt,
+        R=resistance_at(bodies.R_25, ambient),
+        R_rise=np.asarray(bodies.R_25) * COPPER,
+        R_th1=bodies.R_th1,
+        R_th2=bodies.R_th2,
+        C_w=C_w,
+        C_h=C_h,
+        friction=heating.friction * belt,
+        iron=heating.iron * belt**2,
+        permitted=motor["max_winding_temperature"] - ambient,
+        course=1.0,
+        held=np.nan,
+        held_mean=np.nan,
+        finest=12.0 * error * cycle.base.quickest,
+        leads=leads,
+        loss=stage.loss,
+        least_loss=stage.least_loss,
+        R_stage=stage.resistance,
+        standby=stage.standby,
+        V_0=feed.voltage,
+        R_source=feed.resistance,
+        drives=float(feed.drives),
+        kept=kept,
+        limit=limit,
+    )
+    current = sum(drive[:6])
+    known = bodies.known & ~np.isnan(current + heating.friction + heating.iron + ambient)
+    return drive._replace(course=np.broadcast_to(known, np.shape(current)).astype(float))
+
+
+def held(drives: Drive, rise: Any, mean: Any, rows: Any = slice(None)) -> Drive:
+    """Some drives with windings at given rises.
+
+    Parameters
+    ----------
+    drives
+        Columns over drives.
+    rise, mean
+        At the ends of pieces, and over them [K].
+    rows
+        Which of the drives.
+
+    Returns
+    -------
+    Drive
+        Columns over those.
+    """
+    some = Drive(*(np.broadcast_to(x, np.shape(drives.course))[rows] for x in drives))
+    return some._replace(course=0.0, held=rise, held_mean=mean)

@@ -1,0 +1,119 @@
+"""Drives over load cycles: ``evaluate`` figures of many, ``pieces`` one over time; as machine code, on all cores."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.kernel.cycle import ACCOUNT, ENERGY, HEAT, POWER
+from drivesizer.kernel.kernel import compiled
+from drivesizer.kernel.records import Drive, Figures, Piece
+
+__all__ = ["ACCOUNT", "ENERGY", "HEAT", "POWER", "evaluate", "pieces"]
+
+Array = NDArray[np.float64]
+_A_THREAD = 20_000  # drives times segments that are worth a thread
+
+
+def evaluate(drives: Drive, cycle: Any, level: int) -> Figures:
+    """Figures of drives over a load cycle that repeats.
+
+    Parameters
+    ----------
+    drives
+        Columns that broadcast to (drives,) or (drives, samples).
+    cycle
+        ``duration``, ``speed``, ``acceleration`` and ``torque`` of the load, with a last axis of samples or none.
+    level
+        ``HEAT``: current, winding and voltage; ``POWER`` too; ``ENERGY`` too; ``ACCOUNT``: what motors take too.
+
+    Returns
+    -------
+    Figures
+        Columns of that shape.
+    """
+    columns = np.broadcast_arrays(*drives)
+    shape, table = columns[0].shape, np.stack(columns, axis=-1, dtype=float).reshape(-1, len(drives))
+    found = np.empty((len(table), len(Figures._fields)))
+    arrays, steps, sizes = _laid_out(cycle)
+    size = max(-(-len(table) // _threads()), _A_THREAD // sizes[0], 1)
+    run = partial(_rows, table, found, arrays, steps, (*sizes, level), size)
+    if len(table) > size:
+        from concurrent.futures import ThreadPoolExecutor  # only many drives need it
+
+        with ThreadPoolExecutor(_threads()) as pool:  # none waits for another: machine code runs without the lock
+            list(pool.map(run, range(0, len(table), size)))
+    elif len(table):
+        run(0)
+    return Figures(*(found[:, k].reshape(shape) for k in range(found.shape[1])))
+
+
+def pieces(drive: Drive, cycle: Any, cuts: int = 1) -> tuple[Figures, Piece]:
+    """One drive over a load cycle that repeats: its figures, and its course over time.
+
+    Parameters
+    ----------
+    drive
+        Columns of length one, or figures.
+    cycle
+        As ``evaluate`` takes it, without samples.
+    cuts
+        Parts of each piece that a winding follows; 0: pieces in a row that return nothing are one.
+
+    Returns
+    -------
+    tuple of Figures and Piece
+        Columns of length one, and columns over pieces.
+    """
+    table, found = np.array([float(np.squeeze(x)) for x in drive])[None], np.empty((1, len(Figures._fields)))
+    arrays, steps, sizes = _laid_out(cycle)
+    call = compiled()
+    nothing = np.empty((0, len(Piece._fields)))
+    count = call(table, found, *arrays, steps, np.array([*sizes, 0, -1, cuts]), nothing)
+    rows = np.empty((count, len(Piece._fields)))  # what is not written takes no memory
+    call(table, found, *arrays, steps, np.array([*sizes, 0, ACCOUNT, cuts]), rows)
+    figures = Figures(*found.T)
+    return figures, Piece(*rows[: int(figures.pieces[0])].T)
+
+
+def _rows(
+    table: Array,
+    found: Array,
+    arrays: list[Array],
+    steps: NDArray[np.int64],
+    sizes: tuple[int, ...],
+    size: int,
+    first: int,
+) -> None:
+    segments, cycles, level = sizes
+    rows, nothing = slice(first, first + size), np.empty((0, len(Piece._fields)))
+    compiled()(table[rows], found[rows], *arrays, steps, np.array([segments, cycles, first, level, 1]), nothing)
+
+
+def _laid_out(cycle: Any) -> tuple[list[Array], NDArray[np.int64], tuple[int, int]]:
+    """Columns as they lie in memory, steps from segment to segment, end to end and cycle to cycle, and both numbers."""
+    columns = [cycle.duration, cycle.speed, cycle.acceleration, cycle.torque]
+    several = max(x.shape[-1] for x in columns[1:]) if cycle.speed.ndim == 3 else 1
+    laid = [_flat(x, n == 0) for n, x in enumerate(columns)]
+    return [x for x, _ in laid], np.array([steps for _, steps in laid]), (len(cycle.duration), several)
+
+
+def _flat(x: Array, single: bool) -> tuple[Array, list[int]]:
+    """A column as it lies in memory: ends that neighbours share, or that are there once, are not written out."""
+    x = x[:, None] if single else x
+    x = x[..., None] if x.ndim == 2 else x
+    steps = [0 if n == 1 else step // x.itemsize for n, step in zip(x.shape, x.strides, strict=True)]
+    if min(steps) < 0 or any(step % x.itemsize for step in x.strides):
+        return _flat(np.ascontiguousarray(x), False)
+    count = sum((n - 1) * step for n, step in zip(x.shape, steps, strict=True)) + 1
+    return np.lib.stride_tricks.as_strided(x, (count,), (x.itemsize,)), steps
+
+
+def _threads() -> int:
+    """Threads that may compute at once: as many as there are cores, or as the environment has for linear algebra."""
+    given = os.environ.get("OMP_NUM_THREADS", "")
+    return int(given) if given.isdecimal() else os.cpu_count() or 1

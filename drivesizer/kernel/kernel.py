@@ -1,0 +1,25 @@
+"""The loops over cycles as machine code; see ``machine_code``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+from drivesizer.files.machine_code import Kernel, defined_in, machine_code
+from drivesizer.kernel import cycle, heat, records, supply
+
+__all__ = ["KERNEL", "compiled"]
+
+KERNEL = Kernel(
+    functions=defined_in((heat, supply, cycle)),
+    modules=(records, heat, supply, cycle),
+    inline=True,
+    slow="sizing takes some hundred times longer",
+    arguments="d2 d2 d1 d1 d1 d1 q2 q1 d2",
+)
+
+
+@cache
+def compiled() -> Callable[..., int]:
+    """``cycle.evaluate_rows`` as machine code."""
+    return machine_code(KERNEL)
