@@ -50,6 +50,9 @@ Array = NDArray[np.float64]
 # (maxon EPOS2, EPOS4, ESCON) at the rated current, or 98 % at 48 to 50 V, which is 1 V; a bridge was measured at 1.1 V
 ASSUMED_LOSS = 1.0
 ASSUMED_BAND = 0.5, 1.1  # of it, 5 to 95 %
+_LEAST_DUTY = (
+    0.9  # the largest duty of a controller that prints none, at least: of 31 for brushless motors 28 print more
+)
 STAGE_FIGURES = ("inside", "max_duty", "voltage_drop", "max_efficiency", "supply_max", "standby_current")
 _FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors: assumed
 _RIPPLE = 0.1  # of the supply's voltage, at most: assumed
@@ -98,20 +101,23 @@ class Feed(NamedTuple):
         """The usable voltage as it judges a required one; NaN where a figure that decides is unknown [V].
 
         A printed one is what it is. An unprinted voltage drop is one of ``ASSUMED_BAND``: what is met with the largest
-        is met, and what is not met with the smallest is not. Without a largest duty the supply's voltage is the bound.
+        is met, and what is not met with the smallest is not. Without a largest duty the supply's voltage is the bound,
+        and ``_LEAST_DUTY`` is reached.
         """
         printed = self.usable
         if not np.isnan(printed).any():
             return printed
-        least, bound = self._usable_with(ASSUMED_BAND[1]), self.usable_at_most
+        least, bound = self._usable_with(ASSUMED_BAND[1], _LEAST_DUTY), self.usable_at_most
         decides = np.where(required <= least, least, np.where(required > bound, bound, np.nan))
         return np.where(np.isnan(printed), decides, printed)
 
-    def _usable_with(self, drop: float) -> Any:
-        """The usable voltage with a drop where none is printed."""
-        return usable_voltage(
-            self.voltage, self.stage.max_duty, np.where(np.isnan(self.stage.drop), drop, self.stage.drop)
+    def _usable_with(self, drop: float, duty: float = np.nan) -> Any:
+        """The usable voltage with a drop, and a largest duty, where none is printed."""
+        drops, duties = (
+            np.where(np.isnan(printed), other, printed)
+            for printed, other in ((self.stage.drop, drop), (self.stage.max_duty, duty))
         )
+        return usable_voltage(self.voltage, duties, drops)
 
     @property
     def leads(self) -> Any:

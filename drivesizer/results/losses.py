@@ -33,7 +33,7 @@ def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator
         loss = show(ASSUMED_LOSS, "V", "voltage")
         yield f"controllers lose {loss} times the motor's current, assumed: neither drop nor efficiency is printed"
     elif bought.inside and not stage.loss:
-        yield "losses of the controller inside are in the actuator's printed figures"
+        yield "losses of the controller inside are in the printed figures of what it is inside of"
     elif not stage.loss and spec.power_stage.voltage_drop is None:
         yield "losses of the controllers not counted: neither drop nor efficiency is printed"
     if spec.power_stage.standby is None and isnan(bought.standby_current):

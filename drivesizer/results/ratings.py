@@ -32,6 +32,7 @@ __all__ = [
     "supply_voltage_limit",
     "unless_printed",
     "unstated_ambient",
+    "unstated_supply",
     "unstated_temperature",
 ]
 
@@ -137,18 +138,21 @@ def controller_current(controller: Any, ambient: Array | float) -> Any:
     Returns
     -------
     float or array
-        Current [A]; as printed where no derating is known, NaN above T_N where its slope is not.
+        Current [A]; as printed where no derating is known, NaN above T_N where its slope is not. One that is inside a
+        motor or actuator supplies what that is rated for: infinite where none is printed.
 
     Examples
     --------
     maxon EPOS2 24/5: 5 A up to 55 degC, from there to 83 degC 0.179 A/K less:
 
     >>> epos2 = {"continuous_current": 5.0, "full_current_ambient": 328.15, "derating_slope": 0.179,
-    ...          "ambient_max": 356.15}
+    ...          "ambient_max": 356.15, "inside": ""}
     >>> [round(float(controller_current(epos2, 273.15 + t)), 3) for t in (55.0, 65.0, 82.0, 84.0)]
     [5.0, 3.21, 0.167, 0.0]
     """
     printed, full = controller["continuous_current"], controller["full_current_ambient"]
+    if (unknown := np.isnan(printed)).any():
+        printed = np.where(unknown & (controller["inside"] != ""), np.inf, printed)
     hotter, too_hot = ambient > np.asarray(full), ambient > np.asarray(controller["ambient_max"])
     if not (hotter.any() or too_hot.any()):
         return printed
@@ -217,6 +221,7 @@ def permitted_power(controller: Any, voltage: float) -> Array:
 def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:
     """The RMS current against the nominal one in an ambient.
 
+    Where none is printed the nominal torque is the rating, or the permitted winding temperature: no limit then.
     With an unknown permitted temperature the limit has two ends. Colder than the rating it is the nominal current at
     least, and ``derating_at_most`` of it at most; hotter it is the nominal current at most.
 
@@ -236,7 +241,11 @@ def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float
     CheckColumn
         Of the candidates; unknown where an unknown permitted temperature decides.
     """
-    return _rated("motor_nominal_current", rms, motor["nominal_current"], motor, ambient, needed)
+    rating = motor["nominal_current"]
+    if (unrated := np.isnan(rating)).any():
+        otherwise = ~np.isnan(motor["nominal_torque"]) | ~np.isnan(motor["max_winding_temperature"])
+        rating = np.where(unrated & otherwise, np.inf, rating)
+    return _rated("motor_nominal_current", rms, rating, motor, ambient, needed)
 
 
 def nominal_torque_limit(
@@ -415,6 +424,14 @@ def unstated_ambient(sets: Iterable[DriveSet]) -> tuple[str, ...]:
     return (
         (f"no catalogue says at which ambient {said} may run: 0 to 40 °C are assumed, of IEC 60034-1",) if said else ()
     )
+
+
+def unstated_supply(sets: Iterable[DriveSet]) -> tuple[str, ...]:
+    """Assumption for controllers inside a motor or actuator of which nobody states at which voltages they work."""
+    silent = (one for one in sets if one.actuator is None or np.isnan(one.actuator.supply_max))
+    said = ", ".join(dict.fromkeys(one.controller.inside for one in silent if one.controller and one.controller.inside))
+    usual = "0.85 to 1.15 times the nominal voltage are assumed, of IEC 60204-1"
+    return (f"no catalogue says at which supply the controller inside {said} works: {usual}",) if said else ()
 
 
 def unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.problem import Problem
-from drivesizer.results.ratings import unstated_ambient, unstated_temperature
+from drivesizer.results.ratings import unstated_ambient, unstated_supply, unstated_temperature
 from drivesizer.search.machine_filter import shortfall
 from drivesizer.search.shortlist import Shortlist
 from drivesizer.search.stepper_figures import STEPPER_ASSUMPTIONS
@@ -88,7 +88,7 @@ def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
         return ()
     given = tuple(sets)
     stated = unstated_temperature(s.motor.part for s in given if isnan(s.motor.data_temperature))
-    return (*stated, *unstated_ambient(given))
+    return (*stated, *unstated_ambient(given), *unstated_supply(given))
 
 
 _MAINS = (100, 110, 115, 120, 200, 208, 220, 230, 240, 380, 400, 415, 440, 460, 480)  # V

@@ -38,6 +38,7 @@ from laws_case import (
     same_everywhere,
     spec_of,
 )
+from laws_choice import more_to_choose_from, one_part, proposals
 from laws_machines import LOAD, WHOLE, Plain, backwards, catalogue, in_other_units, scaled_by, several_cases
 
 from drivesizer.errors import DrivesizerError, InputError
@@ -274,6 +275,9 @@ LAWS: dict[str, Callable[[Case], Iterator[str]]] = {
     "needs cost": needs_cost,
     "limits": limits,
     "peaks": peaks,
+    "more to choose from": more_to_choose_from,
+    "one part": one_part,
+    "proposals": proposals,
 }
 OF_A_SIZING = ("limits", "peaks")  # laws that look at a sizing alone, of a robot's joints too
 
@@ -293,6 +297,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("count", type=int)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--all", action="store_true", help="every machine with all catalogues")
     parser.add_argument("--only", default="", help="laws whose names begin so, such as limits,peaks")
     given = parser.parse_args()
     laws = [name for name in LAWS if name.startswith(tuple(given.only.split(",")))]
@@ -300,7 +305,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings(), brief():
         warnings.simplefilter("ignore")
         for number in range(given.first, given.first + given.count):
-            case = case_of(number, Path(scratch))
+            case = case_of(number, Path(scratch), whole=given.all)
             tried += case is not None
             joints = joints_of(number, Path(scratch)) if number % ROBOTS == 0 else []
             for one in filter(None, (case, *joints)):

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from unittest.mock import patch
 
 import yaml
-from laws_machines import Plain, catalogue, machine, robot
+from laws_machines import WHOLE, Plain, catalogue, machine, robot
 
 from drivesizer import sizing
 from drivesizer.errors import InputError
@@ -71,9 +71,11 @@ def explained(spec: RobotSpec, drive: DriveSet, parts: Any) -> DriveSet:
     return min(made, key=lambda one: abs(one.belt_ratio - drive.belt_ratio))
 
 
-def case_of(number: int, folder: Path) -> Case | None:
-    """The machine of a number; None where no drive is to be looked at."""
+def case_of(number: int, folder: Path, *, whole: bool = False) -> Case | None:
+    """The machine of a number, with all catalogues or its own; None where no drive is to be looked at."""
     data = machine(number, folder)
+    if whole:
+        data["select"]["catalogs"] = WHOLE
     try:
         spec = spec_of(data, folder)
         parts = catalogue(*spec.select.catalogs)

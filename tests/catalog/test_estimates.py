@@ -198,11 +198,15 @@ def test_a_law_serves_constructions_among_its_peers(everything):
 
 def test_where_no_law_has_seen_a_construction_the_band_is_twice_as_wide(everything):
     """No frameless motor prints the thermal resistance of its winding, and two without mass have friction by torque."""
-    table = frameless(everything)
-    table.columns["nominal_current"][:] = np.nan  # which would limit thermal resistances
-    found = estimates(table)
     seen = 0
-    for figure in ("no_load_current", "thermal_resistance_winding"):
+    for figure, ratings in (
+        ("no_load_current", ["nominal_current"]),
+        ("thermal_resistance_winding", ["nominal_current", "nominal_torque"]),  # which would limit it
+    ):
+        table = frameless(everything)
+        for rating in ratings:
+            table.columns[rating][:] = np.nan
+        found = estimates(table)
         for place, row in enumerate(found[figure].rows):
             by = kept()[found[figure].fit[place]]
             if "frameless" in by.constructions:

@@ -52,6 +52,7 @@ def test_columns_are_as_one_by_one():
              random.uniform(335, 360, 300))  # fmt: skip
     names = "continuous_current", "full_current_ambient", "derating_slope", "ambient_max"
     figures = {name: np.where(k, x, nan) for name, k, x in zip(names, known, drawn, strict=True)}
+    figures["inside"] = np.full(300, "")
     for ambient in (295.0, 318.0, 350.0):
         found = np.broadcast_to(controller_current(figures, ambient), 300)
         for n, value in enumerate(found):

@@ -101,18 +101,25 @@ select: {{catalogs: [andymark, vex, rev, ctre], motor: {{part: "{motor}"}}}}
 """
 
 
-@pytest.mark.parametrize(
-    ("motor", "said"),
-    [
-        ("CIM", "none is listed for a brushed motor"),  # of these makers REV alone has one, for brushless motors
-        ("Kraken X44", "Talon FX is inside the motor; no figures of it are listed"),
-        ("Falcon 500", "Talon FX is inside the motor; no figures of it are listed"),
-    ],
-)
-def test_the_row_says_why_there_is_no_controller(motor, said):
-    (one,) = best(WINCH.format(motor=motor))
-    assert (one.motor.part, one.controller, check(one, "controller_available").note) == (motor, None, said)
+def test_the_row_says_why_there_is_no_controller():
+    """Of these makers REV alone has one, for brushless motors."""
+    (one,) = best(WINCH.format(motor="CIM"))
+    said = "none is listed for a brushed motor"
+    assert (one.motor.part, one.controller, check(one, "controller_available").note) == ("CIM", None, said)
     assert check(one, "controller_available").status == "unknown"
+
+
+@pytest.mark.parametrize(("motor", "stall"), [("Kraken X44", 279.099), ("Falcon 500", 257.0)])
+def test_a_motor_with_a_controller_inside_takes_that_one(motor, stall):
+    """It supplies the current with which the motor was measured, and works at 0.85 to 1.15 of the nominal 12 V."""
+    (one,) = best(WINCH.format(motor=motor))
+    inside = one.controller
+    assert (one.motor.part, inside.part, check(one, "controller_available").status) == (
+        motor, f"Talon FX in {motor}", "pass",
+    )  # fmt: skip
+    assert inside.peak_current == stall
+    assert (inside.supply_min, inside.supply_max) == pytest.approx((10.2, 13.8))
+    assert (inside.mass, inside.price) == (0.0, 0.0)
 
 
 TABLE = {

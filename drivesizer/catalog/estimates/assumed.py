@@ -85,6 +85,17 @@ ASSUMED: tuple[Fit, ...] = (
     _law("", "mass", 0.2, {"static_torque": 0.68}, _BRAKES, 2.5, "brakes"),
     _law("", "power", 8.8, {"static_torque": 0.285}, _BRAKES, 1.6, "brakes"),
     Fit(
+        Law("", "", "max_winding_temperature", ()),
+        (),
+        (0.0, 0.0),
+        (0.0, 0.0),
+        (),
+        0,
+        0,
+        (),
+        "no rating is printed: from the lowest that makers of motors print to thermal class 180 (H)",
+    ),
+    Fit(
         Law("", "", "nominal_torque", ()),
         (),
         (0.0, 0.0),
@@ -104,7 +115,7 @@ ASSUMED: tuple[Fit, ...] = (
         0,
         0,
         (),
-        "no peak is printed: from the continuous torque to the stall, if that is printed",
+        "not printed: a peak from what is continuous to a printed stall, what is continuous up to the peak",
     ),
     Fit(
         Law("", "", "thermal_resistance_housing", ("thermal_resistance_housing",)),
@@ -133,6 +144,8 @@ _RATED = -1  # the last of all laws: that of ``by_rating``
 MOUNTED = -2  # and the one before it: that of ``catalog.view.mounted``
 _UP_TO_STALL = -3  # that of ``by_stall``
 RULE = -4  # that of ``of_catalog``
+UNRATED = -5  # that of a permitted temperature without any rating
+_LEAST = {"brushed": 358.15, "brushless": 373.15}  # K: 85 and 100 degC, of 326 and 356 motors that print one
 _STALL = {"nominal_torque": "stall_torque", "nominal_current": "stall_current"}
 _LEAST_SHARE = 0.2  # of its stall torque that an actuator is rated for, for a moment: makers of servos advise as much
 _MOST = 10.0  # times its continuous torque, for a moment; of the 201 that print both 192 have 1.3 to 5, 196 up to 10
@@ -160,28 +173,55 @@ def by_rating(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estim
     """
     if "max_winding_temperature" not in table.columns:
         return found
-    unstated = np.isnan(table["max_winding_temperature"])
+    unstated, rating = np.isnan(table["max_winding_temperature"]), _rated_current(table)
     winding, housing = (_filled(table, found, name) for name in _R_TH)
-    share = np.fmin(1.0, _largest_resistance(table) / (winding + housing))
+    share = np.fmin(1.0, _largest_resistance(table, rating) / (winding + housing))
     limited = {name: _scaled(found[name], share) for name in _R_TH if name in found}
     times = {name: _scaled(found[name], share[:1].repeat(3, 0)) for name in _TAU if name in found}
     found = found | limited | times
     one, other = (_filled(table, found, name) for name in _R_TH)
-    warm = np.asarray(
-        steady_winding_temperature(rated_ambient(table), resistance_25(table), one, other, table["nominal_current"])
-    )
+    warm = np.asarray(steady_winding_temperature(rated_ambient(table), resistance_25(table), one, other, rating))
     rows = np.flatnonzero(unstated & (warm < _HOTTEST + 0.1).all(axis=0))
-    if not len(rows):
-        return found
     value, low, high = warm[:, rows]
     brushed = table["kind"][rows] == "brushed"
-    low, high = np.where(brushed, high, low), np.where(brushed, _HOTTEST + 0.1, high)
+    least = np.fmax(table["ambient_max"][rows], _LEAST["brushed"])  # it runs in that ambient
+    low = np.where(brushed, np.fmax(high, least), low)
+    high = np.where(brushed, np.fmax(_HOTTEST + 0.1, low), high)
     value = np.where(brushed, (low + high) / 2.0, value)
-    return found | {"max_winding_temperature": Estimates(rows, value, low, high, np.full(len(rows), _RATED))}
+    rated = Estimates(rows, value, low, high, np.full(len(rows), _RATED))
+    rest = np.setdiff1d(np.flatnonzero(unstated & np.isnan(rating)), rows)
+    both: list[NDArray[Any]] = [np.concatenate(columns) for columns in zip(rated, _unrated(table, rest), strict=True)]
+    order = np.argsort(both[0])
+    every = Estimates(*(column[order] for column in both))
+    return found | {"max_winding_temperature": every} if len(order) else found
+
+
+def _rated_current(table: Table[Any]) -> NDArray[np.float64]:
+    """The nominal current; where none is printed that of the nominal torque [A]."""
+    k_t = _output_constant(table) if table.section == "actuators" else table["torque_constant"]
+    by_torque = table["nominal_torque"] / k_t + np.nan_to_num(table["no_load_current"])
+    return np.where(np.isnan(table["nominal_current"]), by_torque, table["nominal_current"])
+
+
+def _output_constant(table: Table[Any]) -> NDArray[np.float64]:
+    """Torque at the output of actuators per ampere, the losses of the gear included."""
+    inner = table["ratio"] * table["efficiency"] * table["motor_torque_constant"]
+    return np.asarray(np.where(np.isnan(inner), table["torque_constant"], inner))
+
+
+def _unrated(table: Table[Any], rows: NDArray[np.int64]) -> Estimates:
+    """The permitted winding temperature of parts that print neither it nor a rating, nor what follows from one."""
+    known = np.isin(table["kind"][rows], tuple(_LEAST))
+    rows = rows[known]
+    low = np.array([_LEAST[kind] for kind in table["kind"][rows].tolist()], float)
+    high = np.full(len(rows), _HOTTEST)
+    return Estimates(rows, np.sqrt(low * high), low, high, np.full(len(rows), UNRATED))
 
 
 def by_stall(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
-    """Estimates with the peak torque of actuators that print none: from the continuous torque to that at stall.
+    """Estimates with ratings that actuators do not print: peaks from the continuous figure to that at stall.
+
+    A peak current is at least that of a printed peak torque; a continuous torque is a tenth to all of the peak.
 
     Where no stall is printed either nothing bounds it: the middle is that of a band up to ten times the continuous one.
 
@@ -195,19 +235,28 @@ def by_stall(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estima
     Returns
     -------
     dict
-        Columns as before, and ``peak_torque``.
+        Columns as before, and ``peak_torque``, ``peak_current``, ``nominal_torque``.
     """
     if table.section != "actuators":
         return found
-    lasting, stall = table["nominal_torque"], table["stall_torque"]
-    low, usual = np.fmax(lasting, _LEAST_SHARE * stall), np.where(np.isnan(stall), _MOST * lasting, stall)
-    low = np.where(np.isnan(lasting), low, lasting)
-    rows = np.flatnonzero(np.isnan(table["peak_torque"]) & (low < usual))
-    if not len(rows):
-        return found
-    middle, law = np.sqrt(low * usual)[rows], np.full(len(rows), _UP_TO_STALL)
-    high = np.where(np.isnan(stall), inf, stall)
-    return found | {"peak_torque": Estimates(rows, middle, low[rows], high[rows], law)}
+    more = dict[str, Estimates]()
+
+    def between(name: str, low: NDArray[np.float64], usual: NDArray[np.float64], high: NDArray[np.float64]) -> None:
+        rows = np.flatnonzero(np.isnan(table[name]) & (low < usual))
+        if len(rows):
+            middle, law = np.sqrt(low * usual)[rows], np.full(len(rows), _UP_TO_STALL)
+            more[name] = Estimates(rows, middle, low[rows], high[rows], law)
+
+    at_peak = table["peak_torque"] / _output_constant(table) + np.nan_to_num(table["no_load_current"])
+    least = {"peak_torque": table["nominal_torque"], "peak_current": np.fmax(_rated_current(table), at_peak)}
+    for name, lasting in least.items():
+        stall = table[name.replace("peak", "stall")]
+        low = np.where(np.isnan(lasting), _LEAST_SHARE * stall, lasting)
+        unprinted = np.isnan(stall)
+        between(name, low, np.where(unprinted, _MOST * lasting, stall), np.where(unprinted, inf, stall))
+    short = np.where(np.isnan(table["peak_torque"]), table["stall_torque"], table["peak_torque"])
+    between("nominal_torque", short / _MOST, short, short)
+    return found | more
 
 
 def by_rule(catalog: Catalog) -> dict[str, Estimates]:
@@ -235,13 +284,13 @@ def by_rule(catalog: Catalog) -> dict[str, Estimates]:
     return found
 
 
-def _largest_resistance(table: Table[Any]) -> NDArray[np.float64]:
-    """Thermal resistance with which the nominal current brings the winding to what is permitted [K/W]."""
+def _largest_resistance(table: Table[Any], rating: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Thermal resistance with which a rated current brings the winding to what is permitted [K/W]."""
     one, printed = np.ones(len(table)), table["max_winding_temperature"]
     hottest = np.where(np.isnan(printed), _HOTTEST, printed)
     current = continuous_current(np.asarray(resistance_25(table)), one, 0.0 * one, hottest, rated_ambient(table))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(current / table["nominal_current"]) ** 2
+        return np.asarray(current / rating) ** 2
 
 
 def _filled(table: Table[Any], found: dict[str, Estimates], name: str) -> NDArray[np.float64]:

@@ -9,7 +9,8 @@ and controller become rows of their own. With the ratio i and the gear's efficie
 
 Mass, price and size are the motor's, those of the other parts 0. The maker rates the actuator as a unit: the gearhead
 inside has the actuator's torques and no power limit of its own, and the controller inside supplies the current with
-which the actuator was measured. Where no permissible speed is printed, the no-load speed at nominal voltage is used.
+which the actuator was measured; so does one inside a motor. Where no permissible speed is printed, the no-load speed at
+nominal voltage is used.
 Of an actuator whose ratio is unknown the motor is the one that its output feels, behind a gear of 1:1: torque, speed
 and heat need no ratio, only figures that are printed for the motor inside say nothing then.
 """
@@ -34,6 +35,7 @@ from drivesizer.physics.back_emf import ELECTRONICS
 __all__ = ["CLAMPING_HUB", "printed_field", "search_view", "split_actuators", "with_clamping_hubs", "with_direct_drive"]
 
 CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
+_BATTERY = {"min": 0.85, "max": 1.15}  # of the nominal voltage, at which machines work: IEC 60204-1, 4.3.3
 _THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
 
 Columns = dict[str, NDArray[Any]]
@@ -123,7 +125,7 @@ def _without_rules(catalog: Catalog) -> Catalog:
 
 
 def _viewed(catalog: Catalog) -> Catalog:
-    return with_direct_drive(with_clamping_hubs(split_actuators(catalog)))
+    return with_direct_drive(with_clamping_hubs(_with_controllers_inside(split_actuators(catalog))))
 
 
 def split_actuators(catalog: Catalog) -> Catalog:
@@ -159,7 +161,7 @@ def _with(table: Table[Any], actuators: Table[Any], inside: _Inside) -> Table[An
     """A table followed by the rows of the parts inside actuators."""
     columns: Columns = {}
     of = inside.of
-    figures = dict(inside.columns) | {name: actuators[name] for name in _NAMES} | {"inside": actuators["part"]}
+    figures = {name: actuators[name] for name in _NAMES} | dict(inside.columns) | {"inside": actuators["part"]}
     for name, column in columns_of(table.section).items():
         unknown: Any = "" if column.kind == "text" else np.nan
         values: NDArray[Any] = np.broadcast_to(figures.get(name, unknown), (len(actuators),))[of]
@@ -254,14 +256,42 @@ def _encoder(actuators: Table[Any]) -> _Inside:
 
 
 def _controller(actuators: Table[Any]) -> _Inside:
-    # the actuator's peak torque lasts as long as its winding permits
-    free = dict.fromkeys(("max_encoder_frequency", "max_speed_sine", "max_speed_block", "peak_time"), np.inf)
-    figures: dict[str, Any] = {
-        name: actuators[name] for name in ("buses", "supply_min", "supply_max", "peak_current", "standby_current")
-    }
+    figures = {name: actuators[name] for name in ("buses", "peak_current", "standby_current")}
     figures |= {"drives": actuators["kind"], "continuous_current": actuators["nominal_current"]}
-    figures |= {"max_duty": 1.0, "voltage_drop": 0.0, "mass": 0.0, "price": 0.0}
-    return _Inside(np.flatnonzero(actuators["controller"] != ""), figures | free)
+    return _Inside(np.flatnonzero(actuators["controller"] != ""), _UNIT | figures | _supply(actuators))
+
+
+# A unit is rated as one: its peak torque lasts as long as its winding permits, its figures hold the controller's losses
+_UNIT: dict[str, Any] = dict.fromkeys(
+    ("max_encoder_frequency", "max_speed_sine", "max_speed_block", "peak_time"), np.inf
+) | {"max_duty": 1.0, "voltage_drop": 0.0, "mass": 0.0, "price": 0.0}  # fmt: skip
+
+
+def _supply(table: Table[Any]) -> Columns:
+    """Range of the supply of units; where none is printed that of a battery of their nominal voltage."""
+    found = {f"supply_{end}": share * table["nominal_voltage"] for end, share in _BATTERY.items()}
+    if table.section == "actuators":  # of motors it is no figure
+        found = {name: np.where(np.isnan(table[name]), usual, table[name]) for name, usual in found.items()}
+    return found
+
+
+def _with_controllers_inside(catalog: Catalog) -> Catalog:
+    """The catalogue with a row for each controller inside a motor, which supplies what the motor was measured with."""
+    motors = catalog.motors
+    of = np.flatnonzero((motors["controller"] != "") & (motors["inside"] == ""))
+    if not len(of):
+        return catalog
+    names = [f"{name} in {part}" for name, part in zip(motors["controller"][of], motors["part"][of], strict=True)]
+    part = motors["part"].astype(object)
+    part[of] = names
+    figures = {
+        "drives": motors["kind"],
+        "peak_current": motors["stall_current"],
+        "family": motors["controller"],
+        "buses": "",
+    }
+    rows = _Inside(of, _UNIT | figures | _supply(motors) | {"part": part.astype(str)})
+    return catalog.with_tables({"controllers": _with(catalog.controllers, motors, rows)}, {})
 
 
 def with_clamping_hubs(catalog: Catalog) -> Catalog:

@@ -166,7 +166,8 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     ideal = "required to follow the profile without limits"
 
     def peak(x: float) -> CheckColumn:
-        return at_most("controller_peak_current", x, controller.peak_current)
+        found = at_most("controller_peak_current", x, controller.peak_current)
+        return unless_printed(found, "peak_current", case.drive_set) if _is_inside(case) else found
 
     volts = _resisted(case, "stage_voltage", lambda x: at_most("supply_voltage", x, case.usable_for(x)))
     assumed = voltage_assumption(case.spec, case.drive_set.controller, float(volts.limit))
@@ -189,14 +190,18 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
         case, "rms_current",
         lambda x: at_most("controller_continuous_current", x, _lasting_current(case), needed=needed),
     )  # fmt: skip
-    inside = _controller(case).part == (case.drive_set.actuator.part if case.drive_set.actuator else None)
-    yield _check(unless_printed(lasting, "nominal_current", case.drive_set) if inside else lasting)
+    yield _check(unless_printed(lasting, "nominal_current", case.drive_set) if _is_inside(case) else lasting)
     if supply.current is not None:
         yield _check(
             _resisted(case, "bus_current", lambda x: at_most("supply_current", x, supply.current), power=True),
             case.drawn("bus_current_time"),
             "electrical power over the supply's voltage",
         )
+
+
+def _is_inside(case: ClosedLoop) -> bool:
+    """Whether the controller is that of an actuator."""
+    return _controller(case).part == (case.drive_set.actuator.part if case.drive_set.actuator else None)
 
 
 def _lasting_current(case: ClosedLoop) -> float:

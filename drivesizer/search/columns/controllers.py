@@ -166,7 +166,8 @@ def usable_controllers(
 
 def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest: float) -> Usable:
     """Controllers for each motor, at an ambient that is not known yet."""
-    table, box = catalog.controllers, catalog.motors["inside"]
+    table, own = catalog.controllers, catalog.motors["controller"]
+    box = _box(catalog.motors)
     order = in_order(table, table["continuous_current"])
     order = order[_usable(choice, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
     texts, kind = table["drives"][order], catalog.motors["kind"]
@@ -175,13 +176,18 @@ def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest:
     allowed = can[np.select([kind == "brushed", kind == "brushless", kind == "stepper"], [0, 1, 3], 2)]
     has_own = np.isin(box, distinct(table["inside"][table["inside"] != ""]))
     place = table["inside"][order]
-    allowed &= np.where(has_own[:, None], place == box[:, None], place == "")  # one inside is for its motor alone
-    allowed &= (catalog.motors["controller"] == "")[:, None]
-    partial = ~has_own & ((catalog.motors["controller"] != "") | (not choice.named))
+    # one inside is for its motor alone, and such a motor takes no other
+    allowed &= np.where(has_own[:, None], place == box[:, None], (place == "") & (own == "")[:, None])
+    partial = ~has_own & ((own != "") | (not choice.named))
     unclear = np.append(np.isnan(table["supply_min"] + table["supply_max"]), False)
     nearest = np.where(partial, -1, _last(allowed, order))
     known = ~unclear[order] & ~np.isnan(table["continuous_current"] + table["peak_current"])[order]
     return Usable(order, allowed, nearest, _last(allowed & known, order), partial, unclear, lowest, np.nan)
+
+
+def _box(motors: Table[Any]) -> NDArray[Any]:
+    """What each motor and its controller are inside of: an actuator, or the motor itself; "" where it has none."""
+    return np.where((motors["inside"] == "") & (motors["controller"] != ""), motors["part"], motors["inside"])
 
 
 def _last(mask: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -398,13 +404,12 @@ def none_suits(
         Empty where the catalogues list no controllers.
     """
     table, (low, high), (rms, peak) = catalog.controllers, supply, currents
-    kind, box, own = (str(catalog.motors[name][motor]) for name in ("kind", "inside", "controller"))
-    if own:
-        return f"{own} is inside the motor; no figures of it are listed"
+    kind, own = (str(catalog.motors[name][motor]) for name in ("kind", "controller"))
+    box = str(_box(catalog.motors)[motor])
     inside = box != "" and bool((table["inside"] == box).any())
     rows = (table["inside"] == (box if inside else "")) & selected(table, spec.select.controller)
     if not rows.any():
-        return ""
+        return f"{own} is inside the motor; no figures of it are listed" if own else ""
     bus = spec.select.controller.bus or ""
     volts = show(high, "V", "voltage") if low == high else f"{low:.4g} to {show(high, 'V', 'voltage')}"
     able = {

@@ -34,7 +34,7 @@ SAMPLES = 128
 _FARTHEST = 3.0  # standard deviations that a figure is followed
 _STEPS = 13
 _FINER = 9  # steps within the one in which a check turns
-_RATED = "max_winding_temperature"  # of brushless motors no figure of its own: ``catalog.estimates.assumed.by_rating``
+_RATED = "max_winding_temperature"  # of brushless motors that of their nominal current: ``estimates.assumed.by_rating``
 _FOLLOWS: dict[Figure, Figure] = {
     ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
 }
@@ -69,14 +69,15 @@ def estimated_figures(problem: Problem, motor: int, gearhead: int, brake: int = 
         return []
     low, high = problem.catalog.ends
     inside = problem.catalog.motors["inside"][motor] != ""
-    brushed = problem.catalog.motors["kind"][motor] == "brushed"
+    motors = problem.catalog.motors
+    own_limit = motors["kind"][motor] == "brushed" or np.isnan(motors["nominal_current"][motor])
     found = []
     own = {"motors": motor, "gearheads": gearhead} | ({"brakes": brake} if brake >= 0 else {})
     follows = _followers(problem.catalog, motor)
     for section, row in own.items():
         for name, column in columns_of(section).items():
             ends = low.table(section)[name][row], high.table(section)[name][row]
-            leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or brushed)
+            leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or own_limit)
             leads = leads and (section, name) not in follows
             if column.kind != "text" and leads and ends[0] != ends[1] and ends[0] == ends[0]:
                 found.append((section, name))
@@ -281,7 +282,7 @@ def _with_rated_temperature(catalog: Catalog, rows: NDArray[np.int64], columns: 
     reached = steady_winding_temperature(
         rated_ambient(columns), resistance_25(columns), *R_th, columns["nominal_current"]
     )
-    follows = (columns["kind"] != "brushed") & (easy != hard) & ~np.isnan(easy)
+    follows = (columns["kind"] != "brushed") & (easy != hard) & ~np.isnan(easy + reached)
     columns[_RATED] = np.where(follows, reached, columns[_RATED])
 
 
