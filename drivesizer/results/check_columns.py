@@ -369,7 +369,8 @@ def over_band(middle: CheckColumn, ends: Sequence[CheckColumn], estimated: NDArr
     """
     every = [middle.on(estimated), *ends]
     passed, failed = (np.logical_and.reduce([getattr(c, name) for c in every]) for name in ("passed", "failed"))
-    decided = np.logical_or.reduce([c.passed | c.failed for c in every])  # at an end a winding may run away
+    # at an end a winding may run away; without a limit at an end an unknown demand decides nothing
+    decided = np.logical_or.reduce([(c.passed | c.failed) & ~(np.isnan(c.demand) & (c.limit == np.inf)) for c in every])
     demands, margins = np.array([c.demand for c in every]), np.array([c.margin for c in every])
     columns = {
         "passed": passed, "failed": failed, "opened": decided & ~passed & ~failed,
