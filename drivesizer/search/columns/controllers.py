@@ -186,7 +186,7 @@ def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest:
 
 
 def _box(motors: Table[Any]) -> NDArray[Any]:
-    """What each motor and its controller are inside of: an actuator, or the motor itself; "" where it has none."""
+    """The unit that a motor shares with its controller: an actuator, or the motor itself; "" where it has none."""
     return np.where((motors["inside"] == "") & (motors["controller"] != ""), motors["part"], motors["inside"])
 
 
