@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from drivesizer.catalog.more_parts import Belt, Pulley
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.elements.belt import pitch_diameter
 
 __all__ = ["BeltDrive"]

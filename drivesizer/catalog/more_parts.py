@@ -6,8 +6,9 @@ steppers and batteries are parts of their own.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from drivesizer.catalog.columns import PartRecord, figure, text
-from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "Actuator", "Battery", "Belt", "Brake", "BrakeResistor", "PowerSupply", "Pulley", "Screw", "Stepper",

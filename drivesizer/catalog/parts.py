@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import inf
 from types import MappingProxyType
@@ -29,7 +30,6 @@ from drivesizer.catalog.more_parts import (
     Screw,
     Stepper,
 )
-from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor", "OneRow",

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,6 @@ from numpy.typing import NDArray
 from drivesizer.catalog import DIRECT, PARTS, Catalog, Table, columns_of, load, path_of, shipped
 from drivesizer.catalog.conditions import Condition, column_name
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.frozen import dataclass
 
 __all__ = ["Hit", "Selection", "Shelf", "contains", "every", "open_all", "select"]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -25,7 +25,6 @@ from drivesizer.catalog.more_parts import (
 )
 from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
-from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "CONFIDENCE",

@@ -13,11 +13,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 from drivesizer.catalog import Controller
-from drivesizer.files.frozen import dataclass
 from drivesizer.units import show
 
 __all__ = ["LEAST_PHASE_MARGIN", "Cascade", "ControllerGain", "Rates", "controller_gains", "rates"]

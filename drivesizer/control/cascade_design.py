@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -30,7 +30,6 @@ from drivesizer.control.cascade_rules import (
 )
 from drivesizer.control.drive_train import DriveTrain, Regime, modes
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.counted_speed import Counts, lags, most_gain, shortest
 from drivesizer.units import show
 

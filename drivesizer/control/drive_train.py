@@ -9,14 +9,13 @@ forward motion. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K 
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from math import inf, isfinite, isnan
 
 import numpy as np
 
 from drivesizer.errors import InputError, NoLoopError
-from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases.at_shaft import AtShaft, at_shaft
 from drivesizer.loads.course import Profile
 from drivesizer.physics.back_emf import back_emf_constant

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
-
-from drivesizer.files.frozen import dataclass
 
 __all__ = ["Bode", "Loop", "Loops"]
 

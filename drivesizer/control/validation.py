@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,6 @@ from numpy.typing import NDArray
 from drivesizer.control.cascade import Cascade, ControllerGain
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.loop_records import Loop
-from drivesizer.files.frozen import dataclass
 from drivesizer.results.check import Check, Figure, Status, in_a_sentence
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec

@@ -8,12 +8,12 @@ unit.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema
 from pydantic_core import core_schema
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.units import KINDS, Kind, label, noun, to_si
 
 __all__ = [

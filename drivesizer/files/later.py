@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from typing import Any, get_args
@@ -10,7 +11,6 @@ from pydantic import BaseModel, ValidationInfo
 from pydantic_core import core_schema
 
 from drivesizer.files.fields import Section
-from drivesizer.files.frozen import dataclass
 
 __all__ = ["HasLater", "Later"]
 

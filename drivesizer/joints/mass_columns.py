@@ -12,12 +12,12 @@ to be replaced, and left out. Payloads are columns as well, so that load cases w
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.joints.coupling import coupling
 from drivesizer.joints.inverse_dynamics import Attached, Torques, torques_of
 from drivesizer.joints.joint_load import JointLoad, cycle_of, joint_load, radius_of

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.load_cycle import end_times
 
 __all__ = ["Array", "JointMotion"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.files.text import missing
 from drivesizer.load_cases.platform_wheels import cycles_of, dynamics_of, ground_of, trajectory_of
 from drivesizer.load_cases.requirements import requirements

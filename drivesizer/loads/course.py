@@ -7,14 +7,13 @@ Symbols: s position [m or rad], v speed [m/s or rad/s], a acceleration [m/s^2 or
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import fsum, nan
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points, places
 
 __all__ = ["Course", "Profile", "course"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import ceil, inf, isnan, nan
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 from drivesizer import catalog as parts
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.battery import capacity_for, peukert_time, table_draw, table_time
 
 if TYPE_CHECKING:

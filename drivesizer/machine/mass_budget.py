@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any, Literal, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.tolerances.distributions import END
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.mass import MassRow
 from drivesizer.units import show

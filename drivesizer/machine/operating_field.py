@@ -12,7 +12,7 @@ k_e back-EMF constant [V*s/rad], i ratio.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import nan
 from typing import Any
 
@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import OneRow, one_row
-from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.pull_out import torque_of_part
 from drivesizer.machine.set_cycle import turned

@@ -7,12 +7,11 @@ assumed.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import nan
 
 import numpy as np
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform_record import platform_assumptions
 from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import fsum
 
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec

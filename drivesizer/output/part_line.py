@@ -5,13 +5,13 @@ What no catalogue gives is left open: an order number, a price, a cable.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import nan
 from typing import Any
 
 from drivesizer.catalog import BrakeResistor, Catalog, Note, Source, columns_of
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
-from drivesizer.files.frozen import dataclass
 from drivesizer.output.part_words import SAID
 from drivesizer.results.drive_set import section_of
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from math import isnan, nan
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.output.part_line import PartLine
 from drivesizer.units import show
 

@@ -11,7 +11,7 @@ Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple
@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.cycle_figures import (
     Scalars,
     belt_factors,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from itertools import chain
 from math import inf, isfinite, nan
 from numbers import Real
@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.units import KINDS, kind_of_unit, noun
 
 __all__ = ["COMPANIONS", "EQUATIONS", "Equation", "Term", "Value", "equation", "terms"]

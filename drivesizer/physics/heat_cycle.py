@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.heat_step import Array, Course, Modes, Weights, drive, modes, turning_time, weights
 from drivesizer.physics.thermal import TwoBodies

@@ -9,7 +9,7 @@ Symbols: w speed [rad/s], a acceleration [rad/s^2], T torque that the load takes
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import nan
 from typing import Any, NamedTuple
 
@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "integral", "mean_product", "middle",

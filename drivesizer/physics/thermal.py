@@ -9,12 +9,12 @@ constant [N*m/A], I_0 no-load current [A], w speed of the motor [rad/s].
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.figures import once_per_part
 
 __all__ = [

@@ -7,12 +7,12 @@ weight, the forces at the floor and the height of the centre of mass.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Platform
 

@@ -21,12 +21,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform import equations_dynamics as eq
 from drivesizer.platform.contact_loads import LEVEL, Ground, contact_loads, weight_along
 from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, kinematics, map_columns, row_sizes

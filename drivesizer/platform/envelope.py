@@ -9,11 +9,11 @@ held, whether the passage is a door or a corridor. A platform that drives along 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform.matrix_equation import Array
 
 __all__ = [

@@ -15,12 +15,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform import equations_kinematics as eq
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Wheel

@@ -12,12 +12,12 @@ import ast
 import inspect
 import textwrap
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics import equation
 from drivesizer.physics.equation import Term
 

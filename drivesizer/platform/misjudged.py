@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform.wheels import Payload, Platform, loaded
 
 __all__ = ["EXACT", "Misjudged", "actual", "of_each"]

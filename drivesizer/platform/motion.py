@@ -8,14 +8,13 @@ little all the same; that little is left out: the platform goes as its driven wh
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform.contact_loads import LEVEL, Ground
 from drivesizer.platform.dynamics import Dynamics
 from drivesizer.platform.kinematics import Kinematics, check_allowed, map_columns, row_sizes

@@ -20,14 +20,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, joined, rest

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform.kinematics import to_robot
 from drivesizer.platform.matrix_equation import Array
 

@@ -15,11 +15,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 
 __all__ = ["Caster", "Drive", "Payload", "Platform", "Wheel", "loaded", "table_wheel", "without_motor"]
 

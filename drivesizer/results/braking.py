@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from drivesizer.catalog import BrakeResistor
-from drivesizer.files.frozen import dataclass
 from drivesizer.results.check import Check, Figure
 
 __all__ = ["BrakingBudget"]

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.units import show
 
 __all__ = [

@@ -10,7 +10,7 @@ that ``check_kinds`` declares.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from math import inf, isclose, isinf, isnan, nan
 from operator import attrgetter
 from typing import Any
@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.results.check import Band, Check, Status
 from drivesizer.results.check_kinds import CHECKS, refuse_undeclared
 

@@ -10,7 +10,7 @@ word in capitals stands for figures that depend on the motor or the encoder, see
 
 from __future__ import annotations
 
-from drivesizer.files.frozen import dataclass
+from dataclasses import dataclass
 
 __all__ = [
     "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "EMF", "OWN_REQUIREMENTS", "REQUIREMENTS",

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from math import inf, nan
 from typing import Any
 
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.elements.braking import released_power
 from drivesizer.physics.motor_demand import drive_inertia
 from drivesizer.results.braking import BrakingBudget

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import fsum, isnan, nan
 from typing import NamedTuple
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.results.check import Check, Status, verdict
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine_power import MachinePower

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from drivesizer.files.frozen import dataclass
+from dataclasses import dataclass
+
 from drivesizer.units import show
 
 __all__ = ["MassRow"]

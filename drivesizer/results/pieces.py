@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivesizer.files.frozen import dataclass
+from dataclasses import dataclass
 
 __all__ = ["MotorPiece"]
 

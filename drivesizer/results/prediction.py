@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.results.estimated import EstimatedFigure
 
 __all__ = ["Band", "Conditions", "Predicted", "Prediction", "WarmingCourse"]

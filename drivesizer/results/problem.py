@@ -5,12 +5,11 @@ Made once, by ``machine.problem``, and passed on; nothing behind it changes the 
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.screws import ChosenScrew

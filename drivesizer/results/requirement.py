@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.equation import Equation
 from drivesizer.units import from_si, show
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from drivesizer.catalog.more_parts import Screw
-from drivesizer.files.frozen import dataclass
 from drivesizer.loads.kinds import MODULES
 from drivesizer.physics.elements.screw import shaft_mass
 from drivesizer.spec.robot import RobotSpec

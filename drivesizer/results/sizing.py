@@ -6,11 +6,10 @@ floats; each carries its kind and the unit of the trade it is shown in. NaN is *
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from drivesizer.catalog import Catalog
-from drivesizer.files.frozen import dataclass
 from drivesizer.results.check import Check, Figure, Status, verdict, worst
 from drivesizer.results.drive_set import DriveSet, Relaxation
 from drivesizer.results.notebook import html_table, share

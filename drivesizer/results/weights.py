@@ -18,12 +18,12 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.results.drive_set import DriveParts
 
 __all__ = ["CRITERIA", "Choice", "Choices", "Scored", "by_weights", "multiples", "used_share"]

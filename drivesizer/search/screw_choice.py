@@ -10,7 +10,7 @@ from __future__ import annotations
 import fnmatch
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf, isnan
 from typing import Any, NamedTuple
 
@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog, Table
 from drivesizer.catalog.more_parts import Screw as Part
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases.profile import located, profile_of
 from drivesizer.loads.course import Course, course
 from drivesizer.loads.screw import Screw, ScrewChoice

@@ -6,13 +6,13 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.machine.budgets import check_battery, of_the_machine
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem

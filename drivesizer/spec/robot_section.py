@@ -5,6 +5,7 @@ description, so that the reader takes either and keeps its kind.
 """
 
 import math
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
@@ -25,7 +26,6 @@ from drivesizer.files.fields import (
     exactly_one,
     no_entries,
 )
-from drivesizer.files.frozen import dataclass
 from drivesizer.units import KINDS, label, noun, to_si
 
 __all__ = [

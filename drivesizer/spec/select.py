@@ -1,11 +1,11 @@
 """Section of a spec on permitted parts and the objective of the ranking."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, field_validator
 
 from drivesizer.files.fields import Names, Ratio, Section, at_defaults
-from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "ASSUMABLE", "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "MotorChoice", "Objective",

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.spec.several_axes.any_spec import is_machine
 from drivesizer.spec.tolerance_text import has_tolerance, tolerance

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 from drivesizer.catalog import Catalog
-from drivesizer.files.frozen import dataclass
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
 from drivesizer.multi_axis.sizing import size_machine

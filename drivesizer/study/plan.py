@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
 from drivesizer.search.order.ranking import objective_of, title_of

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.cache import digest_of
-from drivesizer.files.frozen import dataclass
 from drivesizer.files.writing import put, remove_all
 from drivesizer.study.column import Row
 from drivesizer.study.plan import Plan

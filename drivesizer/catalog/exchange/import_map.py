@@ -14,13 +14,13 @@ columns:
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.files.yaml_source import Path_, YamlSource, read
 
 __all__ = ["Plan", "plan"]

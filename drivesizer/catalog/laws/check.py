@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,6 @@ from drivesizer.catalog.laws.parts import LAWS
 from drivesizer.catalog.laws.pull_out import odd_pull_outs
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
 from drivesizer.catalog.tables import Catalog, Note, Table
-from drivesizer.files.frozen import dataclass
 from drivesizer.units import from_si, show
 
 __all__ = ["Finding", "check", "check_file"]

@@ -8,6 +8,7 @@ figure in it, and an ``allowance`` for physics that the formula leaves out, with
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from numpy.typing import NDArray
 from drivesizer.catalog.identities import IDENTITIES, solved
 from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import Table
-from drivesizer.files.frozen import dataclass
 
 __all__ = [
     "BODY", "DEFINITION", "ENERGY", "HANDBOOK", "ROUNDED", "SLACK", "USAGE", "Band", "Beside", "Formula", "Law",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,6 @@ import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.laps import PEAKS
 from drivesizer.control.engine.layout import ROW, TALLY, Array
 from drivesizer.control.engine.start import Run
-from drivesizer.files.frozen import dataclass
 
 __all__ = ["FIGURES", "Simulation", "figures_of", "series_of"]
 

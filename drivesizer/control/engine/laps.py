@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ import numpy as np
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import TALLY, Array
 from drivesizer.control.engine.start import Run, tally
-from drivesizer.files.frozen import dataclass
 
 __all__ = ["PEAKS", "SUMS", "Lap", "grown", "joined", "simulated"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine.layout import Array
 from drivesizer.control.validation import Gains
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.thermal import TwoBodies
 
 __all__ = ["CurrentLimit", "Drive", "MotorHeat", "Resolution", "Supply", "Task"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 from drivesizer.control.open_loop import layout as at
 from drivesizer.control.open_loop.kernel import compiled
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.physics.stepper.starting import natural_frequency
 
 __all__ = ["DAMPING_RATIO", "Motion", "Stepper", "Turned", "least_share", "simulate"]

@@ -6,10 +6,11 @@ motion; at rest, the last one.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from drivesizer.control.path_following.following import Followed
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform.matrix_equation import Array
 
 __all__ = ["Deviation", "Extreme", "deviation", "extremes"]

@@ -13,6 +13,7 @@ rollers have no inertia and no gaps; the floor is flat; wheels are equally stiff
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -22,7 +23,6 @@ from drivesizer.control.path_following.kernel_arrays import Arrays, arrays, firs
 from drivesizer.control.path_following.pose_control import PoseLoop, SpeedLoop, is_unicycle, speed_loop
 from drivesizer.control.path_following.slip import Contact
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform.contact_loads import LEVEL, Ground
 from drivesizer.platform.dynamics import Dynamics, dynamics, wheel_torques
 from drivesizer.platform.kinematics import check_allowed, columns, map_columns, to_robot

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from drivesizer.control.path_following import kernel_layout as at
 from drivesizer.control.path_following.slip import Contact
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform import equations_dynamics as eq
 from drivesizer.platform.contact_loads import Ground, contact_loads
 from drivesizer.platform.matrix_equation import Array

@@ -19,12 +19,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from drivesizer.control.cascade_rules import LATE, pole_placement, symmetrical_optimum
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.platform.dynamics import Dynamics, wheel_space
 from drivesizer.platform.kinematics import Kinematics
 from drivesizer.platform.misjudged import of_each

@@ -12,7 +12,7 @@ J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, d
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import cos, isfinite, isnan, nan
 from typing import Any
 
@@ -23,7 +23,6 @@ from drivesizer.control.drive_train import DriveTrain, drive_train, within_reach
 from drivesizer.control.loop_design import designed
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.load_cases.at_shaft import at_shaft, motion_of, remaining_torque
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.wheel import WheelLoad

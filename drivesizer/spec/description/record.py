@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.frozen import dataclass
 
 __all__ = ["TURNING", "Joint", "Link", "Robot", "about", "placed", "robot_of"]
 

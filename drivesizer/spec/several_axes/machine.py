@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.frozen import dataclass
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.brake_resistor import BrakeResistor

@@ -18,14 +18,13 @@ J and M of the belt before it; those of a belt behind it are parts of J_w and T_
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import isnan
 
 import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.files.csv_columns import beside
-from drivesizer.files.frozen import dataclass
 from drivesizer.joints.coupling import coupling
 from drivesizer.joints.inverse_dynamics import Attached
 from drivesizer.joints.joint_load import radius_of

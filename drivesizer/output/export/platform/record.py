@@ -7,13 +7,12 @@ belong to a load case; the file has all.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import fsum, isnan
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.frozen import dataclass
 from drivesizer.joints.inverse_dynamics import Attached
 from drivesizer.joints.record import Array
 from drivesizer.load_cases.of_machine import load_cases

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import isnan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer import equations as eq
-from drivesizer.files.frozen import dataclass
 from drivesizer.machine.operating_field import OperatingField, field, with_pull_out
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 from drivesizer.control.validation import Validation
-from drivesizer.files.frozen import dataclass
 from drivesizer.output.part_line import PartLine
 from drivesizer.output.part_totals import Total
 from drivesizer.output.parts_of_axes import SharedLine, machine_parts_of_axes, parts_by_axis, totals_of_axes

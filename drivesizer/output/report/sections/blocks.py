@@ -7,10 +7,9 @@ class in lower case.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.output.report.sections.texts import Text
 
 __all__ = [

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 from drivesizer.control.validation import Validation
-from drivesizer.files.frozen import dataclass
 from drivesizer.output.part_line import PartLine
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.figures.all_figures import STILL, Drawing, report_drawings

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.output.report.lines.rows import Row
 from drivesizer.output.report.sections.blocks import Block, Pair, Table, Words
 from drivesizer.output.report.sections.content import Content

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from drivesizer.files.frozen import dataclass
 from drivesizer.output.report.lines.rows import Row
 from drivesizer.units import label
 

@@ -5,7 +5,8 @@ A text is a string, or a tuple of strings and of marks; PDF and HTML render a ma
 
 from __future__ import annotations
 
-from drivesizer.files.frozen import dataclass
+from dataclasses import dataclass
+
 from drivesizer.units import KINDS, from_si, show
 
 __all__ = [
