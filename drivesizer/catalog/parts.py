@@ -96,6 +96,7 @@ class Motor(PartRecord):
     detent_torque: float = figure("torque", "N*m")
     start_speed: float = figure("rotary_speed", "rpm")
     pull_out_share: float = figure("dimensionless", "%")
+    mounted_gain: float = figure("dimensionless", "1")  # of its ratings at most, as mounted, where heat figures lack
     diameter: float = figure("length", "mm")
     length: float = figure("length", "mm")
     mass: float = figure("mass", "g")
@@ -333,7 +334,7 @@ def one_of(section: str) -> str:
 
 
 _MADE = {  # columns that no catalogue file gives: the search view has them, of actuators and steppers
-    "motors": {"inside", "holding_torque", "detent_torque", "start_speed", "pull_out_share"},
+    "motors": {"inside", "holding_torque", "detent_torque", "start_speed", "pull_out_share", "mounted_gain"},
     "steppers": {"pull_out_share"},
 }
 

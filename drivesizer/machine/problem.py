@@ -51,7 +51,7 @@ def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
     if machine.brake:
         catalog = with_own_brake(catalog, machine.brake.figures)
     if machine.mounting is not None and machine.mounting.changes_housing:
-        catalog = with_mounting(catalog, _housings(machine.mounting), estimates=machine.select.estimates == "on")
+        catalog = with_mounting(catalog, _housings(machine.mounting))
     machine = with_parts_of_supply(machine, catalog)
     belts, quickest = belt_drives(machine, catalog), quickest_winding(catalog)
     alternating = {case.name for case in machine.cases if case.share is not None}  # all of them are in the first

@@ -49,6 +49,8 @@ _OF_A_CLASS = "assumed: its winding is that for this supply, as its maker prints
 _COIL = 0.1  # share of its voltage: 24 V +- 10 % (Bosch Rexroth MSK, project planning, 10.10; Siemens SINAMICS S120)
 OWN_SUPPLY = "assumed: from a supply of its own, of the voltage that its coil needs"
 _COLDER = "at most: the permitted winding temperature is unknown"
+_COOLER = "at most: thermal figures are unknown"
+_COOLED = "unknown: thermal figures by which its mounting, cooler than the printed one, raises the rating"
 _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
 
 
@@ -292,7 +294,14 @@ def _rated(
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
     shares = (current_derating, derating_at_most)[: 2 if np.isnan(T_max).any() else 1]
     limit, *most = (np.where(np.isposinf(rating), np.inf, rating * share(ambient, T_max, rated)) for share in shares)
-    return at_most(name, rms, limit, most=most[0] if most else None, needed=needed, at_best=_COLDER)
+    gain = motor["mounted_gain"]
+    if np.isnan(gain).all():
+        return at_most(name, rms, limit, most=most[0] if most else None, needed=needed, at_best=_COLDER)
+    highest = np.where(np.isnan(gain), 1.0, gain) * (most[0] if most else limit)
+    limit = np.where(
+        (gain == 1.0) & ~np.isposinf(limit), np.nan, limit
+    )  # a warmer mounting: the printed rating is the most
+    return at_most(name, rms, limit, most=highest, needed=needed, at_best=_COOLER, undecided=_COOLED)
 
 
 def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> CheckColumn:

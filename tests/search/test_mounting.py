@@ -117,7 +117,7 @@ def test_gains_are_those_of_one_motor_each():
         assert rating_gain(motor, share * two) == pytest.approx(plain)
     assert rating_gain(motor, two) == pytest.approx(np.ones(n))
     lacking = motor | {"thermal_resistance_winding": np.full(n, nan)}
-    assert (rating_gain(lacking, 0.5 * two) == 1.0).all() and np.isnan(rating_gain(lacking, 1.5 * two)).all()
+    assert np.isnan(rating_gain(lacking, 0.5 * two)).all() and np.isnan(rating_gain(lacking, 1.5 * two)).all()
 
 
 @pytest.fixture(scope="module")
@@ -143,9 +143,11 @@ def test_the_mounted_motor_by_hand(printed):
     now = found.motor
     assert now.thermal_resistance_housing == pytest.approx(0.6 * was.thermal_resistance_housing)
     assert now.motor_time_constant == pytest.approx(0.6 * was.motor_time_constant)
-    assert now.nominal_current == was.nominal_current  # brushes may set it
+    (rating,) = (each for each in found.estimated if each.figure == "nominal_current")
+    assert rating.low == was.nominal_current < rating.high == now.nominal_current  # brushes may set it
     changed = {name for name, value in asdict(now).items() if repr(value) != repr(getattr(was, name))}
-    assert changed == {"thermal_resistance_housing", "motor_time_constant"}
+    rated = {"nominal_current", "nominal_torque"}
+    assert changed == {"thermal_resistance_housing", "motor_time_constant", *rated}
     assert winding(found).demand < winding(printed.sets[0]).demand
     plate = explained(printed, {"kind": "plate", "plate_resistance": "5 K/W"}).motor
     assert plate.thermal_resistance_housing == pytest.approx(1 / (1 / was.thermal_resistance_housing + 1 / 5))
@@ -160,11 +162,60 @@ def test_as_printed_is_as_without_the_section(printed):
     assert same.assumptions == printed.assumptions
 
 
-def test_without_estimates_the_worst_end_counts(printed):
-    """A flange of 0.2 to 0.8 of the printed figure counts as 0.8, and a lack of it as 1.45."""
+def test_its_band_counts_without_estimates_too(printed):
+    """A flange is 0.2 to 0.8 of the printed figure, a lack of it 1 to 1.45: that of the spec, not of peers."""
     was = printed.sets[0].motor.thermal_resistance_housing
-    for kind, share in (("metal_flange", 0.8), ("insulated", 1.45)):
-        assert explained(printed, {"kind": kind}).motor.thermal_resistance_housing == pytest.approx(share * was)
+    for kind, least, most in (("metal_flange", 0.2, 0.8), ("insulated", 1.0, 1.45)):
+        (figure,) = (
+            each for each in explained(printed, {"kind": kind}).estimated if each.figure == "thermal_resistance_housing"
+        )
+        assert (figure.low, figure.high) == pytest.approx((least * was, most * was))
+
+
+BARE = """
+catalog: 1
+manufacturer: Anybody
+sources: {sheet: {document: a sheet without thermal figures, confidence: quoted}}
+motors:
+- family: bare
+  source: sheet
+  columns: [part, kind, nominal_voltage (V), no_load_speed (rpm), no_load_current (mA), nominal_torque (mN*m),
+    nominal_current (A), stall_torque (mN*m), stall_current (A), resistance (ohm), torque_constant (mN*m/A),
+    rotor_inertia (g*cm^2), max_speed (rpm), thermal_resistance_housing (K/W)]
+  rows:
+  - [no figure, brushless, 24, 6000, 100, 60, 1.6, 600, 16, 1.5, 37.5, 50, 12000, ~]
+  - [housing, brushless, 24, 6000, 100, 60, 1.6, 600, 16, 1.5, 37.5, 50, 12000, 8]
+compatibility:
+  motor_gearhead:
+  - {source: sheet, motors: [bare], gearheads: [direct]}
+"""
+
+
+@pytest.mark.parametrize("estimates", ["off", "on"])
+@pytest.mark.parametrize(
+    ("part", "mounting", "friction", "status"),
+    [  # 50, 65 and 200 mN*m and 0.1 A: 1.43, 1.83 and 5.4 A of printed 1.6 A
+        ("no figure", {"housing_resistance": 0.64, "low": 0.4}, 50, "pass"),
+        ("no figure", {"housing_resistance": 0.64, "low": 0.4}, 65, "unknown"),  # cooler by an unknown amount
+        ("no figure", {"kind": "plate", "plate_resistance": "3 K/W"}, 65, "unknown"),
+        ("housing", {"housing_resistance": 0.64}, 65, "unknown"),
+        ("housing", {"housing_resistance": 0.64}, 200, "fail"),  # more than 1 / 0.64 is out of reach
+        ("no figure", {"kind": "insulated"}, 65, "fail"),  # warmer: the printed current is the most
+        ("no figure", {"housing_resistance": 1.2}, 50, "unknown"),
+        ("no figure", {"gear_loss_share": 0.5}, 65, "fail"),  # as printed
+    ],
+)
+def test_a_rating_whose_gain_is_unknown_is_known_from_one_side(tmp_path, part, mounting, friction, status, estimates):
+    (tmp_path / "bare.yaml").write_text(BARE, encoding="utf-8")
+    spec = load_spec({
+        "name": "wheel", "load": {"kind": "flywheel", "inertia": "2 kg*cm^2", "friction_torque": f"{friction} mN*m"},
+        "motion": {"speed": "2000 rpm", "acceleration_time": "1 s", "cruise_time": "60 s", "rest_time": "0.1 s"},
+        "transmission": [{"kind": "direct"}], "supply": {"nominal": "24 V", "accepts": "all"}, "mounting": mounting,
+        "select": {"catalogs": [str(tmp_path / "bare.yaml")], "estimates": estimates},
+    })  # fmt: skip
+    (one,) = explain(spec, part, "direct")
+    found = next(check for check in one.checks if check.name == "motor_nominal_current")
+    assert found.demand == pytest.approx((friction / 37.5 + 0.1) * 1.0, rel=0.03) and found.status == status
 
 
 def test_a_band_is_shown_and_leaves_checks_open(printed):

@@ -37,7 +37,7 @@ Housing = Callable[[Array], Any]  # thermal resistance as mounted, of that as pr
 _CHANGED = ("thermal_resistance_housing", "motor_time_constant", "nominal_current", "nominal_torque")
 
 
-def with_mounting(catalog: Catalog, housings: tuple[Housing, Housing, Housing], *, estimates: bool) -> Catalog:
+def with_mounting(catalog: Catalog, housings: tuple[Housing, Housing, Housing]) -> Catalog:
     """The catalogue with the thermal figures and ratings of its motors as they are mounted.
 
     Parameters
@@ -46,8 +46,6 @@ def with_mounting(catalog: Catalog, housings: tuple[Housing, Housing, Housing], 
         As the search takes it, its motors as printed.
     housings
         Thermal resistance of the nominal mounting, and at the favourable and unfavourable end of its band.
-    estimates
-        Whether bands count; else the unfavourable end does.
 
     Returns
     -------
@@ -55,8 +53,6 @@ def with_mounting(catalog: Catalog, housings: tuple[Housing, Housing, Housing], 
         Its motors changed, also at both ends of the bands.
     """
     nominal, easy, hard = housings
-    if not estimates:
-        return _with(catalog, hard, brushes=True)
     ends = catalog.ends or (catalog, catalog)
     middle = _with(catalog, nominal, brushes=False)
     found = replace(middle, ends=(_with(ends[0], easy, brushes=False), _with(ends[1], hard, brushes=True)))
@@ -67,12 +63,15 @@ def _with(catalog: Catalog, housing: Housing, *, brushes: bool) -> Catalog:
     motors: Table[Any] = catalog.motors
     printed = motors["thermal_resistance_housing"]
     mounted = housing(printed)
-    gain = rating_gain(motors, mounted)
+    gain, of_one = rating_gain(motors, mounted), float(housing(np.ones(1))[0])
+    unknown, gain = np.isnan(gain), np.where(np.isnan(gain), 1.0, gain)
+    at_most = np.where(np.isnan(printed), np.inf, printed / mounted) if of_one < 1.0 else np.ones(len(motors))
+    at_most = np.where(unknown & (of_one != 1.0), at_most, np.nan)
     if brushes:  # may set the rating, where heat would permit more
         gain = np.where(motors["kind"] == "brushed", np.minimum(gain, 1.0), gain)
     factors = {"motor_time_constant": mounted / printed, "nominal_current": gain, "nominal_torque": gain}
     columns = dict(motors.columns) | {name: motors[name] * factor for name, factor in factors.items()}
-    columns["thermal_resistance_housing"] = mounted
+    columns |= {"thermal_resistance_housing": mounted, "mounted_gain": at_most}
     return replace(catalog, motors=replace(motors, columns=columns), mounted=True)
 
 
@@ -89,7 +88,7 @@ def rating_gain(motor: Any, mounted: Array) -> Array:
     Returns
     -------
     Array
-        [1]; without a thermal figure 1 where the housing is cooled better, NaN where worse. An unknown loss is 0.
+        [1]; NaN without a thermal figure. An unknown loss is 0.
     """
     one, two = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     speed = motor["nominal_speed"]
@@ -99,8 +98,8 @@ def rating_gain(motor: Any, mounted: Array) -> Array:
     with np.errstate(invalid="ignore", divide="ignore"):
         left = np.maximum(rise - mounted * loss, 0.0) / (rise - two * loss)
         left = np.where((rise > two * loss), left, 1.0)  # else friction alone is more than what the figures permit
-        gain = np.sqrt(left * (one + two) / (one + mounted))
-    return np.where(np.isnan(gain), np.where(mounted > two, np.nan, 1.0), gain)
+        gain: Array = np.sqrt(left * (one + two) / (one + mounted))
+    return gain
 
 
 def _estimates(catalog: Catalog) -> dict[str, dict[str, Estimates]]:
