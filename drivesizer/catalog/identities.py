@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.tables import Catalog, Note, Table
-from drivesizer.physics.back_emf import ELECTRONICS
+from drivesizer.physics.drive_train import ELECTRONICS
 
 __all__ = ["DERIVED", "IDENTITIES", "as_printed", "derived", "solved"]
 

@@ -9,6 +9,7 @@ forward motion. Symbols: i current [A], w motor speed [rad/s], u voltage [V], K 
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from math import inf, isfinite, isnan
@@ -18,14 +19,13 @@ import numpy as np
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.load_cases.at_shaft import AtShaft, at_shaft
 from drivesizer.loads.course import Profile
-from drivesizer.physics.back_emf import back_emf_constant
-from drivesizer.physics.motor_demand import friction, gear_loss
+from drivesizer.physics.drive_train import MotorAndGears, through_gears
 from drivesizer.physics.thermal import resistance_25
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.ratings import unstated_temperature
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "elastic", "matrices", "modes", "within_reach"]
+__all__ = ["DriveTrain", "Mode", "Regime", "drive_train", "elastic", "matrices", "modes", "require", "within_reach"]
 
 _NO_INDUCTANCE = 1e-3  # electrical time constant in control periods, where the inductance is unknown: none to speak of
 _FASTEST = 1e9  # rad/s at the motor: beyond any machine, and small enough that squares stay finite
@@ -118,8 +118,8 @@ def _moving(train: DriveTrain, regime: Regime) -> Mode:
     forward = regime in (Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING)
     driving = regime in (Regime.FORWARD_DRIVING, Regime.BACKWARD_DRIVING)
     resistance = train.forward_torque if forward else train.backward_torque
-    # T_in = T_out/(i e) where power flows to the load, T_out e/i where it flows back (Giberti et al. 2010)
-    share = (1.0 / train.efficiency if driving else train.efficiency) / train.ratio
+    to_load, back = through_gears(train.ratio, train.efficiency)
+    share = to_load if driving else back
     inertia = train.motor_inertia + train.load_inertia * share / train.ratio
     drag = (train.friction if forward else -train.friction) + resistance * share
     return Mode(regime=regime, inertia=inertia, drag=drag)
@@ -169,28 +169,20 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
     if drive_set.steps:
         part = drive_set.motor.part
         raise NoLoopError(f"motor {part} is a stepper, which runs open-loop: it has no closed loop")
-    for name, needed in _NEEDED.items():
-        part = getattr(drive_set, name)
-        missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
-        if missing:
-            raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; no closed loop without")
+    require(drive_set, _NEEDED, "no closed loop without")
     said = list(unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
-    motor, gearhead, shaft = drive_set.motor, drive_set.gearhead, at_shaft(spec)
-    for inertia, of in ((drive_set.brake_inertia, "brake"), (gearhead.inertia, "gearhead"),
-                        (drive_set.encoder.inertia if drive_set.encoder else 0.0, "encoder")):  # fmt: skip
-        _known(inertia, f"inertia of the {of}", said)
-    gear_efficiency, idle = gear_loss(gearhead)
-    coulomb, viscous = (float(x) for x in friction(motor))
+    own, shaft = MotorAndGears(*map(float, drive_set.at_motor)), at_shaft(spec)
+    said += [_taken_as_0(f"inertia of the {of}") for of in drive_set.unknown_inertias]
     train = DriveTrain(
-        resistance=float(resistance_25(motor)),
-        inductance=motor.inductance,
-        torque_constant=motor.torque_constant,
-        back_emf_constant=float(back_emf_constant(motor)),
-        friction=_known(coulomb, "friction of the motor", said) + float(idle),
-        viscous=_known(viscous, "viscous friction of the motor", said),
+        resistance=float(resistance_25(drive_set.motor)),
+        inductance=drive_set.motor.inductance,
+        torque_constant=own.k_t,
+        back_emf_constant=own.k_e,
+        friction=_known(own.coulomb, "friction of the motor", said) + own.idle,
+        viscous=_known(own.viscous, "viscous friction of the motor", said),
         motor_inertia=drive_set.inertia(unknown=0.0),
-        gear_ratio=gearhead.ratio,
-        gear_efficiency=float(gear_efficiency),
+        gear_ratio=own.ratio,
+        gear_efficiency=own.efficiency,
         belt_ratio=drive_set.belt_ratio,
         belt_efficiency=drive_set.belt_efficiency,
         load_inertia=_known(shaft.inertia, "inertia of the load", said),
@@ -257,6 +249,34 @@ def within_reach(train: DriveTrain, profile: Profile) -> None:
 def _known(value: float, what: str, said: list[str]) -> float:
     """A figure of small influence; 0, reported as an assumption, where the catalogue lacks it."""
     if isnan(value):
-        said.append(f"the {what} is unknown and taken as 0")
+        said.append(_taken_as_0(what))
         return 0.0
     return value
+
+
+def _taken_as_0(what: str) -> str:
+    return f"the {what} is unknown and taken as 0"
+
+
+def require(drive_set: DriveParts, needed: Mapping[str, Sequence[str]], consequence: str) -> None:
+    """Refuse a drive without figures that nothing can be simulated without.
+
+    Parameters
+    ----------
+    drive_set
+        The drive.
+    needed
+        Figures by the role of their part.
+    consequence
+        What is not done without them.
+
+    Raises
+    ------
+    NoLoopError
+        When one is unknown or 0.
+    """
+    for name, figures in needed.items():
+        part = getattr(drive_set, name)
+        missing = [figure.replace("_", " ") for figure in figures if not part[figure] > 0.0]
+        if missing:
+            raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; {consequence}")

@@ -18,8 +18,9 @@ import numpy as np
 
 from drivesizer.machine.set_cycle import SetCycle, lost_in_winding, supplied
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED
+from drivesizer.physics.drive_train import friction
 from drivesizer.physics.load_cycle import integral
-from drivesizer.physics.motor_demand import friction, mean_gear_loss
+from drivesizer.physics.motor_demand import mean_gear_loss
 from drivesizer.physics.power_stage import at_input, lost_in_source
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
 from drivesizer.physics.waveform import energy

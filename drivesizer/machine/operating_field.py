@@ -25,8 +25,9 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.machine.pull_out import torque_of_part
 from drivesizer.machine.set_cycle import turned
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, DRIVING, SPEED, AtGearhead, at_gearhead
+from drivesizer.physics.drive_train import friction
 from drivesizer.physics.load_cycle import Ends
-from drivesizer.physics.motor_demand import Demands, demands, friction
+from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.stress import heat, housing_loss, volts_of
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.results.drive_set import DriveSet

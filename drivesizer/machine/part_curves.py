@@ -18,8 +18,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.back_emf import ELECTRONICS, back_emf_constant
-from drivesizer.physics.motor_demand import gear_loss
+from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, gear_loss
 from drivesizer.physics.overload import State, cold, overload_time, steady_state
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import (

@@ -21,8 +21,8 @@ from drivesizer.load_cases import at_driven_shaft
 from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of
 from drivesizer.machine.set_columns import own_coefficients, own_losses
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, at_gearhead
+from drivesizer.physics.drive_train import lost_in_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.motor_demand import lost_in_gearhead
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding_temperature
 from drivesizer.platform.dynamics import Dynamics, wheel_torques
 from drivesizer.platform.kinematics import map_columns

@@ -8,13 +8,11 @@ Symbols: i ratio, e efficiency, J inertia [kg*m^2], T torque [N*m], w speed [rad
 from __future__ import annotations
 
 from itertools import combinations
-from math import isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.back_emf import back_emf_constant
 from drivesizer.physics.cycle_at_gearhead import (
     ACCELERATION,
     AT_REST,
@@ -25,15 +23,11 @@ from drivesizer.physics.cycle_at_gearhead import (
     AtGearhead,
     lacking,
 )
-from drivesizer.physics.figures import once_per_part
+from drivesizer.physics.drive_train import drive_inertia, lost_in_gearhead, motor_and_gears, through_gears
+from drivesizer.physics.figures import Figures
 
-__all__ = [
-    "DRY_SHARE", "SLOTLESS", "Coefficients", "Demands", "coefficients", "demands", "drive_inertia", "flange_loss",
-    "friction", "gear_loss", "lost_in_gearhead", "mean_gear_loss", "nominal_friction",
-]  # fmt: skip
+__all__ = ["Coefficients", "Demands", "coefficients", "demands", "flange_loss", "mean_gear_loss"]
 
-SLOTLESS = "slotless"  # a winding without iron teeth
-DRY_SHARE = {SLOTLESS: 0.37, "": 0.55}  # of a brushless motor's no-load torque, by its winding; sources: ``friction``
 Array = NDArray[np.float64]
 _APART = 1e-9  # functions of time that are less apart are one function, but for a factor
 
@@ -70,9 +64,9 @@ class Coefficients(NamedTuple):
 
 def demands(
     at: AtGearhead,
-    motor: Any,
-    gearhead: Any,
-    encoder: Any,
+    motor: Figures,
+    gearhead: Figures,
+    encoder: Figures | None,
     braking: Any = 0.0,
     known: Coefficients | None = None,
 ) -> Demands:
@@ -101,7 +95,7 @@ def demands(
 
     Notes
     -----
-    Friction is that of ``friction``, e and T_0 are those of ``gear_loss``.
+    Friction, e and T_0 are those of ``drive_train``.
     """
     i, k_t = gearhead["ratio"], motor["torque_constant"]
     c, left_out, back_emf = known or coefficients(at.acts, motor, gearhead, encoder, braking)
@@ -137,7 +131,9 @@ def _least_square(at: AtGearhead, c: Array, left_out: NDArray[np.bool_]) -> Arra
     return found
 
 
-def coefficients(acts: NDArray[np.bool_], motor: Any, gearhead: Any, encoder: Any, braking: Any = 0.0) -> Coefficients:
+def coefficients(
+    acts: NDArray[np.bool_], motor: Figures, gearhead: Figures, encoder: Figures | None, braking: Any = 0.0
+) -> Coefficients:
     """Torque of every candidate's motor by the six functions, whatever the load cycle.
 
     Parameters
@@ -152,127 +148,25 @@ def coefficients(acts: NDArray[np.bool_], motor: Any, gearhead: Any, encoder: An
     Coefficients
         Columns over candidates.
     """
-    i = gearhead["ratio"]
-    e, idle = gear_loss(gearhead)
-    coulomb, viscous = nominal_friction(motor)
+    own = motor_and_gears(motor, gearhead, encoder, braking)
+    i = own.ratio
     c = np.empty((len(i), 6))
     left_out = np.zeros(c.shape, np.bool_)
-    inertia = drive_inertia(motor, gearhead, encoder, braking)
-    unknown = {ACCELERATION: inertia, DIRECTION: coulomb, SPEED: viscous}
+    unknown = {ACCELERATION: own.inertia, DIRECTION: own.coulomb, SPEED: own.viscous}
     for place, figure in unknown.items():
         left_out[:, place] = np.isnan(figure) & acts[place]
-    c[:, DRIVING] = 1 / (i * e)
-    c[:, BRAKING] = e / i
+    c[:, DRIVING], c[:, BRAKING] = through_gears(i, own.efficiency)
     c[:, AT_REST] = 1 / i
-    known = drive_inertia(motor, gearhead, encoder, braking, unknown=0.0) if left_out.any() else inertia
+    known = drive_inertia(motor, gearhead, encoder, braking, unknown=0.0) if left_out.any() else own.inertia
     c[:, ACCELERATION] = known * i
-    c[:, DIRECTION] = np.nan_to_num(coulomb) + idle
-    c[:, SPEED] = np.nan_to_num(viscous) * i
+    c[:, DIRECTION] = np.nan_to_num(own.coulomb) + own.idle
+    c[:, SPEED] = np.nan_to_num(own.viscous) * i
     for place in np.flatnonzero(~acts).tolist():
         c[np.isnan(c[:, place]), place] = 0.0
-    return Coefficients(c, left_out, back_emf_constant(motor))
+    return Coefficients(c, left_out, own.k_e)
 
 
-def drive_inertia(motor: Any, gearhead: Any, encoder: Any = None, braking: Any = 0.0, *, unknown: float = nan) -> Any:
-    r"""Inertia of a drive at its motor's shaft, :math:`J_m + J_g + J_e + J_b` [kg*m^2].
-
-    Parameters
-    ----------
-    motor, gearhead, encoder
-        Figures by field name, of one or columns; None without an encoder. An unknown inertia of an encoder, thousands
-        of times smaller than a load's, counts 0.
-    braking
-        Of a brake as the motor's shaft feels it [kg*m^2].
-    unknown
-        What an unknown inertia of the others counts [kg*m^2].
-
-    Returns
-    -------
-    float or array
-        NaN where one is unknown, unless that counts.
-
-    Examples
-    --------
-    >>> motor, gearhead, encoder = {"rotor_inertia": 10e-7}, {"inertia": 0.8e-7}, {"inertia": 0.1e-7}
-    >>> round(float(drive_inertia(motor, gearhead, encoder, 1.3e-7)), 12)
-    1.22e-06
-    >>> round(float(drive_inertia(motor, {"inertia": nan}, encoder, unknown=0.0)), 12)
-    1.01e-06
-    """
-    found = [motor["rotor_inertia"], gearhead["inertia"], braking]
-    if not isnan(unknown):
-        found = [np.nan_to_num(x, nan=unknown) for x in found]
-    own = 0.0 if encoder is None else np.nan_to_num(encoder["inertia"])
-    return found[1] + own + found[0] + found[2]
-
-
-@once_per_part
-def nominal_friction(motor: Any) -> tuple[Array, Array]:
-    """``friction`` of motors as they are in the catalogue."""
-    return friction(motor)
-
-
-def friction(motor: Any, dry: Any = 1.0) -> tuple[Array, Array]:
-    r"""Friction torque of motors at any speed [N*m], and per speed of theirs [N*m*s/rad].
-
-    The catalogue's own, where it has both; where it has one, the other is what :math:`k_t I_0` leaves, the torque lost
-    at the no-load speed :math:`w_0`. Where it has neither, the share s of that is dry:
-
-    .. math:: M_c = s\, k_t I_0, \qquad b = (1 - s)\, k_t I_0 / w_0
-
-    s is 1 of a brushed motor, and where :math:`w_0` is unknown. Of a brushless one it is that of bearings and
-    hysteresis, :data:`DRY_SHARE`: 0.37 without slots, the median of 70 Faulhaber motors that print both (5-95 %: 0.14
-    to 0.55); 0.55 otherwise, where cogging and the iron's hysteresis come to it: measured 0.80 (REV NEO), 0.57 to 0.68
-    (NEO 550), 0.75 and more (Falcon 500), 0.5 to 0.7 (ODrive D5065, by the voltage), 0.14 to 0.7 (RI50), 0.13 (U8).
-
-    Parameters
-    ----------
-    motor
-        Figures of motors by field name: columns.
-    dry
-        Factor of s, which stays at most 1: that of a sample [1].
-
-    Returns
-    -------
-    tuple of arrays
-        The two, of each motor [N*m], [N*m*s/rad].
-    """
-    loss = motor["torque_constant"] * motor["no_load_current"]
-    share = np.where(motor["winding"] == SLOTLESS, DRY_SHARE[SLOTLESS], DRY_SHARE[""]) * dry
-    coulomb, viscous, w_0 = motor["friction_torque"], motor["viscous_friction"], motor["no_load_speed"]
-    share = np.where((motor["kind"] == "brushed") | np.isnan(w_0), 1.0, np.minimum(share, 1.0))
-    left = np.where(np.isnan(viscous), share * loss, np.maximum(loss - viscous * w_0, 0.0))
-    rest = np.where(share < 1.0, (1.0 - share) * loss / w_0, 0.0)
-    rest = np.where(np.isnan(coulomb), rest, np.maximum(loss - coulomb, 0.0) / w_0)
-    return np.where(np.isnan(coulomb), left, coulomb), np.where(np.isnan(viscous), rest, viscous)
-
-
-@once_per_part
-def gear_loss(gearhead: Any) -> tuple[Array, Array]:
-    r"""Losses of a gearhead: efficiency of the transmitted torque, and torque at its input without load [N*m].
-
-    Without a no-load torque T_0 in the catalogue the efficiency e has all of it, that at continuous torque T_N. With
-    one, the rest is proportional to torque, so that both make e at T_N; nothing where T_0 alone is more than that.
-
-    .. math:: \frac{1}{e'} = \max\!\left(\frac{1}{e} - \frac{i\,T_0}{T_N},\ 1\right)
-
-    Parameters
-    ----------
-    gearhead
-        Figures of gearheads by field name: columns.
-
-    Returns
-    -------
-    tuple of arrays
-        Efficiency [1] and torque at the input [N*m], of each gearhead.
-    """
-    e, idle = gearhead["efficiency"], gearhead["no_load_torque"]
-    known = ~np.isnan(idle + gearhead["continuous_torque"])
-    share = 1 / e - gearhead["ratio"] * idle / gearhead["continuous_torque"]
-    return np.where(known, 1 / np.maximum(share, 1.0), e), np.where(known, idle, 0.0)
-
-
-def mean_gear_loss(at: AtGearhead, gearhead: Any) -> Array:
+def mean_gear_loss(at: AtGearhead, gearhead: Figures) -> Array:
     r"""Power that gearheads lose, mean over a cycle.
 
     .. math:: P_g = P_+ (1/e - 1) + P_- (1 - e) + T_0 \overline{|w|}
@@ -296,29 +190,7 @@ def mean_gear_loss(at: AtGearhead, gearhead: Any) -> Array:
     return lost_in_gearhead(driving, braking, at.moments[DIRECTION, SPEED] * gearhead["ratio"], gearhead)
 
 
-def lost_in_gearhead(driving: Any, braking: Any, speed: Any, gearhead: Any) -> Array:
-    """Power that gearheads lose by that at their output, as ``mean_gear_loss`` prints it.
-
-    Parameters
-    ----------
-    driving, braking
-        Power that drives the load, above 0, and that brakes it, below 0 [W].
-    speed
-        Of the motor, without sign [rad/s].
-    gearhead
-        Figures of gearheads by field name: columns.
-
-    Returns
-    -------
-    array
-        [W].
-    """
-    e, idle = gear_loss(gearhead)
-    found: Array = driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * speed
-    return found
-
-
-def flange_loss(at: AtGearhead, gearhead: Any) -> Array:
+def flange_loss(at: AtGearhead, gearhead: Figures) -> Array:
     """Loss of gearheads over a cycle, per speed of their output, so that its mean is theirs.
 
     Parameters

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.query import Hit
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
-from drivesizer.physics.motor_demand import friction
+from drivesizer.physics.drive_train import friction
 from drivesizer.physics.overload import State, cold
 from drivesizer.physics.thermal import resistance_at
 from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts

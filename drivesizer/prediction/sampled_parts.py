@@ -24,7 +24,7 @@ from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.catalog.tolerances.distributions import lognormal
 from drivesizer.catalog.view.search_view import split_actuators
-from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.results.estimated import EstimatedFigure
 from drivesizer.search.uncertainty.class_of_part import holding

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.back_emf import ELECTRONICS
-from drivesizer.physics.motor_demand import drive_inertia, friction, gear_loss
+from drivesizer.physics.drive_train import ELECTRONICS, motor_and_gears
 from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, resistance_25, resistance_at, two_bodies
@@ -102,8 +101,7 @@ def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
     """
     motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
     whole = np.ones(len(motor["part"]))
-    dry, viscous = friction(motor)
-    efficiency, idle = gear_loss(gearhead)
+    own = motor_and_gears(motor, gearhead)
     duty = whole if controller is None else controller["max_duty"]
     voltage, feed = given.voltage * whole, None
     if controller is not None:
@@ -117,13 +115,13 @@ def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
         feed=feed,
         most_current=_most_current(motor, controller, whole),
         R_25=np.asarray(resistance_25(motor)),
-        k_t=motor["torque_constant"],
+        k_t=own.k_t,
         k_e=motor["back_emf_constant"],
-        coulomb=dry + idle,
-        viscous=viscous,
-        ratio=gearhead["ratio"],
-        efficiency=efficiency,
-        inertia=drive_inertia(motor, gearhead),
+        coulomb=own.coulomb + own.idle,
+        viscous=own.viscous,
+        ratio=own.ratio,
+        efficiency=own.efficiency,
+        inertia=own.inertia,
         bodies=two_bodies(motor),
         losses=housing_loss(motor, whole),
     )

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import inf, nan
+from math import inf, isnan, nan
 from typing import Any
 
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
+from drivesizer.physics.drive_train import MotorAndGears, drive_inertia, motor_and_gears
 from drivesizer.physics.elements.braking import released_power
-from drivesizer.physics.motor_demand import drive_inertia
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, Status
 from drivesizer.results.energy import EnergyBudget
@@ -79,6 +79,18 @@ class DriveParts:
         if self.brake is None:
             return 0.0
         return self.brake.inertia / (self.total_ratio**2 if self.brake.shaft == "load" else 1.0)
+
+    @property
+    def at_motor(self) -> MotorAndGears:
+        """Ratio, inertia, friction and losses of motor and gears."""
+        return motor_and_gears(self.motor, self.gearhead, self.encoder, self.brake_inertia)
+
+    @property
+    def unknown_inertias(self) -> list[str]:
+        """Parts whose inertia is unknown, beside the rotor's."""
+        known = {"brake": self.brake_inertia, "gearhead": self.gearhead.inertia}
+        known |= {"encoder": self.encoder.inertia} if self.encoder else {}
+        return [name for name, inertia in known.items() if isnan(inertia)]
 
     def inertia(self, unknown: float = nan) -> float:
         """Its inertia at the motor's shaft, brake and encoder included, by ``drive_inertia`` [kg*m^2]."""

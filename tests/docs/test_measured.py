@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from drivesizer.machine.part_curves import line, overload_times
-from drivesizer.physics.motor_demand import friction
+from drivesizer.physics.drive_train import friction
 from drivesizer.physics.thermal import resistance_at
 from drivesizer.results.prediction import Band
 

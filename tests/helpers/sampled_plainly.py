@@ -9,7 +9,7 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.machine.problem import problem
-from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.uncertainty.sampled_parts import SetRows

@@ -15,7 +15,7 @@ from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.machine.energy_flow import energy_flow
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.output.export.fmu_motor import FIGURES, Drive
-from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, lost
 from drivesizer.sizing import explain, explained
 from drivesizer.spec.robot import load_spec

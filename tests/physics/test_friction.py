@@ -15,7 +15,7 @@ import pytest
 from drivesizer.catalog import load
 from drivesizer.catalog.tolerances.classes import classes
 from drivesizer.control.drive_train import drive_train
-from drivesizer.physics.motor_demand import DRY_SHARE, friction
+from drivesizer.physics.drive_train import DRY_SHARE, friction
 from drivesizer.physics.stress import housing_loss
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain

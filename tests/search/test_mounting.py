@@ -10,7 +10,7 @@ from drivesizer.catalog.view.mounted import rating_gain
 from drivesizer.control.closed_loop.set_up import motor_heat
 from drivesizer.errors import InputError
 from drivesizer.machine.set_cycle import set_cycle
-from drivesizer.physics.motor_demand import friction
+from drivesizer.physics.drive_train import friction
 from drivesizer.physics.thermal import COPPER, continuous_current, with_plate
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.mounting import Mounting, mounting_words

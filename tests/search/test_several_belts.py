@@ -7,8 +7,7 @@ import pytest
 from starters import starter
 
 from drivesizer.machine.problem import problem
-from drivesizer.physics.back_emf import back_emf_constant
-from drivesizer.physics.motor_demand import gear_loss, nominal_friction
+from drivesizer.physics.drive_train import back_emf_constant, gear_loss, nominal_friction
 from drivesizer.physics.thermal import rated_ambient, resistance_25
 from drivesizer.search.columns import parts_alone
 from drivesizer.search.columns.candidates import Crossed, Rows, joined, pairs

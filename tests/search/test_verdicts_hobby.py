@@ -17,7 +17,7 @@ from drivesizer.catalog.laws.check import check_file
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Table, empty
 from drivesizer.cli import app
-from drivesizer.physics.motor_demand import friction
+from drivesizer.physics.drive_train import friction
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.results.prediction import Conditions
 from drivesizer.sizing import size

@@ -30,7 +30,7 @@ from drivesizer.catalog.parts import DIRECT, EDGES, RELATIONS, columns_of, one_o
 from drivesizer.catalog.tables import Catalog, Pairs, Table, unique_pairs
 from drivesizer.catalog.view.completing import ENDS, MIDDLE, completed
 from drivesizer.errors import CatalogError, quoted
-from drivesizer.physics.back_emf import ELECTRONICS
+from drivesizer.physics.drive_train import ELECTRONICS
 
 __all__ = ["CLAMPING_HUB", "printed_field", "search_view", "split_actuators", "with_clamping_hubs", "with_direct_drive"]
 

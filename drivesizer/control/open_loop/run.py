@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.control.drive_train import require
 from drivesizer.control.open_loop.simulation import (
     DAMPING_RATIO,
     Motion,
@@ -21,7 +22,6 @@ from drivesizer.control.open_loop.simulation import (
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.load_cases.at_shaft import AtShaft, at_shaft, remaining_torque
 from drivesizer.loads.course import Profile
-from drivesizer.physics.motor_demand import gear_loss
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
@@ -37,7 +37,6 @@ _STARTS = 40.0  # periods of the natural frequency that a start without a ramp i
 _CALM = 16  # microsteps with which swings are small
 _SETTLES = 10.0  # the same, at rest after the motion
 _NEEDED = {"motor": ("rotor_inertia", "pole_pairs", "holding_torque"), "gearhead": ("ratio", "efficiency")}
-_SMALL = {"gearhead": "inertia of the gearhead", "brake": "inertia of the brake", "load": "inertia of the load"}
 
 
 class OpenLoop(NamedTuple):
@@ -126,8 +125,7 @@ def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out:
     """
     said: list[str] = []
     shaft = at_shaft(spec)
-    ratio = drive_set.gearhead.ratio * drive_set.belt_ratio
-    top = max(profile.top_speed / shaft.radius * ratio, spec.needs.start_speed or 0.0)
+    top = max(profile.top_speed / shaft.radius * drive_set.total_ratio, spec.needs.start_speed or 0.0)
     if not top <= _FASTEST:
         raise InputError(f"profile {profile.name}: {top:.3g} rad/s is no speed that a motor can be turned to")
     microsteps = _microsteps(spec, drive_set, said)
@@ -156,15 +154,10 @@ def _stepper(
     spec: RobotSpec, drive_set: DriveParts, shaft: AtShaft, microsteps: float, said: list[str]
 ) -> Stepper:  # fmt: skip
     """The drive as its simulation takes it, still without its torque."""
-    for name, needed in _NEEDED.items():
-        part = getattr(drive_set, name)
-        missing = [figure.replace("_", " ") for figure in needed if not getattr(part, figure) > 0.0]
-        if missing:
-            raise NoLoopError(f"{name} {part.part}: {', '.join(missing)} not in the catalogue; not simulated without")
-    motor, gearhead, damping = drive_set.motor, drive_set.gearhead, spec.control.damping_ratio
-    found = {"gearhead": gearhead.inertia, "brake": drive_set.brake_inertia, "load": shaft.inertia}
-    said += [f"the {_SMALL[name]} is unknown and taken as 0" for name, one in found.items() if math.isnan(one)]
-    efficiency, idle = gear_loss(gearhead)
+    require(drive_set, _NEEDED, "not simulated without")
+    motor, own, damping = drive_set.motor, drive_set.at_motor, spec.control.damping_ratio
+    unknown = drive_set.unknown_inertias + ["load"] * math.isnan(shaft.inertia)
+    said += [f"the inertia of the {name} is unknown and taken as 0" for name in unknown]
     return Stepper(
         teeth=motor.pole_pairs,
         torque=np.ones(2),
@@ -173,9 +166,9 @@ def _stepper(
         damping_ratio=DAMPING_RATIO if damping is None else damping,
         motor_inertia=drive_set.inertia(unknown=0.0),
         load_inertia=0.0 if math.isnan(shaft.inertia) else shaft.inertia,
-        ratio=gearhead.ratio * drive_set.belt_ratio,
-        efficiency=float(efficiency) * drive_set.belt_efficiency,
-        friction=float(idle),
+        ratio=drive_set.total_ratio,
+        efficiency=float(own.efficiency) * drive_set.belt_efficiency,
+        friction=float(own.idle),
         forward_torque=shaft.forward_torque,
         backward_torque=shaft.backward_torque,
         rest_torque=shaft.rest_torque,

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Brake, Catalog, Table
 from drivesizer.catalog.view.own_brake import OWN
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.drive_train import drive_inertia
 from drivesizer.physics.elements.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
-from drivesizer.physics.motor_demand import drive_inertia
 from drivesizer.results.check_columns import CheckColumn, at_most, between, fits
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import coil_voltage

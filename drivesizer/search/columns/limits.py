@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
+from drivesizer.physics.drive_train import drive_inertia
 from drivesizer.physics.elements.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.load_cycle import OwnLimit
-from drivesizer.physics.motor_demand import Demands, drive_inertia
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most

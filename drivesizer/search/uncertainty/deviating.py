@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.search.uncertainty.sampled_parts import motor_factors, with_dry_share, with_losses

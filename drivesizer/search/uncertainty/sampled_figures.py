@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.view.stepper_view import has_steppers
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.motor_demand import friction, gear_loss
+from drivesizer.physics.drive_train import friction, gear_loss
 from drivesizer.physics.stress import Parts
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.reliability import FigureSpread

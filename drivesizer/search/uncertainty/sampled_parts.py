@@ -16,8 +16,7 @@ from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.catalog.tolerances.classes import Class
 from drivesizer.catalog.view.own_brake import OWN
 from drivesizer.catalog.view.stepper_view import has_steppers
-from drivesizer.physics.back_emf import back_emf_constant
-from drivesizer.physics.motor_demand import friction
+from drivesizer.physics.drive_train import back_emf_constant, friction
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.physics.stress import Parts
 from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature

@@ -1,0 +1,257 @@
+r"""Motor, gearhead and what turns with them, seen at the motor's shaft: ratio, inertia, friction and losses of a drive.
+
+Whoever computes a drive has these from here: search, closed and open loop, prediction, platform and exports. All
+functions take figures by field name, of one part or columns of them.
+
+The voltage that a winding makes by turning is another figure than its torque per ampere. In an ideal machine k_e and
+k_t are one figure, since power is conserved. Makers' figures differ: the torque per ampere is mostly that of stall,
+where iron saturates and brushes lose some (brushed motors 13 to 33 % below k_e), or rests on a stall current that a
+controller cut (k_t above k_e). The no-load speed at a voltage gives k_e itself:
+
+.. math:: k_e = \frac{V - R I_0}{w_0}
+
+Symbols: i ratio, e efficiency, J inertia [kg*m^2], M torque [N*m], w speed [rad/s], V nominal voltage [V], R resistance
+[ohm], I_0 no-load current [A], w_0 no-load speed [rad/s], k_t torque constant [N*m/A], k_e back-EMF constant [V*s/rad].
+"""
+
+from __future__ import annotations
+
+from math import isnan, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.figures import Figures, once_per_part
+
+__all__ = [
+    "DRY_SHARE", "ELECTRONICS", "SLOTLESS", "MotorAndGears", "back_emf_constant", "drive_inertia", "friction",
+    "gear_loss", "lost_in_gearhead", "motor_and_gears", "nominal_friction", "through_gears",
+]  # fmt: skip
+
+Array = NDArray[np.float64]
+SLOTLESS = "slotless"  # a winding without iron teeth
+DRY_SHARE = {SLOTLESS: 0.37, "": 0.55}  # of a brushless motor's no-load torque, by its winding; sources: ``friction``
+ELECTRONICS = "integrated electronics"  # the commutation of a motor that has its controller inside
+_SAME = 0.0101  # two figures of three digits each, each off by half of its last one: 0.5 %, and 1 % between them
+_OTHER = 2.0  # times k_t or a part of it: then w_0 and V are not of one winding
+
+
+class MotorAndGears(NamedTuple):
+    """A drive at its motor's shaft, as far as its parts say: columns, or figures of one; NaN unknown."""
+
+    ratio: Array  # of the gearhead
+    efficiency: Array  # of the torque that it transmits
+    coulomb: Array  # N*m, friction of the motor at any speed
+    idle: Array  # N*m, of the gearhead without load
+    viscous: Array  # N*m*s/rad
+    inertia: Array  # kg*m^2, see ``drive_inertia``
+    k_t: Array  # N*m/A
+    k_e: Array  # V*s/rad
+
+
+def motor_and_gears(
+    motor: Figures, gearhead: Figures, encoder: Figures | None = None, braking: Array | float = 0.0
+) -> MotorAndGears:
+    """Motors and gearheads as drives at the motor's shaft.
+
+    Parameters
+    ----------
+    motor, gearhead, encoder, braking
+        As for ``drive_inertia``.
+
+    Returns
+    -------
+    MotorAndGears
+        Of each candidate.
+    """
+    efficiency, idle = gear_loss(gearhead)
+    coulomb, viscous = nominal_friction(motor)
+    inertia = drive_inertia(motor, gearhead, encoder, braking)
+    k_t, k_e = motor["torque_constant"], back_emf_constant(motor)
+    return MotorAndGears(gearhead["ratio"], efficiency, coulomb, idle, viscous, inertia, k_t, k_e)
+
+
+def through_gears(ratio: Any, efficiency: Any) -> tuple[Any, Any]:
+    r"""Torque at the motor per torque at the output, where it drives the load and where the load drives it.
+
+    .. math:: \frac{1}{i e} \; (T w > 0), \qquad \frac{e}{i} \; (T w < 0)
+
+    Parameters
+    ----------
+    ratio, efficiency
+        Of all gears between [1].
+
+    Returns
+    -------
+    tuple
+        Driving and braking [1].
+
+    References
+    ----------
+    .. [1] H. Giberti, S. Cinquemani, G. Legnani, Effects of transmission mechanical characteristics on the choice of a
+       motor-reducer, Mechatronics 20 (2010) 604-610.
+
+    Examples
+    --------
+    >>> through_gears(20.0, 0.8)
+    (0.0625, 0.04)
+    """
+    return 1 / (ratio * efficiency), efficiency / ratio
+
+
+def drive_inertia(
+    motor: Figures, gearhead: Figures, encoder: Figures | None = None, braking: Any = 0.0, *, unknown: float = nan
+) -> Any:
+    r"""Inertia of a drive at its motor's shaft, :math:`J_m + J_g + J_e + J_b` [kg*m^2].
+
+    Parameters
+    ----------
+    motor, gearhead, encoder
+        Figures by field name, of one or columns; None without an encoder. An unknown inertia of an encoder, thousands
+        of times smaller than a load's, counts 0.
+    braking
+        Of a brake as the motor's shaft feels it [kg*m^2].
+    unknown
+        What an unknown inertia of the others counts [kg*m^2].
+
+    Returns
+    -------
+    float or array
+        NaN where one is unknown, unless that counts.
+
+    Examples
+    --------
+    >>> motor, gearhead, encoder = {"rotor_inertia": 10e-7}, {"inertia": 0.8e-7}, {"inertia": 0.1e-7}
+    >>> round(float(drive_inertia(motor, gearhead, encoder, 1.3e-7)), 12)
+    1.22e-06
+    >>> round(float(drive_inertia(motor, {"inertia": nan}, encoder, unknown=0.0)), 12)
+    1.01e-06
+    """
+    found = [motor["rotor_inertia"], gearhead["inertia"], braking]
+    if not isnan(unknown):
+        found = [np.nan_to_num(x, nan=unknown) for x in found]
+    own = 0.0 if encoder is None else np.nan_to_num(encoder["inertia"])
+    return found[1] + own + found[0] + found[2]
+
+
+@once_per_part
+def nominal_friction(motor: Figures) -> tuple[Array, Array]:
+    """``friction`` of motors as they are in the catalogue."""
+    return friction(motor)
+
+
+def friction(motor: Figures, dry: Any = 1.0) -> tuple[Array, Array]:
+    r"""Friction torque of motors at any speed [N*m], and per speed of theirs [N*m*s/rad].
+
+    The catalogue's own, where it has both; where it has one, the other is what :math:`k_t I_0` leaves, the torque lost
+    at the no-load speed :math:`w_0`. Where it has neither, the share s of that is dry:
+
+    .. math:: M_c = s\, k_t I_0, \qquad b = (1 - s)\, k_t I_0 / w_0
+
+    s is 1 of a brushed motor, and where :math:`w_0` is unknown. Of a brushless one it is that of bearings and
+    hysteresis, :data:`DRY_SHARE`: 0.37 without slots, the median of 70 Faulhaber motors that print both (5-95 %: 0.14
+    to 0.55); 0.55 otherwise, where cogging and the iron's hysteresis come to it: measured 0.80 (REV NEO), 0.57 to 0.68
+    (NEO 550), 0.75 and more (Falcon 500), 0.5 to 0.7 (ODrive D5065, by the voltage), 0.14 to 0.7 (RI50), 0.13 (U8).
+
+    Parameters
+    ----------
+    motor
+        Figures of motors by field name: columns.
+    dry
+        Factor of s, which stays at most 1: that of a sample [1].
+
+    Returns
+    -------
+    tuple of arrays
+        The two, of each motor [N*m], [N*m*s/rad].
+    """
+    loss = motor["torque_constant"] * motor["no_load_current"]
+    share = np.where(motor["winding"] == SLOTLESS, DRY_SHARE[SLOTLESS], DRY_SHARE[""]) * dry
+    coulomb, viscous, w_0 = motor["friction_torque"], motor["viscous_friction"], motor["no_load_speed"]
+    share = np.where((motor["kind"] == "brushed") | np.isnan(w_0), 1.0, np.minimum(share, 1.0))
+    left = np.where(np.isnan(viscous), share * loss, np.maximum(loss - viscous * w_0, 0.0))
+    rest = np.where(share < 1.0, (1.0 - share) * loss / w_0, 0.0)
+    rest = np.where(np.isnan(coulomb), rest, np.maximum(loss - coulomb, 0.0) / w_0)
+    return np.where(np.isnan(coulomb), left, coulomb), np.where(np.isnan(viscous), rest, viscous)
+
+
+@once_per_part
+def gear_loss(gearhead: Figures) -> tuple[Array, Array]:
+    r"""Losses of a gearhead: efficiency of the transmitted torque, and torque at its input without load [N*m].
+
+    Without a no-load torque T_0 in the catalogue the efficiency e has all of it, that at continuous torque T_N. With
+    one, the rest is proportional to torque, so that both make e at T_N; nothing where T_0 alone is more than that.
+
+    .. math:: \frac{1}{e'} = \max\!\left(\frac{1}{e} - \frac{i\,T_0}{T_N},\ 1\right)
+
+    Parameters
+    ----------
+    gearhead
+        Figures of gearheads by field name: columns.
+
+    Returns
+    -------
+    tuple of arrays
+        Efficiency [1] and torque at the input [N*m], of each gearhead.
+    """
+    e, idle = gearhead["efficiency"], gearhead["no_load_torque"]
+    known = ~np.isnan(idle + gearhead["continuous_torque"])
+    share = 1 / e - gearhead["ratio"] * idle / gearhead["continuous_torque"]
+    return np.where(known, 1 / np.maximum(share, 1.0), e), np.where(known, idle, 0.0)
+
+
+def lost_in_gearhead(driving: Any, braking: Any, speed: Any, gearhead: Figures) -> Array:
+    """Power that gearheads lose by that at their output, as ``mean_gear_loss`` prints it.
+
+    Parameters
+    ----------
+    driving, braking
+        Power that drives the load, above 0, and that brakes it, below 0 [W].
+    speed
+        Of the motor, without sign [rad/s].
+    gearhead
+        Figures of gearheads by field name: columns.
+
+    Returns
+    -------
+    array
+        [W].
+    """
+    e, idle = gear_loss(gearhead)
+    found: Array = driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * speed
+    return found
+
+
+@once_per_part
+def back_emf_constant(motor: Figures) -> Array:
+    """Voltage per speed of motors [V*s/rad]; the first of these that is known.
+
+    1. The maker's ``back_emf_constant``, or 1 over its ``speed_constant``.
+    2. (V - R I_0)/w_0. Not of a motor with its controller inside, which limits the no-load speed;
+       and not beyond half to twice k_t, where the two figures are of different windings or voltages. An unknown I_0
+       leaves the bound V/w_0: k_e is k_t then, and no more than that.
+    3. k_t.
+
+    A result within the rounding of three digits of k_t is k_t: one constant, printed twice.
+
+    Parameters
+    ----------
+    motor
+        Figures of motors by field name: columns.
+    """
+    k_t, own = np.asarray(motor["torque_constant"]), np.asarray(motor["back_emf_constant"])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.where(np.isnan(own), np.divide(1.0, motor["speed_constant"]), own)
+        if (unprinted := np.isnan(found)).any():
+            found = np.where(unprinted, _by_no_load_speed(motor, k_t), found)
+        return np.where(np.abs(found / k_t - 1.0) < _SAME, k_t, found)
+
+
+def _by_no_load_speed(motor: Figures, k_t: Array) -> Array:
+    """The constant by (V - R I_0)/w_0 where that is likely, else k_t."""
+    voltage, no_load = np.asarray(motor["nominal_voltage"]), np.asarray(motor["no_load_speed"])
+    lost = np.asarray(motor["resistance"] * motor["no_load_current"])
+    idle = np.where(np.isnan(lost), np.fmin(k_t, voltage / no_load), (voltage - lost) / no_load)
+    likely = (idle > k_t / _OTHER) & (idle < k_t * _OTHER) & (np.asarray(motor["commutation"]) != ELECTRONICS)
+    return np.where(likely, idle, k_t)
