@@ -90,8 +90,8 @@ def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
 
 def _of_shift(spec: RobotSpec) -> dict[str, RobotSpec]:
     """Load cases that alternate, by name."""
-    alternating = [id(case) for _, _, case in spec.shift]
-    return {name: case for name, case in spec.load_cases if id(case) in alternating}
+    names = spec.alternating
+    return {name: case for name, case in spec.load_cases if names and (case is spec or name in names)}
 
 
 _OF_THE_SHIFT = {

@@ -62,7 +62,7 @@ def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
         speed=np.concatenate([cycle.speed for cycle in in_turn]),
         acceleration=np.concatenate([cycle.acceleration for cycle in in_turn]),
         torque=np.concatenate([cycle.torque for cycle in in_turn]),
-        inertia=max(cycle.inertia for cycle in cycles),
+        inertia=float(np.max([cycle.inertia for cycle in cycles])),
         held=float(np.max([cycle.held for cycle in cycles])),
         own=_worst([limit for cycle in cycles for limit in cycle.own]),
     )

@@ -16,14 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.machine.set_cycle import SetCycle, lost_in_winding, supplied
+from drivesizer.machine.set_cycle import SetCycle, lost_in_winding
+from drivesizer.machine.supply_power import power_of, stepper_loss
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.load_cycle import integral
 from drivesizer.physics.motor_demand import mean_gear_loss
-from drivesizer.physics.power_stage import at_input, lost_in_source
-from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
-from drivesizer.physics.waveform import energy
 
 __all__ = ["EnergyFlow", "energy_flow"]
 
@@ -68,61 +66,40 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
     found
         The drive over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
     """
-    stepper = str(found.motor["kind"][0]) == "stepper"
-    power = (_of_a_stepper if stepper else _at_the_supply)(found) | _at_the_shaft(found)
+    stepper, power = bool(found.motor["kind"][0] == "stepper"), power_of(found)
+    drawn, bus, resisted, returned, own_drawn, own_returned = (
+        power.mean(x) / found.spec.load.alike
+        for x in (power.drawn, power.bus_drawn, power.resisted, power.returned, power.motor_drawn, power.motor_returned)
+    )
+    means = _at_the_shaft(found, stepper) | {
+        "drawn": drawn,
+        "supply": resisted,
+        "controller": bus - returned - own_drawn + own_returned - found.released,
+        "brake": found.released,
+        "returned": returned,
+        "stored": returned * found.spec.supply.regeneration,
+        "copper": _stepper_copper(found) if stepper else found.copper,
+    }
     sets = found.spec.load.motors * found.cycle.load_cycle.total
     known = bool(found.demands.complete.all()) if stepper else found.known
-    unknown = set() if known else set(power) - _OF_THE_LOAD
-    return EnergyFlow(**{name: np.nan if name in unknown else sets * value for name, value in power.items()})
+    unknown = set() if known else set(means) - _OF_THE_LOAD
+    return EnergyFlow(**{name: np.nan if name in unknown else sets * value for name, value in means.items()})
 
 
 _OF_THE_LOAD = {"gearhead", "belt", "load"}
 
 
-def _at_the_supply(found: SetCycle) -> dict[str, float]:
-    """Electrical power at source, controller and winding, means over the cycle [W]."""
-    motor, total = supplied(found), found.cycle.load_cycle.total
-    inner = at_input(motor, found.feed.stage)
-    sums, own = energy(inner, storing=False), energy(motor, storing=False)
-    returned, standby = float(sums.returned[0]) / total, float(found.feed.stage.standby)
-    heat = float(lost_in_source(inner, found.feed).sum()) / total
-    lost = float((sums.drawn - sums.returned - own.drawn + own.returned)[0]) / total
-    return {
-        "drawn": float(sums.drawn[0]) / total + standby + heat,
-        "supply": heat,
-        "controller": lost + standby - found.released,
-        "brake": found.released,
-        "returned": returned,
-        "stored": returned * found.spec.supply.regeneration,
-        "copper": found.copper,
-    }
+def _stepper_copper(found: SetCycle) -> float:
+    """Mean heat of a stepper's windings [W]."""
+    cycle, speed = found.cycle.load_cycle, found.cycle.functions[:, :, SPEED] * found.demands.total_ratio[0]
+    return float(stepper_loss(found.spec, found.motor, speed) @ cycle.duration) / cycle.total
 
 
-def _of_a_stepper(found: SetCycle) -> dict[str, float]:
-    """The same of a stepper, whose rated current flows at any time; losses of its driver are not counted."""
-    motor, functions, cycle = found.motor, found.cycle.functions, found.cycle.load_cycle
-    copper, standby = copper_loss(motor["nominal_current"], motor["resistance"]), float(found.feed.stage.standby)
-    torque = functions @ found.demands.coefficients[0]
-    speed = functions[:, :, SPEED] * found.demands.total_ratio[0]
-    loss = copper * idle_loss(speed, found.spec.control.idle_current)
-    sums = electrical_energy(cycle.duration, torque[None], speed[None], loss[None] + standby)
-    drawn, returned = (float(side[0]) / cycle.total for side in sums[:2])
-    return {
-        "drawn": drawn,
-        "supply": 0.0,
-        "controller": standby,
-        "returned": returned,
-        "stored": returned * found.spec.supply.regeneration,
-        "copper": float(loss @ cycle.duration) / cycle.total,
-    }
-
-
-def _at_the_shaft(found: SetCycle) -> dict[str, float]:
+def _at_the_shaft(found: SetCycle, stepper: bool) -> dict[str, float]:
     """Mechanical power, means over the cycle [W]."""
     cycle, moments = found.cycle.load_cycle, found.cycle.moments
     c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])
-    stepper = str(found.motor["kind"][0]) == "stepper"  # its friction is in its pull-out torque
-    (coulomb,), _ = ((0.0,), 0.0) if stepper else friction(found.motor)
+    (coulomb,), _ = ((0.0,), 0.0) if stepper else friction(found.motor)  # a stepper's is in its pull-out torque
     driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # at the gearhead's output
     turned = moments[DIRECTION, SPEED] * i  # rad/s, of the motor, absolute
     work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total

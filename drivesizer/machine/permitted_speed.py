@@ -19,10 +19,11 @@ from drivesizer.catalog.parts import one_row
 from drivesizer.errors import InputError
 from drivesizer.load_cases import at_driven_shaft
 from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of
-from drivesizer.machine.set_columns import own_coefficients, own_losses
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, at_gearhead
 from drivesizer.physics.drive_train import lost_in_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.motor_demand import coefficients
+from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding_temperature
 from drivesizer.platform.dynamics import Dynamics, wheel_torques
 from drivesizer.platform.kinematics import map_columns
@@ -149,11 +150,11 @@ def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> 
     cycle = LoadCycle("steady motion", np.ones_like(speed), speeds, np.zeros_like(speeds), torques)
     at = at_gearhead(at_driven_shaft(spec, cycle), drive.belt_efficiency).behind(drive.belt_ratio)
     motor, gearhead, controller = one_row(drive.motor), one_row(drive.gearhead), one_row(drive.controller)
-    own = own_coefficients(tuple(at.acts.tolist()), drive.motor, drive.gearhead, drive.encoder, drive.brake_inertia)
+    own = coefficients(at.acts, motor, gearhead, one_row(drive.encoder), drive.brake_inertia)
     f, ratio, ambient = at.functions[:, 0], drive.gearhead.ratio, spec.environment.ambient
     output, turning = f[:, :ACCELERATION].sum(axis=1), np.abs(f[:, SPEED])  # N*m and rad/s behind the gearhead
     current = f @ np.where(own.left_out, nan, own.torque)[0] / drive.motor.torque_constant
-    rubbing, iron = own_losses(drive.motor, ratio)
+    rubbing, iron = housing_loss(motor, ratio)
     loss = rubbing * turning + iron * turning**2
     if spec.mounting and spec.mounting.gear_loss_share:
         driving, braking = (f[:, which] * f[:, SPEED] for which in (DRIVING, BRAKING))

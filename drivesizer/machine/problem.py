@@ -54,11 +54,10 @@ def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
         catalog = with_mounting(catalog, _housings(machine.mounting))
     machine = with_parts_of_supply(machine, catalog)
     belts, quickest = belt_drives(machine, catalog), quickest_winding(catalog)
-    alternating = {case.name for case in machine.cases if case.share is not None}  # all of them are in the first
     cases = tuple(
-        _case(SHIFT if alternating and not number else name, number, spec, quickest)
+        _case(SHIFT if machine.alternating and not number else name, number, spec, quickest)
         for number, name, spec in load_cases(machine)
-        if name not in alternating
+        if name not in machine.alternating  # all of them are in the first
     )
     return Problem(machine=machine, catalog=catalog, cases=cases, belts=belts)
 

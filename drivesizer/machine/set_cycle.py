@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import OneRow, one_row
 from drivesizer.load_cases import load_cycle
-from drivesizer.machine.set_columns import own_coefficients, own_losses
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, at_gearhead
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import Feed
@@ -141,8 +140,8 @@ def heated(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[At
     """
     motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
     cycle, demand = turned(spec, drive_set, base)
-    losses, at_flange = own_losses(drive_set.motor, drive_set.gearhead.ratio), loss_at_flange(spec, cycle, gearhead)
-    return cycle, demand, heat(spec.environment.ambient, cycle, demand, motor, losses, at_flange)
+    at_flange = loss_at_flange(spec, cycle, gearhead)
+    return cycle, demand, heat(spec.environment.ambient, cycle, demand, motor, from_gearhead=at_flange)
 
 
 def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands]:
@@ -164,9 +163,8 @@ def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[At
     if base is None:  # cut as the search cut it
         base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
     cycle = base.behind(drive_set.belt_ratio)
-    gearhead, encoder, braking = drive_set.gearhead, drive_set.encoder, drive_set.brake_inertia
-    known = own_coefficients(tuple(cycle.acts.tolist()), turning, gearhead, encoder, braking)
-    return cycle, demands(cycle, one_row(turning), one_row(gearhead), one_row(encoder), braking, known)
+    parts = (one_row(part) for part in (turning, drive_set.gearhead, drive_set.encoder))
+    return cycle, demands(cycle, *parts, drive_set.brake_inertia)
 
 
 def waveform(found: SetCycle, *, mean: bool = False) -> Wave:

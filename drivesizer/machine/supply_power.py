@@ -14,16 +14,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog.parts import one_row
 from drivesizer.load_cases.trip import distance_of
-from drivesizer.machine.set_cycle import set_cycle, supplied_in_parts, turned
-from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.machine.set_cycle import SetCycle, set_cycle, supplied_in_parts, turned
+from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
+from drivesizer.physics.figures import Figures
+from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, at_inputs, lost_in_source, of_the_source
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
 from drivesizer.physics.waveform import Energy, Wave, energy, extreme_powers, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["DrivePower", "drive_power", "drive_power_in_parts", "side_by_side", "together"]
+__all__ = [
+    "DrivePower", "drive_power", "drive_power_in_parts", "power_of", "side_by_side", "stepper_loss", "together",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
@@ -104,7 +109,11 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, mot
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    parts = [*drive_power_in_parts(spec, drive_set, base, motors=motors)]
+    return _joined([*drive_power_in_parts(spec, drive_set, base, motors=motors)])
+
+
+def _joined(parts: Sequence[DrivePower]) -> DrivePower:
+    """Consecutive pieces in one."""
     if len(parts) == 1:
         return parts[0]
     columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("duration", *_COLUMNS)}
@@ -132,9 +141,34 @@ def drive_power_in_parts(
         As ``drive_power``.
     """
     if drive_set.steps:
-        yield _of_a_stepper(spec, drive_set, base)
-        return
-    found = set_cycle(spec, drive_set, base)
+        cycle, demand = turned(spec, drive_set, base)
+        yield _of_a_stepper(
+            spec, one_row(drive_set.motor), cycle, demand, spec.feed_of(drive_set.controller, drive_set.brake)
+        )
+    else:
+        yield from _of_a_servo(set_cycle(spec, drive_set, base), motors)
+
+
+def power_of(found: SetCycle) -> DrivePower:
+    """The same of a drive whose cycle is at hand.
+
+    Parameters
+    ----------
+    found
+        The drive over its cycle.
+
+    Returns
+    -------
+    DrivePower
+        As ``drive_power``.
+    """
+    if found.motor["kind"][0] == "stepper":
+        return _of_a_stepper(found.spec, found.motor, found.cycle, found.demands, found.feed)
+    return _joined([*_of_a_servo(found, True)])
+
+
+def _of_a_servo(found: SetCycle, motors: bool) -> Iterator[DrivePower]:
+    spec = found.spec
     sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
     distance = distance_of(spec, found.cycle.load_cycle)
     finest = _FINEST if len(found.flows.duration) <= _PART else 1
@@ -163,15 +197,33 @@ def _powers(current: Array, mean: Array, as_warm: Array, feed: Feed, motors: boo
     )  # fmt: skip
 
 
-def _of_a_stepper(spec: RobotSpec, drive_set: DriveParts, base: Any) -> DrivePower:
+def stepper_loss(spec: RobotSpec, motor: Figures, speed: Array) -> Array:
+    """Loss of a stepper's windings by the speeds at both ends of segments [W].
+
+    Parameters
+    ----------
+    spec
+        The machine, with the current at rest.
+    motor
+        The stepper, as columns of one.
+    speed
+        Of the motor [rad/s].
+
+    Returns
+    -------
+    array
+        Of its rated current, which flows at any time: shape (segments,).
+    """
+    return np.asarray(copper_loss(*(motor[x][0] for x in ("nominal_current", "resistance")))
+                      * idle_loss(speed, spec.control.idle_current))  # fmt: skip
+
+
+def _of_a_stepper(spec: RobotSpec, motor: Figures, cycle: AtGearhead, demand: Demands, feed: Feed) -> DrivePower:
     """The same of steppers: torque times speed and the loss of their rated current, which flows at any time."""
-    cycle, demand = turned(spec, drive_set, base)
-    motor, functions, duration = drive_set.motor, cycle.functions, cycle.load_cycle.duration
-    copper = copper_loss(motor.nominal_current, motor.resistance)
-    standby = float(spec.feed_of(drive_set.controller).stage.standby)
+    functions, duration, standby = cycle.functions, cycle.load_cycle.duration, float(feed.stage.standby)
     torque = functions @ demand.coefficients[0]
     speed = functions[:, :, SPEED] * demand.total_ratio[0]
-    loss = copper * idle_loss(speed, spec.control.idle_current)
+    loss = stepper_loss(spec, motor, speed)
     piece, torque, speed = np.ones(1), torque[:, None], speed[:, None]  # every piece a motor of its own
     drawn, returned, peak = electrical_energy(piece, torque, speed, loss + standby)
     own_drawn, own_returned, _ = electrical_energy(piece, torque, speed, loss)

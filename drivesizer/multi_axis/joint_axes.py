@@ -80,33 +80,37 @@ class Joints:
             A drive heavier than the link whose mass is said to hold it; and the most that rotors beyond a joint add to
             its torque, :math:`\\sum_j K_j J_{m,j} |\\ddot q_j|`, were all their axes parallel to its own.
         """
-        if self.torques is None:
-            return
+        for joint in self.torques.joints if self.torques else ():
+            yield from self._heavier(joint, drives)
+            yield from self._spun(joint, drives)
+
+    def _heavier(self, joint: str, drives: Mapping[str, tuple[DriveSet, float]]) -> Iterator[str]:
+        """A drive heavier than the link whose mass is said to hold it."""
+        assert self.torques is not None
         robot, section = self.torques.robot, self.torques.section
-        motion, joints = self.torques.cases[0].motion, self.torques.joints
-        quickest = np.abs(motion.acceleration).max(axis=(0, 1))
-        for joint in joints:
-            place = section.drives.get(joint, DrivePlace())
-            link = robot.links[place.link or robot.joints[joint].parent]
-            mass = drives[joint][1] if joint in drives else 0.0
-            carried = place.on != "base" and any(one.name in joints for one in robot.chain(link.name))
-            if section.masses == "with_drives" and carried and mass > link.mass:
-                found = (
-                    f"{show(mass, 'kg', 'mass')}, is heavier than its link {link.name}, {show(link.mass, 'kg', 'mass')}"
-                )
-                yield f"the drive of {joint}, {found}, which is said to hold it (robot.masses)"
-            beyond = [n for n, one in enumerate(joints) if one in drives and self._moves(joint, one)]
-            spun = fsum(
-                one.total_ratio * one.motor.rotor_inertia * quickest[n]
-                for n, one in ((n, drives[joints[n]][0]) for n in beyond)
+        place, mass = section.drives.get(joint, DrivePlace()), drives[joint][1] if joint in drives else 0.0
+        link = robot.links[place.link or robot.joints[joint].parent]
+        carried = place.on != "base" and any(one.name in self.torques.joints for one in robot.chain(link.name))
+        if section.masses == "with_drives" and carried and mass > link.mass:
+            found = f"{show(mass, 'kg', 'mass')}, is heavier than its link {link.name}, {show(link.mass, 'kg', 'mass')}"
+            yield f"the drive of {joint}, {found}, which is said to hold it (robot.masses)"
+
+    def _spun(self, joint: str, drives: Mapping[str, tuple[DriveSet, float]]) -> Iterator[str]:
+        """The most that rotors of drives beyond a joint add to its torque."""
+        assert self.torques is not None
+        quickest = np.abs(self.torques.cases[0].motion.acceleration).max(axis=(0, 1))
+        spun = fsum(
+            drives[one][0].total_ratio * drives[one][0].motor.rotor_inertia * quickest[n]
+            for n, one in enumerate(self.torques.joints)
+            if one in drives and self._moves(joint, one)
+        )
+        largest = float(np.abs(self.torques.load(joint, {}).cycle.torque).max())
+        if self.torques.robot.joints[joint].turns and spun > _WORTH_SAYING * largest:
+            share = show(spun / largest, "%", "dimensionless", 2)
+            yield (
+                f"{joint}: rotors of drives beyond it add {show(spun, 'N*m', 'torque', 2)} at most, were their "
+                f"axes parallel to its own ({share} of its peak torque), which is left out"
             )
-            largest = float(np.abs(self.torques.load(joint, {}).cycle.torque).max())
-            if robot.joints[joint].turns and spun > _WORTH_SAYING * largest:
-                share = show(spun / largest, "%", "dimensionless", 2)
-                yield (
-                    f"{joint}: rotors of drives beyond it add {show(spun, 'N*m', 'torque', 2)} at most, were their "
-                    f"axes parallel to its own ({share} of its peak torque), which is left out"
-                )
 
     def _moves(self, joint: str, other: str) -> bool:
         """Whether a joint moves the link before another one."""

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 _NEGLIGIBLE = 1e-18  # the first term that a series leaves out: a thousandth of the rounding of its sum
 _COEFFICIENTS = [1.0 / math.factorial(k + 2) for k in range(24)]  # of the series of phi_2
-_FEW = 4  # nodes that are doubled one by one
+_CLOSE = 1e-5  # of two nodes, so near that the slope between stands for their divided difference
 _RUN = 16  # spans of a run
 _WIDE = 256  # motors: their columns are long enough for the processor without runs
 
@@ -160,29 +160,57 @@ def phi(f: Array, s: Array) -> tuple[Array, Array, Array, Array]:
 
     Notes
     -----
-    Nodes beyond 1 are halved until they are not, the series is summed there (Horner's scheme carries the divided
-    difference along), and the functions of the matrix (f 1, 0 s) are doubled back: sums of positive terms only.
+    Within 1 a series is summed, whose divided difference Horner's scheme carries along; beyond, the divided difference
+    is the quotient that it stands for, or the slope between where both nodes are so near that their difference would
+    lose digits.
 
     References
     ----------
-    .. [1] N. J. Higham, *Functions of Matrices*, SIAM, 2008, section 10.7.4: phi functions by scaling and doubling.
+    .. [1] N. J. Higham, *Functions of Matrices*, SIAM, 2008, section 10.7.4.
     """
     size = np.maximum(-f, s)
-    largest = float(size.max(initial=0.0))
-    if largest <= 1.0:
-        return _from_second(f, s, *_series(f, s, largest))
-    rounds = np.maximum(np.frexp(size)[1], 0)
-    f, s = np.ldexp(f, -rounds), np.ldexp(s, -rounds)
-    found = _from_second(f, s, *_series(f, s, 1.0))
-    wide = np.flatnonzero(rounds)
-    order = wide[np.argsort(-rounds.ravel()[wide].astype(np.int16), kind="stable")]
-    for values, doubled in zip(found, _doubled(rounds, f, s, found, order), strict=True):
-        np.put(values, order, doubled)
-    return found
+    near = size <= 1.0
+    if near.all():
+        return _from_second(f, s)
+    found = tuple(np.empty_like(f) for _ in range(4))
+    for rows, part in ((near, _from_second), (~near, _beyond)):
+        for whole, some in zip(found, part(f[rows], s[rows]), strict=True):
+            whole[rows] = some
+    return found  # type: ignore[return-value]
 
 
-def _series(f: Array, s: Array, largest: float) -> tuple[Array, Array]:
+def _from_second(f: Array, s: Array) -> tuple[Array, Array, Array, Array]:
+    """The four functions of nodes within 1: the second by its series, the first as 1 + x phi_2(x)."""
+    single_2, pair_2 = _series(f, s)
+    return 1.0 + f * single_2, single_2 + s * pair_2, single_2, pair_2
+
+
+def _beyond(f: Array, s: Array) -> tuple[Array, Array, Array, Array]:
+    """The same of nodes of which one at least is beyond 1."""
+    gap, middle = s - f, (s + f) / 2.0
+    (f_1, f_2), (s_1, s_2) = _phi(f), _phi(s)
+    close = gap < _CLOSE * -middle
+    if not close.any():
+        return f_1, (s_1 - f_1) / gap, f_2, (s_2 - f_2) / gap
+    gap, middle = np.where(close, 1.0, gap), np.where(close, middle, 1.0)
+    m_1, m_2 = _phi(middle)
+    slope_1, slope_2 = ((a - n * b) / middle for n, a, b in ((1.0, np.exp(middle), m_1), (2.0, m_1, m_2)))
+    return f_1, np.where(close, slope_1, (s_1 - f_1) / gap), f_2, np.where(close, slope_2, (s_2 - f_2) / gap)
+
+
+def _phi(x: Array) -> tuple[Array, Array]:
+    """The two functions at one node."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        single = np.expm1(x) / x
+        second = (single - 1.0) / x
+    if (small := np.abs(x) <= 1.0).any():
+        single[small], _, second[small], _ = _from_second(x[small], x[small])
+    return single, second
+
+
+def _series(f: Array, s: Array) -> tuple[Array, Array]:
     """phi_2(f) and phi_2[f, s] by Horner's scheme: sum of x^k / (k + 2)!, as many terms as the largest node needs."""
+    largest = float(np.maximum(-f, s).max(initial=0.0))
     count = next(k for k in range(2, len(_COEFFICIENTS)) if k * largest ** (k - 1) * _COEFFICIENTS[k] < _NEGLIGIBLE)
     single, pair = np.full_like(f, _COEFFICIENTS[count - 1]), np.zeros_like(f)
     for term in reversed(_COEFFICIENTS[: count - 1]):
@@ -191,61 +219,6 @@ def _series(f: Array, s: Array, largest: float) -> tuple[Array, Array]:
         single *= f
         single += term
     return single, pair
-
-
-def _from_second(f: Array, s: Array, single_2: Array, pair_2: Array) -> tuple[Array, Array, Array, Array]:
-    """The first function from the second, phi_1(x) = 1 + x phi_2(x): for nodes within 1."""
-    return 1.0 + f * single_2, single_2 + s * pair_2, single_2, pair_2
-
-
-def _doubled(rounds: Array, f: Array, s: Array, found: tuple[Array, ...], order: NDArray[np.intp]) -> tuple[Array, ...]:
-    """The functions at nodes that are doubled back, those that take most rounds first: a round is a slice."""
-    rounds, f, s = (values.ravel()[order] for values in (rounds, f, s))
-    p_f, p, q_f, q = (values.ravel()[order] for values in found)
-    p_s = p_f + (s - f) * p
-    table = (f * p_f, s * p_s, p_f + s * p, p_f, p_s, p, q_f, q)
-    if len(rounds) <= _FEW:
-        return _doubled_alone(rounds.tolist(), table)
-    with np.errstate(over="ignore"):
-        for n in range(1, int(rounds[0]) + 1):
-            count = int(np.count_nonzero(rounds >= n))
-            _double(*([values[:count] for values in table] if count < len(rounds) else table))
-    return p_f, p, q_f, q
-
-
-def _doubled_alone(rounds: list[int], table: tuple[Array, ...]) -> tuple[Array, ...]:
-    """The same node by node: of few, figures are quicker than columns."""
-    found = []
-    for count, *node in zip(rounds, *(values.tolist() for values in table), strict=True):
-        values = tuple(node)
-        for _ in range(count):
-            values = _double(*values)
-        found.append(values)
-    _, _, _, p_f, _, p, q_f, q = np.array(found).T
-    return p_f, p, q_f, q
-
-
-def _double(
-    m_f: Value, m_s: Value, e: Value, p_f: Value, p_s: Value, p: Value, q_f: Value, q: Value
-) -> tuple[Value, ...]:
-    """exp less 1 at f and at s, exp over both, phi_1 and phi_2 likewise: now at 2 f and 2 s; columns in place.
-
-    phi_2(2 x) = phi_1(x)^2 / 4 + phi_2(x) / 2, phi_1(2 x) = phi_1(x) (e^x + 1) / 2; over both nodes by the product
-    rule, halved once more because their distance doubles. Less 1, for the digits of a node far below the other.
-    """
-    q *= 0.25
-    q += p * (p_f + p_s) / 8.0
-    q_f *= 0.5
-    q_f += p_f * p_f / 4.0
-    p *= m_s + 2.0
-    p += p_f * e
-    p *= 0.25
-    p_f *= m_f / 2.0 + 1.0
-    p_s *= m_s / 2.0 + 1.0
-    e *= (m_f + m_s) / 2.0 + 1.0
-    m_f *= m_f + 2.0
-    m_s *= m_s + 2.0
-    return m_f, m_s, e, p_f, p_s, p, q_f, q
 
 
 def turning_time(gap: Array, slope: Array, pull: Array) -> Array:

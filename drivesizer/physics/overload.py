@@ -8,23 +8,20 @@ Symbols: T temperature [K], P_h loss at the housing [W], w winding and h housing
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.physics.extremes import distinct
 from drivesizer.physics.heat_step import Array, Modes, drive, modes, turning_time, weights
 from drivesizer.physics.thermal import TwoBodies, steady_winding_temperature
 
 __all__ = ["State", "cold", "overload_time", "steady_state"]
 
 _DOUBLINGS = 128  # of the fast time constant: 1e38 of them is taken as infinite
-_NEAR = 16  # of them: housings are seldom a thousand times slower
-_ROUNDS = 54  # halvings until no float is between, where nothing better is known of a course
-_ANYWHERE = np.array([0.0, 0.5, 1.0])  # shares of a span at which a course is computed
-_CLOSE = np.ldexp(1.0, -np.arange(2, 40))  # and at either side of a guess
+_ROUNDS, _PARTS = (
+    10,
+    64,
+)  # of the search for a crossing, in each of which the span is so many times shorter: to rounding
 
 
 class State(NamedTuple):
@@ -40,16 +37,14 @@ def cold(ambient: float) -> State:
 
 
 def steady_state(motor: TwoBodies, ambient: float, I_rms: float, P_h: float = 0.0) -> State:
-    r"""Temperatures of one motor in the long run at a constant RMS current.
-
-    .. math:: T_h = T_a + R_{th2} \frac{(T_w - T_a) + R_{th1} P_h}{R_{th1} + R_{th2}}
+    """Temperatures of one motor in the long run at a constant RMS current.
 
     Parameters
     ----------
     motor
         Winding and housing.
     ambient
-        Temperature around the motor, :math:`T_a` [K].
+        Temperature around the motor [K].
     I_rms
         RMS current [A].
     P_h
@@ -58,8 +53,7 @@ def steady_state(motor: TwoBodies, ambient: float, I_rms: float, P_h: float = 0.
     Returns
     -------
     State
-        :math:`T_w` (see ``steady_winding_temperature``) and :math:`T_h` [K]; infinite at runaway, NaN where a figure is
-        unknown.
+        As ``steady_winding_temperature`` and ``TwoBodies.housing`` have them; NaN where a figure is unknown.
 
     Examples
     --------
@@ -70,8 +64,7 @@ def steady_state(motor: TwoBodies, ambient: float, I_rms: float, P_h: float = 0.
     if not motor.known:
         return State(math.nan, math.nan)
     winding = float(steady_winding_temperature(ambient, motor.R_25, motor.R_th1, motor.R_th2, I_rms, P_h))
-    share = motor.R_th2 / (motor.R_th1 + motor.R_th2)
-    return State(winding, float(ambient + share * (winding - ambient + motor.R_th1 * P_h)))
+    return State(winding, float(motor.housing(ambient, winding, P_h)))
 
 
 def overload_time(
@@ -103,7 +96,7 @@ def overload_time(
     Notes
     -----
     At a constant current the winding's temperature turns round once at most, so that it rises over one span of time;
-    the crossing is bracketed within it and narrowed down to rounding.
+    the crossing is bracketed within it and narrowed down.
 
     Examples
     --------
@@ -135,40 +128,13 @@ def _crossing(span: Modes, slope: Array, pull: Array, climb: float) -> float:
     first, last = (0.0, turn) if rises_first else (turn, math.inf)
     if math.isinf(first) or math.isinf(climb):
         return math.inf
-    times = np.minimum(first + np.ldexp(-1.0 / span.fast[0], np.arange(_DOUBLINGS)), last)
-    times = np.concatenate(([first], times))
-    hit = _first(above, times)
-    if hit is None:
+    times = np.append(first, np.minimum(first + np.ldexp(-1.0 / span.fast[0], np.arange(_DOUBLINGS)), last))
+    hits = np.flatnonzero(above(times) >= 0.0)
+    if not hits.size:
         return math.inf
-    return _narrowed(above, float(times[max(hit - 1, 0)]), float(times[hit]))
-
-
-def _narrowed(above: Callable[[Array], Array], low: float, high: float) -> float:
-    """The first time between two at which a course is at 0 or above, to rounding.
-
-    Each round looks close around where the straight line between both ends crosses, and less close farther off, so that
-    a smooth course takes a few rounds and any other is still halved.
-    """
-    ends = above(np.array([low, high]))
+    low, high = times[max(hits[0] - 1, 0)], times[hits[0]]
     for _ in range(_ROUNDS):
-        if math.nextafter(low, high) >= high:
-            break
-        with np.errstate(invalid="ignore", divide="ignore"):
-            share = float(ends[0] / (ends[0] - ends[1]))
-        guess = share if 0.0 <= share <= 1.0 else 0.5
-        shares = np.concatenate((_ANYWHERE, [guess], guess - _CLOSE, guess + _CLOSE))
-        grid = low + (high - low) * distinct(np.clip(shares, 0.0, 1.0))
-        grid[-1] = high
-        values = above(grid)
-        n = max(int((values >= 0.0).argmax()), 1)
-        low, high, ends = float(grid[n - 1]), float(grid[n]), values[n - 1 : n + 1]
-    return high
-
-
-def _first(above: Callable[[Array], Array], times: Array) -> int | None:
-    """The place of the first time at which a course is at 0 or above: near ones first, far ones cost many doublings."""
-    for start, end in pairwise((0, _NEAR, len(times))):
-        hits = np.flatnonzero(above(times[start:end]) >= 0.0)
-        if hits.size:
-            return start + int(hits[0])
-    return None
+        grid = np.linspace(low, high, _PARTS + 1)
+        n = max(int((above(grid) >= 0.0).argmax()), 1)
+        low, high = grid[n - 1], grid[n]
+    return float(high)

@@ -53,6 +53,13 @@ class TwoBodies:
         """Heat capacity of the housing [J/K]."""
         return self.tau_h / self.R_th2
 
+    def housing(self, ambient: Value, winding: Value, P_h: Value) -> Value:
+        r"""Temperature of the housing in the long run by that of the winding and the loss at the housing [K].
+
+        .. math:: T_h = T_a + R_{th2} \frac{(T_w - T_a) + R_{th1} P_h}{R_{th1} + R_{th2}}
+        """
+        return ambient + self.R_th2 / (self.R_th1 + self.R_th2) * (winding - ambient + self.R_th1 * P_h)
+
     @property
     def known(self) -> NDArray[np.bool_]:
         """Whether all figures of each motor are known."""

@@ -88,8 +88,7 @@ def in_the_long_run(heating: Heating) -> tuple[Array, Array]:
         copper = resistance_at(body.R_25, winding) * current**2
         warmer = ambient + (body.R_th1 + body.R_th2) * copper + body.R_th2 * loss > winding
         low, high = np.where(warmer, winding, low), np.where(warmer, high, winding)
-    share = body.R_th2 / (body.R_th1 + body.R_th2)
-    housing = ambient + share * (high - ambient + body.R_th1 * loss)
+    housing = body.housing(ambient, high, loss)
     return np.where(high < _RUNAWAY, high, np.inf), np.asarray(np.where(high < _RUNAWAY, housing, np.inf))
 
 

@@ -69,7 +69,7 @@ class Problem:
     def name_of(self, numbers: list[int]) -> str:
         """Name of one of ``machine_cases``; cases that alternate are one."""
         number = self.cases[numbers[0]].number
-        return SHIFT if self.machine.shift and number == 0 else self.machine.load_cases[number][0]
+        return SHIFT if self.machine.alternating and number == 0 else self.machine.load_cases[number][0]
 
     @property
     def supply(self) -> tuple[float, float]:

@@ -11,20 +11,17 @@ from specs import poorer
 from starters import BODIES, starter
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.parts import NO_GEARHEAD, OneRow
+from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.machine import supply_power
 from drivesizer.machine.efficiency import operation
 from drivesizer.machine.energy_flow import energy_flow
-from drivesizer.machine.set_columns import own_losses
-from drivesizer.machine.set_cycle import Warming, set_cycle, turned, warming, waveform
+from drivesizer.machine.set_cycle import Warming, set_cycle, warming, waveform
 from drivesizer.machine.supply_power import drive_power, drive_power_in_parts
 from drivesizer.machine.warm_up import finer, warm_up
 from drivesizer.physics import cycle_at_gearhead, winding_course
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.groups import census
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.motor_demand import demands
-from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.sizing import size
@@ -38,19 +35,6 @@ KINDS = ("hoist", "arm", "ball_screw", "wheeled_vehicle", "fan")
 @pytest.fixture(scope="module")
 def best(spec: RobotSpec) -> DriveSet:
     return size(spec, top=1).sets[0]
-
-
-def test_what_is_kept_of_a_drive_is_what_is_computed_of_it(best, tmp_path, catalog):
-    """Coefficients and losses of drives of late, over cycles in which other functions act: to the bit as without."""
-    several = [size(starter(kind, tmp_path), catalog=catalog, top=1) for kind in ("hoist", "fan", "rack_pinion")]
-    for one in (*(found.sets[0] for found in several), best):
-        for case in (found.problem.cases[0] for found in several):
-            cycle, demand = turned(case.spec, one, case.at_belt)
-            parts = [OneRow(part) for part in (one.motor, one.gearhead, one.encoder)]
-            again = demands(cycle, *parts, one.brake_inertia)
-            assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(demand, again, strict=True))
-            losses = own_losses(one.motor, one.gearhead.ratio)
-            assert np.array_equal(losses, housing_loss(parts[0], demand.total_ratio), equal_nan=True)
 
 
 def test_power_without_that_of_the_motors_is_the_same(spec, best):

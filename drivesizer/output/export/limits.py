@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from math import inf, isfinite, isnan, nan, sqrt
 from typing import NamedTuple
 
+from drivesizer.catalog import DIRECT
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.drive_set import DriveSet
@@ -19,7 +20,7 @@ from drivesizer.results.ratings import controller_current
 from drivesizer.spec.altitude import rise_left
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Limit", "Limits", "limits"]
+__all__ = ["Limit", "Limits", "behind_gearhead", "least", "limits"]
 
 
 class Limit(NamedTuple):
@@ -55,18 +56,15 @@ def limits(spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float) 
         SI.
     """
     per_ampere = train.torque_constant * train.ratio * train.efficiency
-    behind = train.belt_ratio * train.belt_efficiency
-    peak = {name: current * per_ampere for name, current in _peak_currents(found, train, voltage).items()}
-    continuous = {name: current * per_ampere for name, current in _continuous_currents(spec, found).items()}
-    if found.gearhead.part != "direct":
-        peak["gearhead, intermittent torque"] = found.gearhead.intermittent_torque * behind
-        continuous["gearhead, continuous torque"] = found.gearhead.continuous_torque * behind
+    currents = _peak_currents(found, train, voltage), _continuous_currents(spec, found)
+    torques = ({name: current * per_ampere for name, current in of.items()} for of in currents)
+    peak, continuous = (own | more for own, more in zip(torques, behind_gearhead(found, train), strict=True))
     fastest = _speeds(found, train, voltage)
     continuous_speeds = fastest | {"gearhead, continuous input speed": found.gearhead.continuous_input_speed}
     return Limits(
-        _least(peak),
-        _least(continuous),
-        *(_least({n: w / train.ratio for n, w in of.items()}) for of in (fastest, continuous_speeds)),
+        least(peak),
+        least(continuous),
+        *(least({n: w / train.ratio for n, w in of.items()}) for of in (fastest, continuous_speeds)),
     )
 
 
@@ -112,7 +110,30 @@ def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, flo
     return named
 
 
-def _least(named: Mapping[str, float]) -> Limit:
+def behind_gearhead(found: DriveSet, train: DriveTrain) -> tuple[dict[str, float], dict[str, float]]:
+    """Torque of the gearhead at the driven shaft, for a short time and continuous [N*m]; none without one.
+
+    Parameters
+    ----------
+    found, train
+        The drive, and its drive train.
+
+    Returns
+    -------
+    tuple of dict
+        By name.
+    """
+    if found.gearhead.part == DIRECT:
+        return {}, {}
+    behind = train.belt_ratio * train.belt_efficiency
+    return (
+        {"gearhead, intermittent torque": found.gearhead.intermittent_torque * behind},
+        {"gearhead, continuous torque": found.gearhead.continuous_torque * behind},
+    )
+
+
+def least(named: Mapping[str, float]) -> Limit:
+    """The least of some limits, by name; NaN where none is known."""
     known = {name: value for name, value in named.items() if value == value and value < inf}
     unknown = tuple(name for name, value in named.items() if value != value)
     by = min(known, key=lambda name: known[name], default="")

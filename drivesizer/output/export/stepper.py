@@ -13,7 +13,7 @@ from drivesizer.control.open_loop.run import prepared
 from drivesizer.control.open_loop.simulation import Stepper
 from drivesizer.load_cases.at_shaft import at_shaft, motion_of
 from drivesizer.machine.pull_out import torque_of_drive
-from drivesizer.output.export.limits import Limit, Limits
+from drivesizer.output.export.limits import Limits, behind_gearhead, least
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
@@ -86,18 +86,7 @@ def limits_of(found: DriveSet, one: OpenLoopStepper, train: DriveTrain) -> Limit
     Limits
         SI; what flows at any time is continuous too.
     """
-    gearhead, behind = found.gearhead, train.belt_ratio * train.belt_efficiency
-    pull_out = one.model.torque[0] * train.ratio * train.efficiency
-    peak = {"stepper, pull-out torque at rest": pull_out}
-    lasting = dict(peak)
-    if gearhead.part != "direct":
-        peak["gearhead, intermittent torque"] = gearhead.intermittent_torque * behind
-        lasting["gearhead, continuous torque"] = gearhead.continuous_torque * behind
+    pull_out = {"stepper, pull-out torque at rest": float(one.model.torque[0] * train.ratio * train.efficiency)}
+    peak, lasting = (pull_out | more for more in behind_gearhead(found, train))
     fastest = {"stepper, highest speed of the motion": one.model.top_speed / train.ratio}
-    return Limits(*(_least(named) for named in (peak, lasting, fastest, fastest)))
-
-
-def _least(named: dict[str, float]) -> Limit:
-    known = {name: float(value) for name, value in named.items() if value == value}
-    by = min(known, key=lambda name: known[name])
-    return Limit(known[by], by, tuple(name for name in named if name not in known))
+    return Limits(*(least(named) for named in (peak, lasting, fastest, fastest)))

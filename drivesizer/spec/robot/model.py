@@ -211,15 +211,20 @@ class RobotSpec(OfFile):
         return ((AS_SPECIFIED if further else "", self), *further)
 
     @property
+    def alternating(self) -> tuple[str, ...]:
+        """Names of the load cases that alternate with the one as specified: those with a share of the time."""
+        return tuple(case.name for case in self.cases if case.share is not None)
+
+    @property
     def shift(self) -> tuple[tuple[float, float, RobotSpec], ...]:
         """Load cases that alternate: share of the time, how long each goes on [s], spec; the one as specified first.
 
         Empty where no case has a share; 0 s is one cycle.
         """
-        own, specs = {case.name: case for case in self.cases if case.share is not None}, dict(self._cases)
+        own, specs = [case for case in self.cases if case.name in self.alternating], dict(self._cases)
         if not own:
             return ()
-        shared = tuple((case.share or 0.0, case.lasting or 0.0, specs[name]) for name, case in own.items())
+        shared = tuple((case.share or 0.0, case.lasting or 0.0, specs[case.name]) for case in own)
         return (1.0 - sum(share for share, _, _ in shared), 0.0, self), *shared
 
     @property
