@@ -15,6 +15,10 @@ class PartRecord:
     """A record of a part, whose figures laws read by name (``physics.figures``)."""
 
     __slots__ = ()
+    part: str
+    family: str
+    manufacturer: str
+    price: float
 
     def __getitem__(self, name: str) -> Any:
         return getattr(self, name)

@@ -30,6 +30,7 @@ from drivesizer.catalog.more_parts import (
     Screw,
     Stepper,
 )
+from drivesizer.physics.figures import Figures
 
 __all__ = [
     "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor", "OneRow",
@@ -280,7 +281,7 @@ PARTS: dict[str, type[Any]] = {
 }
 
 
-def lines(encoder: Any) -> Any:
+def lines(encoder: Figures) -> Any:
     """Lines of incremental encoders of the same resolution: their own, or an absolute one's steps over four.
 
     >>> float(lines({"counts_per_turn": np.nan, "steps_per_turn": 4096.0}))

@@ -19,7 +19,7 @@ import numpy as np
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.load_cases.at_shaft import AtShaft, at_shaft
 from drivesizer.loads.course import Profile
-from drivesizer.physics.drive_train import MotorAndGears, through_gears
+from drivesizer.physics.drive_train import through_gears
 from drivesizer.physics.thermal import resistance_25
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.ratings import unstated_temperature
@@ -171,7 +171,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
         raise NoLoopError(f"motor {part} is a stepper, which runs open-loop: it has no closed loop")
     require(drive_set, _NEEDED, "no closed loop without")
     said = list(unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
-    own, shaft = MotorAndGears(*map(float, drive_set.at_motor)), at_shaft(spec)
+    own, shaft = drive_set.at_motor, at_shaft(spec)
     said += [_taken_as_0(f"inertia of the {of}") for of in drive_set.unknown_inertias]
     train = DriveTrain(
         resistance=float(resistance_25(drive_set.motor)),

@@ -92,7 +92,7 @@ _OF_THE_LOAD = {"gearhead", "belt", "load"}
 def _stepper_copper(found: SetCycle) -> float:
     """Mean heat of a stepper's windings [W]."""
     cycle, speed = found.cycle.load_cycle, found.cycle.functions[:, :, SPEED] * found.demands.total_ratio[0]
-    return float(stepper_loss(found.spec, found.motor, speed) @ cycle.duration) / cycle.total
+    return float((stepper_loss(found.spec, found.motor, speed) * cycle.duration).sum() / cycle.total)
 
 
 def _at_the_shaft(found: SetCycle, stepper: bool) -> dict[str, float]:

@@ -26,6 +26,7 @@ from drivesizer.machine.pull_out import torque_of_part
 from drivesizer.machine.set_cycle import turned
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, DRIVING, SPEED, AtGearhead, at_gearhead
 from drivesizer.physics.drive_train import friction
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.stress import heat, housing_loss, volts_of
@@ -133,7 +134,7 @@ def with_pull_out(found: OperatingField, spec: RobotSpec, catalog: Catalog, part
     return replace(found, speed=speed, pull_out=torque, factor=spec.margins.pull_out)
 
 
-def _as_far_as_known(demand: Demands, motor: Any) -> Demands:
+def _as_far_as_known(demand: Demands, motor: Figures) -> Demands:
     """The motor's demand; where it is incomplete, or friction is unknown, NaN."""
     c = np.where(demand.left_out, np.nan, demand.coefficients)
     for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):

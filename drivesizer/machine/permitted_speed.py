@@ -154,7 +154,7 @@ def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> 
     f, ratio, ambient = at.functions[:, 0], drive.gearhead.ratio, spec.environment.ambient
     output, turning = f[:, :ACCELERATION].sum(axis=1), np.abs(f[:, SPEED])  # N*m and rad/s behind the gearhead
     current = f @ np.where(own.left_out, nan, own.torque)[0] / drive.motor.torque_constant
-    rubbing, iron = housing_loss(motor, ratio)
+    rubbing, iron = housing_loss(motor, gearhead["ratio"])
     loss = rubbing * turning + iron * turning**2
     if spec.mounting and spec.mounting.gear_loss_share:
         driving, braking = (f[:, which] * f[:, SPEED] for which in (DRIVING, BRAKING))

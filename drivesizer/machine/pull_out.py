@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.view.stepper_view import STEPPER
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.stepper.pull_out import pull_out_torque, rescaled_torque
 from drivesizer.results.drive_set import DriveParts
 
@@ -87,7 +88,7 @@ def torque_of_drive(drive: DriveParts, speed: Array, voltage: float) -> Array:
     return found
 
 
-def available_torque(motor: Any, curves: PullOuts, speed: Array, voltage: Any) -> Array:
+def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: Any) -> Array:
     """Pull-out torque of steppers: by the printed curve where there is one, else the model's times its share.
 
     Of several curves that of the highest voltage that the supply reaches counts, else that of the lowest.

@@ -163,8 +163,8 @@ def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[At
     if base is None:  # cut as the search cut it
         base = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, drive_set.quickest)
     cycle = base.behind(drive_set.belt_ratio)
-    parts = (one_row(part) for part in (turning, drive_set.gearhead, drive_set.encoder))
-    return cycle, demands(cycle, *parts, drive_set.brake_inertia)
+    motor, gearhead, encoder = (one_row(part) for part in (turning, drive_set.gearhead, drive_set.encoder))
+    return cycle, demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia)
 
 
 def waveform(found: SetCycle, *, mean: bool = False) -> Wave:

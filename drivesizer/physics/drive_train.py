@@ -17,7 +17,7 @@ Symbols: i ratio, e efficiency, J inertia [kg*m^2], M torque [N*m], w speed [rad
 from __future__ import annotations
 
 from math import isnan, nan
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ __all__ = [
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
+Column = TypeVar("Column")  # of candidates, or one figure
 SLOTLESS = "slotless"  # a winding without iron teeth
 DRY_SHARE = {SLOTLESS: 0.37, "": 0.55}  # of a brushless motor's no-load torque, by its winding; sources: ``friction``
 ELECTRONICS = "integrated electronics"  # the commutation of a motor that has its controller inside
@@ -37,22 +38,22 @@ _SAME = 0.0101  # two figures of three digits each, each off by half of its last
 _OTHER = 2.0  # times k_t or a part of it: then w_0 and V are not of one winding
 
 
-class MotorAndGears(NamedTuple):
+class MotorAndGears(NamedTuple, Generic[Column]):
     """A drive at its motor's shaft, as far as its parts say: columns, or figures of one; NaN unknown."""
 
-    ratio: Array  # of the gearhead
-    efficiency: Array  # of the torque that it transmits
-    coulomb: Array  # N*m, friction of the motor at any speed
-    idle: Array  # N*m, of the gearhead without load
-    viscous: Array  # N*m*s/rad
-    inertia: Array  # kg*m^2, see ``drive_inertia``
-    k_t: Array  # N*m/A
-    k_e: Array  # V*s/rad
+    ratio: Column  # of the gearhead
+    efficiency: Column  # of the torque that it transmits
+    coulomb: Column  # N*m, friction of the motor at any speed
+    idle: Column  # N*m, of the gearhead without load
+    viscous: Column  # N*m*s/rad
+    inertia: Column  # kg*m^2, see ``drive_inertia``
+    k_t: Column  # N*m/A
+    k_e: Column  # V*s/rad
 
 
 def motor_and_gears(
     motor: Figures, gearhead: Figures, encoder: Figures | None = None, braking: Array | float = 0.0
-) -> MotorAndGears:
+) -> MotorAndGears[Array]:
     """Motors and gearheads as drives at the motor's shaft.
 
     Parameters

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.elements.quadrature import SIX
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.waveform import Energy, Wave, crossing, energy, in_halves, largest_power
 
 __all__ = [
@@ -149,7 +150,7 @@ class Feed(NamedTuple):
         return self.stage.loss * np.abs(current) + self.stage.resistance * current**2
 
 
-def power_stage(controller: Any, voltage: Any, given: Any = None, *, assume: bool = True) -> PowerStage:
+def power_stage(controller: Figures, voltage: Any, given: Any = None, *, assume: bool = True) -> PowerStage:
     r"""The stage of controllers by what is printed of them, given or assumed.
 
     The loss per ampere is the larger of the voltage drop and of what the greatest efficiency leaves at the highest
@@ -190,7 +191,7 @@ def power_stage(controller: Any, voltage: Any, given: Any = None, *, assume: boo
     )
 
 
-def with_stage_losses(controller: Any, factor: Any, *, assume: bool = True) -> dict[str, Any]:
+def with_stage_losses(controller: Figures, factor: Any, *, assume: bool = True) -> dict[str, Any]:
     """Voltage drop and greatest efficiency of controllers whose losses per ampere are so many times the nominal ones.
 
     Parameters

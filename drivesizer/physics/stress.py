@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
 from drivesizer.physics.drive_train import nominal_friction
-from drivesizer.physics.figures import once_per_part
+from drivesizer.physics.figures import Figures, once_per_part
 from drivesizer.physics.load_cycle import Figure
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
@@ -129,7 +129,7 @@ class Stress(NamedTuple):
     cold_voltage: Peak  # V, winding at the ambient's temperature
 
 
-def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
+def housing_loss(motor: Figures, ratio: Array) -> tuple[Array, Array]:
     r"""Losses of friction and iron at the housing, per speed of the gearhead's output and per square of it.
 
     Brushed: the friction, :math:`(M_c + b w) |w|`. Brushless: friction and iron together, a loss P_N that with the
@@ -162,7 +162,7 @@ def housing_loss(motor: Any, ratio: Array) -> tuple[Array, Array]:
 
 
 @once_per_part
-def _nominal_loss(motor: Any) -> tuple[Any, ...]:
+def _nominal_loss(motor: Figures) -> tuple[Any, ...]:
     """Of each motor: whether only friction counts, loss per loss by friction, friction, loss [W] and speed of it."""
     brushed = motor["kind"] == "brushed"
     rise = motor["max_winding_temperature"] - rated_ambient(motor)
@@ -181,7 +181,7 @@ def heat(
     ambient: Figure,
     cycle: AtGearhead,
     demands: Demands,
-    motor: Any,
+    motor: Figures,
     losses: tuple[Array, Array] | None = None,
     from_gearhead: Array | float = 0.0,
 ) -> Heat:
@@ -221,7 +221,7 @@ def heat(
     return Heat(rubbing, iron, mean, np.asarray(winding))
 
 
-def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any, leads: Any = 0.0) -> Stress:
+def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Figures, leads: Any = 0.0) -> Stress:
     """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``limits_over_time``.
 
     Parameters
@@ -253,7 +253,7 @@ def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Any, lea
     return Stress(torque.value, Peak(torque.value / k_t, torque.time), volts)
 
 
-def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: Stress, motor: Any) -> Array:
+def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: Stress, motor: Figures) -> Array:
     """Temperature that no winding exceeds: in the long run at the largest current and loss all the time [K].
 
     Parameters

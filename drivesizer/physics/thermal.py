@@ -10,12 +10,11 @@ constant [N*m/A], I_0 no-load current [A], w speed of the motor [rad/s].
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import once_per_part
+from drivesizer.physics.figures import Figures, once_per_part
 
 __all__ = [
     "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",
@@ -68,7 +67,7 @@ class TwoBodies:
         return found
 
 
-def data_temperature(motor: Any) -> Value:
+def data_temperature(motor: Figures) -> Value:
     """Temperature at which a motor's figures hold [K]: its catalogue's, else 25 degC, the makers' usual rating."""
     stated = np.asarray(motor["data_temperature"], float)
     found: Value = np.where(np.isnan(stated), DATA_TEMPERATURE, stated)[()]
@@ -76,7 +75,7 @@ def data_temperature(motor: Any) -> Value:
 
 
 @once_per_part
-def rated_ambient(motor: Any) -> Value:
+def rated_ambient(motor: Figures) -> Value:
     """Ambient of the continuous nominal current [K]: the maker's, else that of the motor's other figures."""
     stated = np.asarray(motor["rated_ambient"], float)
     found: Value = np.where(np.isnan(stated), data_temperature(motor), stated)[()]
@@ -84,7 +83,7 @@ def rated_ambient(motor: Any) -> Value:
 
 
 @once_per_part
-def resistance_25(motor: Any) -> Value:
+def resistance_25(motor: Figures) -> Value:
     r"""Resistance of a motor's winding at 25 degC [ohm], :math:`R_d / (1 + \alpha (T_d - T_{25}))`.
 
     Parameters
@@ -156,7 +155,7 @@ def settled(ambient: Value, heating: Value, rest: Value = 0.0) -> Value:
     return found
 
 
-def two_bodies(motor: Any) -> TwoBodies:
+def two_bodies(motor: Figures) -> TwoBodies:
     """Winding and housing of a motor by the names of its catalogue figures: one motor's, or columns over motors."""
     return TwoBodies(
         R_25=resistance_25(motor),

@@ -81,9 +81,9 @@ class DriveParts:
         return self.brake.inertia / (self.total_ratio**2 if self.brake.shaft == "load" else 1.0)
 
     @property
-    def at_motor(self) -> MotorAndGears:
+    def at_motor(self) -> MotorAndGears[float]:
         """Ratio, inertia, friction and losses of motor and gears."""
-        return motor_and_gears(self.motor, self.gearhead, self.encoder, self.brake_inertia)
+        return MotorAndGears(*map(float, motor_and_gears(self.motor, self.gearhead, self.encoder, self.brake_inertia)))
 
     @property
     def unknown_inertias(self) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.back_emf import back_emf_constant
+from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.physics.figures import Figures, once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
@@ -55,7 +55,7 @@ _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that
 
 
 def continuous_speed_limit(
-    gearhead: Any, mean_speed: Any, sustained_speed: Any, ratio: Any, needed: float = 0.0
+    gearhead: Figures, mean_speed: Any, sustained_speed: Any, ratio: Any, needed: float = 0.0
 ) -> CheckColumn:
     """The lasting speed at a gearhead's input against its continuous one, by the rule of its maker.
 
@@ -119,12 +119,12 @@ def short_limit(short: Any, lasting: Any) -> dict[str, Any]:
 
 
 @once_per_part
-def _by_the_mean(gearhead: Any) -> Any:
+def _by_the_mean(gearhead: Figures) -> Any:
     """Whether the maker limits the mean input speed."""
     return np.isin(gearhead["manufacturer"], _BY_THE_MEAN)
 
 
-def controller_current(controller: Any, ambient: Array | float) -> Any:
+def controller_current(controller: Figures, ambient: Array | float) -> Any:
     r"""Continuous current of controllers in an ambient, where their derating is printed.
 
     .. math:: I = \max(I_N - s (T - T_N), 0) \text{ above } T_N, \quad I = 0 \text{ above } T_{max}
@@ -163,7 +163,7 @@ def controller_current(controller: Any, ambient: Array | float) -> Any:
     return np.where(np.isnan(printed), np.nan, found)
 
 
-def controller_power_limit(power: Array | float, controller: Any, voltage: float, **more: Any) -> CheckColumn:
+def controller_power_limit(power: Array | float, controller: Figures, voltage: float, **more: Any) -> CheckColumn:
     r"""The largest power of a drive against what its controller permits at a supply voltage.
 
     .. math:: P = P_{max} - (P_{max} - P_{red}) \frac{V - V_{max}}{V_{red} - V_{max}}, \qquad P_{red} \le P \le P_{max}
@@ -198,7 +198,7 @@ def controller_power_limit(power: Array | float, controller: Any, voltage: float
     return at_most("controller_power", power, limit, most=most, **more)
 
 
-def permitted_power(controller: Any, voltage: float) -> Array:
+def permitted_power(controller: Figures, voltage: float) -> Array:
     """Power that controllers permit at a supply voltage [W], see ``controller_power_limit``.
 
     Parameters
@@ -220,7 +220,9 @@ def permitted_power(controller: Any, voltage: float) -> Array:
     return np.where(np.isnan(most), np.inf, limit)
 
 
-def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float, needed: float = 0.0) -> CheckColumn:
+def nominal_current_limit(
+    rms: Array | float, motor: Figures, ambient: Array | float, needed: float = 0.0
+) -> CheckColumn:
     """The RMS current against the nominal one in an ambient.
 
     Where none is printed the nominal torque is the rating, or the permitted winding temperature: no limit then.
@@ -251,7 +253,7 @@ def nominal_current_limit(rms: Array | float, motor: Any, ambient: Array | float
 
 
 def nominal_torque_limit(
-    rms: Array, speed: Array, motor: Any, ambient: float, needed: float = 0.0
+    rms: Array, speed: Array, motor: Figures, ambient: float, needed: float = 0.0
 ) -> list[CheckColumn]:
     r"""The RMS torque against the nominal one, of motors whose current is not known.
 
@@ -288,7 +290,7 @@ def nominal_torque_limit(
 
 
 def _rated(
-    name: str, rms: Array | float, rating: Any, motor: Any, ambient: Array | float, needed: float
+    name: str, rms: Array | float, rating: Any, motor: Figures, ambient: Array | float, needed: float
 ) -> CheckColumn:
     """An RMS demand against a thermal rating, in another ambient than that of the rating."""
     T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)

@@ -17,6 +17,7 @@ from pydantic import Field, model_validator
 
 from drivesizer.files.fields import Part, Ratio, Section, ThermalResistance, default
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import flange_loss
 
 __all__ = ["Mounting", "Share", "loss_at_flange", "mounting_words"]
@@ -91,7 +92,7 @@ class Mounting(Section):
         return f"times {one.value:g}{band}; {source}"
 
 
-def loss_at_flange(spec: Any, cycle: AtGearhead, gearhead: Any) -> Any:
+def loss_at_flange(spec: Any, cycle: AtGearhead, gearhead: Figures) -> Any:
     """Loss of gearheads that heats the housings of their motors, per speed of their output.
 
     Parameters

@@ -23,6 +23,7 @@ from drivesizer.output.json import documents as json_documents
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.drive_train import gear_loss
 from drivesizer.physics.motor_demand import demands
+from drivesizer.results.ratings import supply_voltage_limit
 from drivesizer.search.columns.candidates import Rows, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.limits import motor_limits

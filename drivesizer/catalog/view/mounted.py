@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.estimates.assumed import MOUNTED
 from drivesizer.catalog.tables import Catalog, Estimates, Table
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import rated_ambient
 
@@ -75,7 +76,7 @@ def _with(catalog: Catalog, housing: Housing, *, brushes: bool) -> Catalog:
     return replace(catalog, motors=replace(motors, columns=columns), mounted=True)
 
 
-def rating_gain(motor: Any, mounted: Array) -> Array:
+def rating_gain(motor: Figures, mounted: Array) -> Array:
     """Continuous current of motors in another mounting, over their nominal one, as heat sets it.
 
     Parameters

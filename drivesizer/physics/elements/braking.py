@@ -19,6 +19,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.figures import Figures
+
 __all__ = ["SLIPPING", "Stop", "held_by_brake", "held_by_friction", "released_power", "stop"]
 
 SLIPPING = 1.0 / 3.0, 1.0
@@ -59,7 +61,7 @@ def held_by_brake(torque: Any, ratio: Any, efficiency: Any) -> Any:
     return torque * efficiency / ratio
 
 
-def held_by_friction(motor: Any) -> Any:
+def held_by_friction(motor: Figures) -> Any:
     """Torque at a motor's shaft that its own friction and detent hold without current [N*m].
 
     Parameters
@@ -80,7 +82,7 @@ def held_by_friction(motor: Any) -> Any:
     return np.nan_to_num(motor["friction_torque"]) + np.nan_to_num(motor["detent_torque"])
 
 
-def released_power(brake: Any) -> Any:
+def released_power(brake: Figures) -> Any:
     """Power that keeps a brake released [W]: the lowered one where it is printed; 0 where it is unknown.
 
     Parameters
@@ -101,7 +103,7 @@ def released_power(brake: Any) -> Any:
     return np.where(np.isnan(kept), 0.0, kept)
 
 
-def stop(inertia: Any, speed: Any, brake: Any, load: Any, engage_time: Any) -> Stop:
+def stop(inertia: Any, speed: Any, brake: Figures, load: Any, engage_time: Any) -> Stop:
     r"""Energy, time and angle of an emergency stop from a speed, the motor without current.
 
     .. math::

@@ -20,6 +20,7 @@ from drivesizer.catalog.view.own_brake import OWN
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
 from drivesizer.physics.elements.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
+from drivesizer.physics.figures import Figures
 from drivesizer.results.check_columns import CheckColumn, at_most, between, fits
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import coil_voltage
@@ -127,7 +128,7 @@ def _in_order(table: Table[Brake], spec: RobotSpec, listed: NDArray[np.bool_]) -
     return found
 
 
-def own_figure(brake: Any, name: str) -> Any:
+def own_figure(brake: Figures, name: str) -> Any:
     """A figure of brakes that is 0 where there is none; NaN unknown.
 
     Parameters
@@ -204,7 +205,7 @@ class _Options:
         return found
 
 
-def _needless(problem: Problem, cycles: Sequence[AtGearhead], motor: Any, gearhead: Any) -> Any:
+def _needless(problem: Problem, cycles: Sequence[AtGearhead], motor: Figures, gearhead: Figures) -> Any:
     """Whether every load case holds itself, or is held by friction that is to be counted: of all, or of each."""
     if problem.spec.needs.holding_friction == "ignored":
         return all(cycle.held == 0.0 for cycle in cycles)
@@ -213,7 +214,7 @@ def _needless(problem: Problem, cycles: Sequence[AtGearhead], motor: Any, gearhe
 
 
 def _suits(
-    problem: Problem, cycles: Sequence[AtGearhead], parts: Sequence[Any], brake: Any
+    problem: Problem, cycles: Sequence[AtGearhead], parts: Sequence[Any], brake: Figures
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Whether brakes are known to hold and stop the load in all cases, and whether they are known not to."""
     passing: NDArray[np.bool_] = np.ones(brake["static_torque"].shape, bool)
@@ -235,7 +236,7 @@ def _suits(
     return passing, failing
 
 
-def at_motor(brake: Any, name: str, total: Any) -> Any:
+def at_motor(brake: Figures, name: str, total: Any) -> Any:
     """Inertia of brakes as the motor's shaft feels it; 0 where there is none, NaN unknown.
 
     Parameters
@@ -255,12 +256,12 @@ def at_motor(brake: Any, name: str, total: Any) -> Any:
     return own_figure(brake, name) / _shaft(brake, total) ** 2
 
 
-def _shaft(brake: Any, total: Any) -> Any:
+def _shaft(brake: Figures, total: Any) -> Any:
     """Turns of the motor for one of the brake's shaft."""
     return np.where(brake["shaft"] == "load", total, 1.0)
 
 
-def _holding(spec: RobotSpec, cycle: AtGearhead, motor: Any, gearhead: Any, brake: Any) -> CheckColumn:
+def _holding(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figures, brake: Figures) -> CheckColumn:
     """Torque at rest that reaches the brake, through belt and gearhead or at the load's shaft, against its own."""
     at_load = cycle.held * cycle.belt / spec.belt_efficiency
     behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
@@ -276,7 +277,7 @@ def _holding(spec: RobotSpec, cycle: AtGearhead, motor: Any, gearhead: Any, brak
 _COUNTED = "with the motor's printed friction and detent torque"
 
 
-def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Any, gearhead: Any) -> NDArray[np.bool_]:
+def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figures) -> NDArray[np.bool_]:
     """Whether the motor's friction is to be counted and holds the load alone, with the safety factor."""
     behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
     counted = spec.needs.hold_unpowered and spec.needs.holding_friction == "counted"
@@ -332,7 +333,7 @@ def brake_limits(
 _ACCELERATION = 3
 
 
-def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any, inertia: Any) -> tuple[Stop, Stop]:
+def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Any) -> tuple[Stop, Stop]:
     """An emergency stop from the highest speed, as the weight pulls most: with a strong brake and with a weak one.
 
     Parameters
@@ -359,12 +360,14 @@ def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any, inertia
     return strong, weak
 
 
-def _slipping(brake: Any, share: float) -> Any:
+def _slipping(brake: Figures, share: float) -> Any:
     """Torque of slipping brakes as printed, else a share of their static one [N*m]."""
     return np.where(np.isnan(brake["dynamic_torque"]), share * brake["static_torque"], brake["dynamic_torque"])
 
 
-def _stop_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any, inertia: Any) -> list[CheckColumn]:
+def _stop_limits(
+    spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Any
+) -> list[CheckColumn]:
     """Energy and number of emergency stops, and what the gearhead passes on in one."""
     number = float(spec.needs.emergency_stops or 0)
     both = stops(spec, cycle, gearhead, brake, inertia)
@@ -375,7 +378,9 @@ def _stop_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any, 
     return [between(*energies), between(*counts), _through_gearhead(spec, cycle, gearhead, brake, inertia)]
 
 
-def _through_gearhead(spec: RobotSpec, cycle: AtGearhead, gearhead: Any, brake: Any, inertia: Any) -> CheckColumn:
+def _through_gearhead(
+    spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Any
+) -> CheckColumn:
     """Largest torque of a stop at the gearhead's output, with a brake at the motor that slips as hard as it holds."""
     i = gearhead["ratio"]
     load = cycle.load_cycle.inertia / (i * cycle.belt) ** 2

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import EDGES, Catalog, Encoder, Table, lines
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Parts
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
@@ -172,7 +173,7 @@ def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> l
     return [at_least("encoder_counts", float(least or 1), counts, by_choice=True)]
 
 
-def line_frequency(demand: Demands, encoder: Any) -> Array:
+def line_frequency(demand: Demands, encoder: Figures) -> Array:
     """Lines of the encoder per second at the highest speed.
 
     Parameters

@@ -18,6 +18,7 @@ from drivesizer.catalog.belt_drive import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
 from drivesizer.physics.elements.belt import LEAST_IN_MESH, resonance
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, Parts, Stress
@@ -148,7 +149,7 @@ def lost_at_load(spec: RobotSpec, backlash: Array, belt: Array) -> Array:
     return lost / spec.gear.ratio + own / (belt if spec.gear_before_belt else 1.0)
 
 
-def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[CheckColumn]:
+def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> list[CheckColumn]:
     """Limits of the gearhead, whatever motor drives it; loads of its shaft are in ``shaft_limits``.
 
     Parameters
@@ -194,7 +195,7 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Any) -> list[C
     return found
 
 
-def motor_limits(spec: RobotSpec, motor: Any) -> list[CheckColumn]:
+def motor_limits(spec: RobotSpec, motor: Figures) -> list[CheckColumn]:
     """Limits of the motor, whatever it drives.
 
     Parameters
@@ -235,7 +236,7 @@ def waived(spec: RobotSpec, column: CheckColumn) -> CheckColumn:
     return replace(column, passed=column.passed | missing, bounded=missing, at_best=ASSUMED)
 
 
-def size_limits(spec: RobotSpec, motor: Any, gearhead: Any, brake: Any = None) -> list[CheckColumn]:
+def size_limits(spec: RobotSpec, motor: Figures, gearhead: Figures, brake: Figures | None = None) -> list[CheckColumn]:
     """Dimensions, mass and price, where the spec limits them.
 
     Parameters
@@ -315,7 +316,7 @@ def unpowered_limits(
     return _inertias(spec, cycle, demand, parts)
 
 
-def winding_limit(spec: RobotSpec, winding: Array, motor: Any, time: Array | None = None) -> CheckColumn:
+def winding_limit(spec: RobotSpec, winding: Array, motor: Figures, time: Array | None = None) -> CheckColumn:
     """A winding temperature against the permitted one, and when it is met."""
     permitted = motor["max_winding_temperature"]
     unknown = np.isnan(permitted)
@@ -332,7 +333,7 @@ _UNEVEN = 2.0  # largest loss of a phase at rest over the mean of three, by the 
 _UNEVEN_NOTE = "at rest the hottest phase of a brushless motor has 1.5 to 2 times the mean heat: informational"
 
 
-def _hottest_phase(spec: RobotSpec, demand: Demands, motor: Any) -> CheckColumn:
+def _hottest_phase(spec: RobotSpec, demand: Demands, motor: Figures) -> CheckColumn:
     """The hottest phase of a motor that never turns, were none of its heat led to the others; advice."""
     R_th1, R_th2 = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     ambient, R_25 = spec.environment.ambient, resistance_25(motor)
@@ -357,7 +358,7 @@ def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts)
     return found
 
 
-def _peak_torque(stresses: Stress, motor: Any, volts: float, needed: float) -> CheckColumn:
+def _peak_torque(stresses: Stress, motor: Figures, volts: float, needed: float) -> CheckColumn:
     """The motor's torque against its permitted peak, where the maker limits it beside heat and speed.
 
     Else against its torque at stall, where the winding's figures are unknown by which the voltage limits it.
@@ -405,7 +406,7 @@ def electrical_limits(
     ]  # fmt: skip
 
 
-def electrical_speed(demand: Demands, motor: Any) -> Array:
+def electrical_speed(demand: Demands, motor: Figures) -> Array:
     """Speed times pole pairs, where the controller commutates; 0 of a brushed motor, which does so itself.
 
     Parameters

@@ -14,6 +14,7 @@ from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.elements.gear_life import gear_life
 from drivesizer.physics.elements.shaft_load import bearing_life, dynamic_load, permissible_radial, static_load
 from drivesizer.physics.extremes import distinct
+from drivesizer.physics.figures import Figures
 from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.search.columns.shaft_loads import ShaftLoads, shaft_loads
 from drivesizer.spec.lives import required_life
@@ -35,7 +36,9 @@ def _known(check: CheckColumn, loads: ShaftLoads) -> CheckColumn:
     return replace(check, passed=check.passed & np.isposinf(check.limit), undecided=_SLACK)
 
 
-def loads_on_gearheads(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None, gearhead: Any) -> list[CheckColumn]:
+def loads_on_gearheads(
+    spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None, gearhead: Figures
+) -> list[CheckColumn]:
     """Radial and axial load, tilting moment and output bearing of gearheads, as far as the spec requires them.
 
     Parameters
@@ -75,7 +78,7 @@ def _distance(spec: RobotSpec, part: Any) -> Any:
     return part["radial_load_distance"] if given is None else given
 
 
-def _behind_the_face(gearhead: Any) -> Any:
+def _behind_the_face(gearhead: Figures) -> Any:
     """Distance of the bearing: printed, or by a tilting moment and the radial load that makes it."""
     by_both = gearhead["max_tilting_moment"] / gearhead["max_radial_load"] - gearhead["radial_load_distance"]
     by_both = np.where(by_both >= 0.0, by_both, np.nan)
@@ -83,7 +86,7 @@ def _behind_the_face(gearhead: Any) -> Any:
 
 
 @np.errstate(divide="ignore", invalid="ignore")
-def _radial_limit(spec: RobotSpec, gearhead: Any) -> Any:
+def _radial_limit(spec: RobotSpec, gearhead: Figures) -> Any:
     """Permissible radial load at the distance; none of its own where the tilting moment decides."""
     limit, moment = gearhead["max_radial_load"], gearhead["max_tilting_moment"]
     if spec.shaft is None or spec.shaft.distance is None:
@@ -100,7 +103,7 @@ def _turned(force: Any, lever: Any) -> Any:
 
 
 @np.errstate(divide="ignore", invalid="ignore")
-def _tilting(spec: RobotSpec, loads: ShaftLoads, gearhead: Any) -> CheckColumn:
+def _tilting(spec: RobotSpec, loads: ShaftLoads, gearhead: Figures) -> CheckColumn:
     """Moment about the output bearing; its distance is within bounds where it is not printed."""
     limit, radial = gearhead["max_tilting_moment"], gearhead["max_radial_load"]
     limit = np.where(np.isnan(limit) & ~np.isnan(radial), np.inf, limit)
@@ -113,7 +116,7 @@ def _tilting(spec: RobotSpec, loads: ShaftLoads, gearhead: Any) -> CheckColumn:
 
 
 @np.errstate(divide="ignore", invalid="ignore")
-def _bearing(spec: RobotSpec, shaft: Shaft, loads: ShaftLoads, gearhead: Any) -> list[CheckColumn]:
+def _bearing(spec: RobotSpec, shaft: Shaft, loads: ShaftLoads, gearhead: Figures) -> list[CheckColumn]:
     """Static load and life of a printed output bearing; of others the printed radial load or moment stands for it."""
     rated = ~np.isnan(gearhead["max_radial_load"]) | ~np.isnan(gearhead["max_tilting_moment"])
     lever, diameter = _distance(spec, gearhead) + _behind_the_face(gearhead), gearhead["bearing_diameter"]
@@ -136,7 +139,7 @@ def _bearing(spec: RobotSpec, shaft: Shaft, loads: ShaftLoads, gearhead: Any) ->
 
 
 def loads_on_motors(
-    spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None, motor: Any, gearhead: Any
+    spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None, motor: Figures, gearhead: Figures
 ) -> list[CheckColumn]:
     """Radial and axial load of motors' shafts where no gearhead is between them and the load.
 
@@ -168,7 +171,7 @@ def loads_on_motors(
     return found
 
 
-def life_of_gearheads(cycle: AtGearhead, gearhead: Any, rated: str = "rated_life") -> NDArray[np.float64]:
+def life_of_gearheads(cycle: AtGearhead, gearhead: Figures, rated: str = "rated_life") -> NDArray[np.float64]:
     """Nominal life of gearheads by their rated life, at rated torque and speed.
 
     Parameters
@@ -194,7 +197,7 @@ def life_of_gearheads(cycle: AtGearhead, gearhead: Any, rated: str = "rated_life
     return np.where(np.isposinf(life), np.inf, found)
 
 
-def shock_limits(spec: RobotSpec, torque: float, cycle: AtGearhead, gearhead: Any) -> list[CheckColumn]:
+def shock_limits(spec: RobotSpec, torque: float, cycle: AtGearhead, gearhead: Figures) -> list[CheckColumn]:
     """Torque of an emergency stop or a collision against what gearheads withstand a few times in their life.
 
     Parameters

@@ -18,6 +18,7 @@ from drivesizer.catalog.view.stepper_view import STEPPER
 from drivesizer.machine.pull_out import available_torque
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.several_belts import scales
@@ -54,7 +55,7 @@ _KEPT = "unknown: where it goes: give supply.capacitance, or supply.accepts: all
 class Frictionless:
     """Figures of steppers for the demand of torque: pull-out torque is what their own friction leaves of it."""
 
-    def __init__(self, motor: Any) -> None:
+    def __init__(self, motor: Figures) -> None:
         self.motor = motor
 
     def __getitem__(self, name: str) -> Any:
@@ -144,7 +145,7 @@ def stepped(
     return Stepped(row, [*first, *of_driver, *last], _figures(problem, draws, motor))
 
 
-def driver_limits(current: Array, controller: Any, needed: float, ambient: Any) -> list[CheckColumn]:
+def driver_limits(current: Array, controller: Figures, needed: float, ambient: Any) -> list[CheckColumn]:
     """Rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's.
 
     Parameters
@@ -203,7 +204,7 @@ def _at_belt(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
 
 
 def _worst(
-    spec: RobotSpec, points: Array, c: Array, ratio: Array, motor: Any, curves: PullOuts
+    spec: RobotSpec, points: Array, c: Array, ratio: Array, motor: Figures, curves: PullOuts
 ) -> tuple[Array, Array, NDArray[np.int64]]:
     """Torque, pull-out torque and number of the point of the largest share; of an unknown one where none fails."""
     torque, speed = np.abs(c @ points.T), np.abs(points[:, SPEED]) * ratio[:, None]
@@ -406,7 +407,7 @@ def supply_limits(spec: RobotSpec, returned: Array, most: Array, parts: Parts, p
     return found
 
 
-def _figures(problem: Problem, draws: Sequence[_Draw], motor: Any) -> dict[str, Array]:
+def _figures(problem: Problem, draws: Sequence[_Draw], motor: Figures) -> dict[str, Array]:
     """Figures for objectives and records, as ``powered`` has them of other motors."""
     loads, share = [case.spec.load for case in problem.cases], problem.spec.supply.regeneration
     machines, cycles = problem.machine_cases, [case.cycle for case in problem.cases]

@@ -12,6 +12,7 @@ from typing import Any
 from drivesizer import equations as eq
 from drivesizer.loads.wheeled_vehicle import Cylinder, WheeledVehicle
 from drivesizer.physics.equation import Equation
+from drivesizer.physics.figures import Figures
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.requirement import Requirement
 from drivesizer.spec.motions import Trapezoid
@@ -135,7 +136,9 @@ def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Any:
     )
 
 
-def at_the_motor(spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Any, gearhead: Any, belt: Any) -> Derivation:
+def at_the_motor(
+    spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Figures, gearhead: Figures, belt: Any
+) -> Derivation:
     """Requirements (17)-(20) of candidates.
 
     Parameters

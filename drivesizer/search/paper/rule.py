@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer import equations as eq
 from drivesizer.catalog import Catalog
+from drivesizer.physics.figures import Figures
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.requirement import Requirement
 from drivesizer.search.paper.derivation import BRAKING, vehicle
@@ -30,7 +31,7 @@ def largest_torque_at_motor(shaft: Mapping[str, Requirement]) -> Any:
     return shaft.get(f"{BRAKING}_at_motor", shaft["maximum_torque_at_motor"]).value
 
 
-def _speed_constant(shaft: Mapping[str, Requirement], motor: Any) -> Any:
+def _speed_constant(shaft: Mapping[str, Requirement], motor: Figures) -> Any:
     """Least speed constant by (19) and (20): at the end of acceleration or where braking begins.
 
     Uphill and on level ground it is the first, as printed.
@@ -46,8 +47,8 @@ def rule(
     spec: RobotSpec,
     wheel: Mapping[str, Requirement],
     shaft: Mapping[str, Requirement],
-    motor: Any,
-    gearhead: Any,
+    motor: Figures,
+    gearhead: Figures,
     belt: Any,
 ) -> list[CheckColumn]:
     """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates.
@@ -94,7 +95,7 @@ def _input_speed(n_motor: Any, limit: Any) -> CheckColumn:
     return at_most("gearhead_input_speed", n_motor, limit)
 
 
-def _power(wheel: Mapping[str, Requirement], motor: Any) -> CheckColumn:
+def _power(wheel: Mapping[str, Requirement], motor: Figures) -> CheckColumn:
     return at_most("motor_power", wheel["rms_power_per_motor"].value, motor["assigned_power"])
 
 
