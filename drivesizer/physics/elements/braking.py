@@ -19,8 +19,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figures
-
 __all__ = ["SLIPPING", "Stop", "held_by_brake", "held_by_friction", "released_power", "stop"]
 
 SLIPPING = 1.0 / 3.0, 1.0
@@ -61,7 +59,7 @@ def held_by_brake(torque: Any, ratio: Any, efficiency: Any) -> Any:
     return torque * efficiency / ratio
 
 
-def held_by_friction(motor: Figures) -> Any:
+def held_by_friction(motor: Any) -> Any:
     """Torque at a motor's shaft that its own friction and detent hold without current [N*m].
 
     Parameters
@@ -82,7 +80,7 @@ def held_by_friction(motor: Figures) -> Any:
     return np.nan_to_num(motor["friction_torque"]) + np.nan_to_num(motor["detent_torque"])
 
 
-def released_power(brake: Figures) -> Any:
+def released_power(brake: Any) -> Any:
     """Power that keeps a brake released [W]: the lowered one where it is printed; 0 where it is unknown.
 
     Parameters
@@ -103,7 +101,7 @@ def released_power(brake: Figures) -> Any:
     return np.where(np.isnan(kept), 0.0, kept)
 
 
-def stop(inertia: Any, speed: Any, brake: Figures, load: Any, engage_time: Any) -> Stop:
+def stop(inertia: Any, speed: Any, brake: Any, load: Any, engage_time: Any) -> Stop:
     r"""Energy, time and angle of an emergency stop from a speed, the motor without current.
 
     .. math::
