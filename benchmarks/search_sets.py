@@ -40,6 +40,7 @@ def written(folder: Path, belts: int) -> tuple[Path, Path]:
     text = text[: text.index("select:")].replace("method: paper", "method: physics")
     ratios = ", ".join(f"{1 + 0.4 * k / belts:.5f}" for k in range(belts))
     text = text.replace("    ratio: 1.1  ", f"    ratios: [{ratios}]  ")
+    text = text[: text.index("platform:")] + text[text.index("environment:") :]  # a recording has none
     short, long = folder / "short.yaml", folder / "long.yaml"
     short.write_text(text, encoding="utf-8")
     recording(load_spec(short), folder / "cycle.csv")

@@ -30,10 +30,10 @@ from drivesizer.physics.cycle_figures import (
     six_functions,
 )
 from drivesizer.physics.elements.gear_life import turned_load
-from drivesizer.physics.extremes import Envelope, Extremes, envelope, extremes, extremes_of, first_largest
+from drivesizer.physics.extremes import Extremes, extremes, extremes_of, first_largest
 from drivesizer.physics.figures import product
 from drivesizer.physics.groups import layout as at
-from drivesizer.physics.groups.census import SHORT, Census, census, in_blocks
+from drivesizer.physics.groups.census import SHORT, Census, census
 from drivesizer.physics.load_cycle import Figure, end_times, mean_product, middle, places
 from drivesizer.physics.waveform import Wave, energy
 
@@ -293,14 +293,6 @@ class AtGearhead:
         """Mean over the cycle of the output torque to an exponent, times speed there."""
         return self.base.turned(exponent) * self.belt ** (1.0 - exponent)
 
-    def envelope(self, pieces: int) -> Envelope:
-        """The cycle behind a belt of ratio 1 in so many pieces at most."""
-        store, name = self.base.coarse, ("envelope", pieces)
-        if name not in store:
-            store[name] = envelope(self.load_cycle.duration, self.base.six, pieces)
-        found: Envelope = store[name]
-        return found
-
     def on(self, rows: Any) -> AtGearhead:
         """Of some of the candidates, which all are behind this belt (``several_belts`` has those of several)."""
         return self
@@ -372,11 +364,6 @@ class _Anew:
 
     def __init__(self, cycle: Any, efficiency: Figure) -> None:
         self.columns, self.efficiency = _Ends(cycle.speed, cycle.acceleration, cycle.torque), efficiency
-        self.cycle = cycle
-
-    def in_blocks(self, starts: NDArray[np.int64], wanted: float) -> Array | None:
-        """Figures of consecutive blocks as ``census.in_blocks`` has them, where that is at hand."""
-        return in_blocks(self.cycle, float(self.efficiency), starts, wanted)
 
     def __getitem__(self, segments: Any) -> Array:
         some = _Ends(*(column[segments] for column in self.columns))

@@ -7,22 +7,15 @@ is left of a long recording is thinned once more to its convex hull.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.groups import block_layout as at
-
-__all__ = [
-    "Envelope", "Extremes", "distinct", "envelope", "extremes", "extremes_of", "first_largest", "highest_and_lowest",
-    "looked_at", "near_largest", "refined", "together", "undominated",
-]  # fmt: skip
+__all__ = ["Extremes", "distinct", "extremes", "extremes_of", "first_largest", "undominated"]
 
 Array = NDArray[np.float64]
 
-_PART = 1 << 15  # segments of a long cycle at a time
 _FRONT = 300  # points that may be left of a group before its convex hull is computed
 _BLOCK = 64  # points that the others are held against at a time, at most
 _NOT_BEFORE = np.triu(np.ones((_BLOCK, _BLOCK), bool))  # in a row's place those that do not come before it
@@ -39,15 +32,6 @@ class Extremes(NamedTuple):
     low_time: Array
     above: Array  # of whole segments: in each function no moment is above one of these points
     below: Array  # and none is below one of these
-
-
-class Envelope(NamedTuple):
-    """A cycle in few pieces, and what the functions reach in each: shape (pieces, 6)."""
-
-    duration: Array  # s
-    high: Array
-    low: Array
-    first: NDArray[np.int64]  # first segment of each
 
 
 def distinct(values: NDArray[Any]) -> NDArray[Any]:
@@ -72,132 +56,6 @@ def distinct(values: NDArray[Any]) -> NDArray[Any]:
     first = np.ones(len(rising), bool)
     first[1:] = rising[1:] != rising[:-1]
     return rising[first]
-
-
-def envelope(duration: Array, functions: Any, pieces: int) -> Envelope:
-    """Largest and smallest value of each function in consecutive pieces of a cycle, so many at most.
-
-    Parameters
-    ----------
-    duration
-        Of each segment [s].
-    functions
-        The six functions at both ends of each segment, shape (segments, 2, 6), or what gives those of some (``six``).
-    pieces
-        Largest number of pieces [1].
-
-    Returns
-    -------
-    Envelope
-        Bounds of each function in each piece.
-    """
-    starts = distinct(np.linspace(0, len(duration), pieces, endpoint=False).astype(np.int64))
-    return Envelope(np.add.reduceat(duration, starts), *highest_and_lowest(len(duration), functions, starts), starts)
-
-
-def highest_and_lowest(count: int, functions: Any, starts: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Largest and smallest value of each function in consecutive pieces, some of them at a time.
-
-    Parameters
-    ----------
-    count
-        Of the segments [1].
-    functions
-        The six functions at both ends of each segment, shape (segments, 2, 6), or what gives those of some (``six``).
-    starts
-        First segment of each piece, rising from 0.
-
-    Returns
-    -------
-    tuple of arrays
-        Of each function in each piece: (pieces, 6).
-    """
-    if (looked := looked_at(functions, starts, at.EXTREMES)) is not None:
-        return looked[:, at.HIGHEST, : at.FUNCTIONS], looked[:, at.LOWEST, : at.FUNCTIONS]
-    found = np.empty((2, len(starts), 6))
-    for some, segments in together(starts, count):
-        ends, first = functions[segments], starts[some] - segments.start
-        for values, extreme in zip(found, (np.maximum, np.minimum), strict=True):
-            values[some] = extreme.reduceat(extreme(ends[:, 0], ends[:, 1]), first)
-    return found[0], found[1]
-
-
-def looked_at(functions: Any, starts: NDArray[np.int64], wanted: float) -> Array | None:
-    """Figures of blocks of a long cycle, in one look.
-
-    Parameters
-    ----------
-    functions
-        An array, or what gives those of some segments (``six``).
-    starts
-        First segment of each block, rising from 0.
-    wanted
-        Which figures, of ``block_layout``.
-
-    Returns
-    -------
-    array or None
-        As of ``census.in_blocks``; None of an array of functions, and without machine code.
-    """
-    return None if isinstance(functions, np.ndarray) else functions.in_blocks(starts, wanted)
-
-
-def together(starts: NDArray[np.int64], count: int) -> Iterator[tuple[slice, slice]]:
-    """Consecutive pieces that together have few segments, one at least.
-
-    Parameters
-    ----------
-    starts
-        First segment of each piece, rising.
-    count
-        Number of segments.
-
-    Yields
-    ------
-    tuple of slices
-        Which pieces these are, and their segments.
-
-    Examples
-    --------
-    >>> [(some.stop, segments.stop) for some, segments in together(np.array([0, 10_000, 30_000, 90_000]), 90_001)]
-    [(2, 30000), (3, 90000), (4, 90001)]
-    """
-    ends, first = np.append(starts, count), 0
-    while first < len(starts):
-        last = max(int(np.searchsorted(ends, ends[first] + _PART, side="right")) - 1, first + 1)
-        yield slice(first, last), slice(int(ends[first]), int(ends[last]))
-        first = last
-
-
-def refined(found: Envelope, chosen: NDArray[np.int64], duration: Array, functions: Any) -> Envelope:
-    """The same cycle, some of its pieces in single segments.
-
-    Parameters
-    ----------
-    found
-        The cycle in pieces.
-    chosen
-        Numbers of those that are taken segment by segment, rising.
-    duration, functions
-        Of each segment, as ``envelope`` takes them.
-
-    Returns
-    -------
-    Envelope
-        Bounds of each function in each piece and each of those segments.
-    """
-    ends = np.append(found.first, len(duration))
-    segments = np.concatenate([np.arange(0), *(np.arange(ends[k], ends[k + 1]) for k in chosen.tolist())])
-    first = np.concatenate([np.delete(found.first, chosen), segments])
-    order = np.argsort(first, kind="stable")
-    both = functions[segments]
-    left, right = both[:, 0], both[:, 1]
-    whole = (
-        (found.duration, found.high, found.low),
-        (duration[segments], np.maximum(left, right), np.minimum(left, right)),
-    )
-    time, high, low = (np.concatenate([np.delete(a, chosen, axis=0), b])[order] for a, b in zip(*whole, strict=True))
-    return Envelope(time, high, low, first[order])
 
 
 def extremes(functions: Array, time: Array) -> Extremes:
@@ -267,23 +125,6 @@ def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
     """
     top = values.max(axis=-1)
     return top, np.argmin(values < _near(top)[..., None], axis=-1)
-
-
-def near_largest(values: Array) -> NDArray[np.bool_]:
-    """Places of each row that differ from its largest value by rounding alone; all of them where it is NaN.
-
-    Parameters
-    ----------
-    values
-        Shape (rows, places), or (places,) for one row.
-
-    Returns
-    -------
-    array
-        A mask of that shape.
-    """
-    near: NDArray[np.bool_] = ~(values < _near(values.max(axis=-1))[..., None])
-    return near
 
 
 def _near(top: Array) -> Array:

@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivesizer.physics import extremes as module
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
-from drivesizer.physics.extremes import envelope, extremes, first_largest, undominated
+from drivesizer.physics.extremes import extremes, first_largest, undominated
 from drivesizer.physics.load_cycle import LoadCycle
 
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
@@ -196,15 +195,3 @@ def test_the_first_of_the_largest_but_for_rounding():
     assert place.tolist() == [1, 1, 1, 0, 1, 0, 2, 0]
     assert value == pytest.approx(np.array(rows).max(axis=1), abs=0.0, rel=0.0, nan_ok=True)
     assert first_largest(np.array([0.0, 2.0, 2.0]))[1] == 1
-
-
-@pytest.mark.parametrize("pieces", [1, 7, 90, 1000])
-def test_the_envelope_of_a_long_cycle_is_made_part_by_part(pieces, monkeypatch):
-    """To the bit the same, also where one piece is longer than a part."""
-    rng = np.random.default_rng(pieces)
-    duration, functions = rng.uniform(0.1, 1.0, 800), rng.normal(size=(800, 2, 6))
-    whole = envelope(duration, functions, pieces)
-    monkeypatch.setattr(module, "_PART", 50)
-    for found, expected in zip(envelope(duration, functions, pieces), whole, strict=True):
-        np.testing.assert_array_equal(found, expected)
-    assert (whole.high.max(axis=0) == functions.max(axis=(0, 1))).all()

@@ -7,7 +7,6 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.search.columns import decided
 from drivesizer.search.columns.candidates import Crossed, pairs
 from drivesizer.search.columns.stages import examine
 from drivesizer.spec.robot import read_spec
@@ -51,21 +50,9 @@ def whole(found, name):
     return np.concatenate([getattr(one, name) for one in found])
 
 
-def test_what_bounds_pass_the_waveform_passes_and_nothing_else(given, monkeypatch):
-    """Of some candidates at a time as of all in one go."""
-    crossed, used, of_some = Crossed(pairs(given), BELTS), set(), decided._of_some
-    by_waveform = list(examine(given, crossed, exact=True))
+def test_what_bounds_pass_the_waveform_passes_and_nothing_else(given):
+    crossed = Crossed(pairs(given), BELTS)
+    by_waveform, by_bounds = (list(examine(given, crossed, exact=exact)) for exact in (True, False))
     assert 20 < len(whole(by_waveform, "rows")) < 0.2 * len(crossed.pairs.motor) * len(BELTS)
-
-    def recorded(*args):
-        used.add(args[3].closer.__name__)
-        return of_some(*args)
-
-    monkeypatch.setattr(decided, "_of_some", recorded)
-    for at_once in (decided._TOGETHER, 3):
-        monkeypatch.setattr(decided, "_TOGETHER", at_once)
-        monkeypatch.setattr(decided, "_CELLS", decided._CELLS if at_once > 3 else 1)
-        by_bounds = list(examine(given, crossed, exact=False))
-        for name in ("rows", "unknown", "controller"):
-            np.testing.assert_array_equal(whole(by_bounds, name), whole(by_waveform, name), name)
-    assert "closer" in used
+    for name in ("rows", "unknown", "controller"):
+        np.testing.assert_array_equal(whole(by_bounds, name), whole(by_waveform, name), name)

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import drivesizer.physics.groups.layout as at
-from drivesizer.physics.groups import block_layout as of_blocks
-from drivesizer.physics.groups.kernel import compiled, compiled_blocks
+from drivesizer.physics.groups.kernel import compiled
 
-__all__ = ["LEVEL", "SHORT", "Census", "Group", "census", "columns_of", "in_blocks", "times_above"]
+__all__ = ["LEVEL", "SHORT", "Census", "Group", "census", "columns_of", "times_above"]
 
 Array = NDArray[np.float64]
 SHORT = 1 << 15  # segments up to which a cycle is looked at as a whole
@@ -201,37 +200,6 @@ def _groups(sums: Array, window: Array, counts: NDArray[np.int64]) -> Iterator[G
             front[:] = front[np.argsort(front[:, 3], kind="stable")]
         torque, motion = divmod(number, at.MOTIONS)
         yield Group(torque, motion, sums[number], (fronts[0], fronts[1], fronts[2], fronts[3]))
-
-
-def in_blocks(cycle: Any, efficiency: float, starts: NDArray[np.int64], wanted: float) -> Array | None:
-    """Figures of the six functions in consecutive blocks of a load cycle.
-
-    Parameters
-    ----------
-    cycle
-        At the load, split at changes of direction.
-    efficiency
-        Of the belt [1].
-    starts
-        First segment of each block.
-    wanted
-        Which figures, of ``block_layout``.
-
-    Returns
-    -------
-    array or None
-        Shape (blocks, ``block_layout.ROWS``, ``block_layout.ENTRIES``), of squares (blocks, 2, ``SQUARES``); None
-        without machine code.
-    """
-    look = compiled_blocks()
-    if look is None:
-        return None
-    columns, strides = columns_of(cycle)
-    signals = wanted == of_blocks.SIGNALS  # of many more blocks, of which less is known
-    rows, entries = (2, of_blocks.SQUARES) if signals else (of_blocks.ROWS, of_blocks.ENTRIES)
-    found = np.zeros((len(starts), rows, entries))
-    look(wanted, efficiency, starts.astype(np.int64), *columns, strides, np.zeros(of_blocks.CELLS), found)
-    return found
 
 
 def times_above(duration: Array, line: Array) -> Callable[[float], tuple[float, float]]:

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from functools import cache
 
 from drivesizer.files.machine_code import Kernel, defined_in, machine_code
-from drivesizer.physics.groups import block_layout, in_blocks, layout, look
+from drivesizer.physics.groups import layout, look
 
-__all__ = ["BLOCKS", "KERNEL", "compiled", "compiled_blocks"]
+__all__ = ["KERNEL", "compiled"]
 
 KERNEL = Kernel(
     functions=defined_in((look,)),
@@ -17,19 +17,6 @@ KERNEL = Kernel(
     slow="long load cycles take some times longer",
     arguments="d0 d0 d1 d1 d1 d1 q1 d2 d3 q1 d3 d1",
 )
-BLOCKS = Kernel(
-    functions=defined_in((in_blocks,)),
-    modules=(block_layout, in_blocks),
-    inline=True,
-    slow="long load cycles take some times longer",
-    arguments="d0 d0 q1 d1 d1 d1 d1 q1 d1 d3",
-)
-
-
-@cache
-def compiled_blocks() -> Callable[..., int] | None:
-    """``in_blocks.look_at_blocks`` as machine code; None as of ``compiled``."""
-    return machine_code(BLOCKS) if BLOCKS.kept else None
 
 
 @cache

@@ -1,17 +1,22 @@
-"""Peaks and heat over the waveform of candidates, from current and winding at each moment."""
+"""Peaks and heat over the waveform of candidates, from current and winding at each moment.
+
+Where no more is wanted than which limits are met, of candidates that bounds leave open.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.kernel.drives import drives_of, held
-from drivesizer.kernel.evaluate import ENERGY, HEAT, POWER, evaluate
+from drivesizer.kernel.evaluate import ENERGY, POWER, evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
-from drivesizer.physics.stress import Heat, Parts, Stress, on, temperature_at_most
+from drivesizer.physics.stress import Heat, Parts, Stress, on, replaced, temperature_at_most
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.limits_over_time import (
     Moments,
@@ -20,10 +25,12 @@ from drivesizer.search.columns.limits_over_time import (
     between_bounds,
     hottest,
     kept_on_the_bus,
+    waveform_limits,
 )
+from drivesizer.search.columns.waveform_bounds import bounds
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["exact", "time_above"]
+__all__ = ["decided", "exact"]
 
 Array = NDArray[np.float64]
 
@@ -44,8 +51,7 @@ def exact(
     spec, cycle, demand, heating, stresses, parts
         The spec, its load cycle at the gearhead, and columns over candidates.
     what
-        Which to compute: of the ``winding`` temperature, voltage and heat; its ``power`` and time of overload too;
-        whatever has ``limits``, the bus among it; or ``all``, energy too.
+        What to compute: whatever has ``limits``, or ``all``, energy too.
 
     Returns
     -------
@@ -54,7 +60,7 @@ def exact(
     """
     ambient, motor, feed = spec.environment.ambient, parts.motor, spec.feed(parts.controller, parts.brake)
     kept = kept_on_the_bus(spec)
-    level = {"winding": HEAT, "power": POWER, "limits": ENERGY if np.any(kept > 0.0) else POWER, "all": ENERGY}[what]
+    level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
     drives = drives_of(
         ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=kept,
         limit=controller_current(parts.controller, ambient),
@@ -64,36 +70,57 @@ def exact(
         mean = np.where(np.isfinite(heating.winding), heating.winding, np.nan) - ambient
         drives = drives._replace(held=hottest(spec, cycle, heating, stresses, motor) - ambient, held_mean=mean)
     high = _moments(ambient, cycle, drives, feed, stresses, level)
-    if what == "limits" and level == POWER:
+    if level == POWER:
         high = high._replace(stored=np.zeros_like(high.power))
     if not len(rows):
         return high, high
     few = feed.broadcast(len(high.power)).on(rows)
     cold = _moments(ambient, cycle.on(rows), held(drives, 0.0, 0.0, rows), few, on(stresses, rows), level)
-    if what == "limits" and level == POWER:
+    if level == POWER:
         cold = cold._replace(stored=high.stored[rows])
     steady = temperature_at_most(ambient, cycle, heating, stresses, motor)
     return between_bounds(high, cold, rows, heating.winding, steady)
 
 
-def time_above(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts) -> Array:
-    """Longest uninterrupted time above the controller's continuous current, which the current alone decides.
+def decided(
+    spec: RobotSpec,
+    cycle: AtGearhead,
+    demand: Demands,
+    heating: Heat,
+    stresses: Stress,
+    parts: Parts,
+    alive: NDArray[np.bool_],
+    each: Collection[str] = (),
+) -> Pair:
+    """By bounds, and computed where these leave a limit open.
 
     Parameters
     ----------
-    spec, cycle, demand, heating, parts
+    spec, cycle, demand, heating, stresses, parts
         As ``exact`` takes them.
+    alive
+        Candidates that have failed on nothing so far: of others nothing is computed.
+    each
+        Names of limits that are decided by themselves: of all candidates, and whether a winding passes or not.
 
     Returns
     -------
-    Array
-        [s], shape (rows,).
+    Pair
+        Lower and upper bounds, the same where they were computed.
     """
-    ambient, feed = spec.environment.ambient, spec.feed(parts.controller, parts.brake)
-    limit = controller_current(parts.controller, ambient)
-    drives = drives_of(ambient, cycle, demand, heating, parts.motor, feed, limit=limit)
-    found: Array = evaluate(held(drives, 0.0, 0.0), cycle.load_cycle, POWER).above
-    return found
+    low, high = bounds(spec, cycle, demand, heating, stresses, parts)
+    both = list(zip(*(waveform_limits(spec, side, side, parts) for side in (low, high)), strict=True))
+    fails = np.logical_or.reduce([a.failed & b.failed for a, b in both])
+    left = np.logical_or.reduce([(a.passed != b.passed) | (a.failed != b.failed) for a, b in both])
+    left &= alive & ~fails
+    if {check.name for check, _ in both} & {*each}:
+        left |= np.logical_or.reduce([~b.passed for _, b in both])
+    rows = np.flatnonzero(left & demand.complete)  # else it stays unknown whatever the waveform says
+    if not len(rows):
+        return low, high
+    columns = on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows)
+    few = exact(spec, cycle.on(rows), *columns, "limits")
+    return replaced(low, rows, few[0]), replaced(high, rows, few[1])
 
 
 def _moments(

@@ -64,19 +64,13 @@ class Moments(NamedTuple):
             return self
         return Moments(*(np.where(a == b, a, np.nan) for a, b in zip(self, other, strict=True)))
 
-    def over(self, other: Moments, what: Wanted) -> Moments:
-        """Its computed figures, the rest those of another."""
-        return self if what not in _TOLD else other._replace(**{name: getattr(self, name) for name in _TOLD[what]})
-
 
 WAVEFORM_LIMITS = (
     "winding_temperature", "supply_voltage", "controller_peak_time", "bus_voltage", "common_bus_voltage",
     "controller_power", "supply_current", "supply_power",
 )  # fmt: skip
-Wanted = Literal["winding", "power", "limits", "all"]
+Wanted = Literal["limits", "all"]
 Exactly = Wanted | bool | NDArray[np.bool_]  # what is computed from the waveform whatever bounds decide; of which rows
-_OF_THE_WINDING = ("winding", "winding_time", "voltage", "voltage_time", "copper")
-_TOLD = {"winding": _OF_THE_WINDING, "power": (*_OF_THE_WINDING, "power", "power_time", "above")}
 Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
 
 

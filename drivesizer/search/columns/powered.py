@@ -21,9 +21,8 @@ from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import HANGING, Speeds, controllers, no_better_than, room_on_bus
-from drivesizer.search.columns.decided import decided
 from drivesizer.search.columns.encoders import line_frequency
-from drivesizer.search.columns.exactly import exact
+from drivesizer.search.columns.exactly import decided, exact
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed
 from drivesizer.search.columns.limits_over_time import Exactly, Moments, Pair, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
@@ -63,8 +62,6 @@ def powered(
     *,
     exactly: Exactly,
     each: Collection[str] = (),
-    staged: bool = False,
-    nearness: bool = True,
 ) -> Powered:
     """Controllers, and every check that hangs on current, voltage and heat.
 
@@ -81,8 +78,6 @@ def powered(
         undecided. Or a mask of which.
     each
         Names of checks to decide of candidates that fail on another as well.
-    staged, nearness
-        As ``decided`` takes them.
 
     Returns
     -------
@@ -93,11 +88,11 @@ def powered(
     stresses = [
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
-    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each, staged, nearness)
+    case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each)
     chosen = case.controllers([u.cold_voltage.value for u in case.stresses])
     free = np.ones(len(chosen), bool) if parts.controller is None else parts.controller.rows == FREE
     row = chosen if parts.controller is None else np.where(free, chosen, parts.controller.rows)
-    row, found = _walked(case, row, case.judged(row, None), np.flatnonzero(free))
+    row, found = _walked(case, row, case.judged(row), np.flatnonzero(free))
     figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
     available = offered.controllers.available(parts.motor.rows, row)
     return Powered(row, [available, *found.checks], _where_known(figures, cases))
@@ -159,8 +154,6 @@ class _Cases(NamedTuple):
     parts: Parts
     exactly: Exactly
     each: Collection[str]
-    staged: bool
-    nearness: bool
 
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
@@ -224,7 +217,7 @@ class _Cases(NamedTuple):
             full |= room_on_bus(case.spec, table, usable)[:, None] * (1.0 + 1e-9) < low.stored
         return np.asarray(full & (loss[:, None] <= loss[tried]), bool)
 
-    def judged(self, row: NDArray[np.int64], before: list[Pair] | None) -> _Found:
+    def judged(self, row: NDArray[np.int64]) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
         specs = [case.spec for case in self.problem.cases]
         complete = [case.demand.complete for case in self.moving]
@@ -238,8 +231,7 @@ class _Cases(NamedTuple):
         first = worst_of_all(self.problem, electrical)
         dead: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in first if not check.advice])
         pairs = [
-            least(self._pair(k, parts, stresses[k], dead, before[k] if before else None), *self.moving[k], stresses[k])
-            for k in range(len(specs))
+            least(self._pair(k, parts, stresses[k], dead), *self.moving[k], stresses[k]) for k in range(len(specs))
         ]
         limits = [waveform_limits(spec, *pair, parts) for spec, pair in zip(specs, pairs, strict=True)]
         last = worst_of_all(self.problem, lambda k: unknown_where_doubtful(limits[k], complete[k]))
@@ -253,24 +245,23 @@ class _Cases(NamedTuple):
         leads = spec.feed(Rows(self.problem.catalog.controllers, row)).leads
         return stress(spec.environment.ambient, self.cycles[k], self.moving[k].demand, self.parts.motor, leads)
 
-    def _pair(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
+    def _pair(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_]) -> Pair:
         """Peaks and heat over the waveform of one load case."""
         args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
         if isinstance(self.exactly, np.ndarray):
-            return self._in_part(k, parts, stresses, dead, before)
+            return self._in_part(k, parts, stresses, dead)
         if self.exactly:
             return exact(*args, "all" if self.exactly is True else self.exactly)
-        return decided(*args, ~dead, before, each=self.each, staged=self.staged, nearness=self.nearness)
+        return decided(*args, ~dead, self.each)
 
-    def _in_part(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_], before: Pair | None) -> Pair:
+    def _in_part(self, k: int, parts: Parts, stresses: Stress, dead: NDArray[np.bool_]) -> Pair:
         """The same, computed from the waveform of some candidates and by bounds of the others."""
         columns = tuple(np.empty((2, len(Moments._fields), len(dead))))
         for side in (True, False):
             rows = np.flatnonzero(self.exactly == side)
             if len(rows):
-                own = None if before is None else (on(before[0], rows), on(before[1], rows))
                 some = self.some(rows)._replace(exactly=side)
-                pair = some._pair(k, parts.on(rows), on(stresses, rows), dead[rows], own)
+                pair = some._pair(k, parts.on(rows), on(stresses, rows), dead[rows])
                 for whole, moments in zip(columns, pair, strict=True):
                     whole[:, rows] = moments
         return Moments(*columns[0]), Moments(*columns[1])
@@ -300,7 +291,7 @@ def _walked(
         rows, barred, one, now, new = rows[going], barred[:, going], one[going], now.on(going), new.on(going)
         if not len(rows):
             break
-        new = case.some(rows).judged(one, new.pairs)
+        new = case.some(rows).judged(one)
         fewer = (new.failed() < now.failed()) | ~(new.failed() | now.failed()) & (new.lacking < now.lacking)
         better = np.flatnonzero(fewer)
         row, found = put(row, rows[better], one[better]), found.replaced(rows[better], new, better)

@@ -282,11 +282,8 @@ def _powered(
             demand = [case.demand for case in cases]
             found = Powered(*stepped(problem, offered, cycles, demand, parts, staged=staged))
         else:
-            near = not staged or sieve.margins
             which = exact[sieve.rows] if isinstance(exact, np.ndarray) else exact
-            found = powered(
-                problem, offered, cycles, cases, parts, exactly=which, each=each, staged=staged, nearness=near
-            )
+            found = powered(problem, offered, cycles, cases, parts, exactly=which, each=each)
         yield _examined(sieve, parts, found)
 
 

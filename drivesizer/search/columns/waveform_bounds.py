@@ -1,6 +1,6 @@
 """Bounds over the waveform, from moments and extremes alone: they decide most candidates.
 
-What they leave undecided is computed from the waveform itself (``limits_over_time``), as is everything that is shown. A
+What they leave open is computed from the waveform itself (``exactly``), as is everything that is shown. A
 bound never passes what the waveform would fail. Voltage and power grow with the winding's temperature wherever current
 and voltage point the same way, and are straight in it: a winding that is nowhere cooler and nowhere warmer bounds them.
 Symbols: R resistance [ohm], T temperature [K].
@@ -10,41 +10,33 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, lacking
+from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.figures import product
 from drivesizer.physics.heat_cycle_columns import coolest_winding, winding_bounds
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.several_belts import at_a_time, behind_one, heat_behind_one
-from drivesizer.physics.stress import Heat, Parts, Stress, on, replaced, temperature_at_most, volts_of
+from drivesizer.physics.stress import Heat, Parts, Stress, temperature_at_most
 from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
-from drivesizer.search.columns.bus_bounds import most_kept
-from drivesizer.search.columns.limits_over_time import Moments, Pair, warmest_passing, waveform_limits
-from drivesizer.search.columns.overload_bounds import above_bounds
+from drivesizer.results.ratings import controller_current
+from drivesizer.search.columns.limits_over_time import Moments, Pair, kept_on_the_bus, warmest_passing
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["BehindOne", "at_most", "at_source", "bounds", "most_cold_power", "resisted"]
+__all__ = ["at_source", "bounds"]
 
 Array = NDArray[np.float64]
 _CELLS = 1 << 16  # candidates times points at a time: what stays in the processor's cache
+_ROUNDING = 1e-9  # of a figure
+_SOME = 1e-100  # s, more than nothing, of a time that is not known yet
 
 
-def bounds(
-    spec: RobotSpec,
-    cycle: AtGearhead,
-    demand: Demands,
-    heating: Heat,
-    stresses: Stress,
-    parts: Parts,
-    *,
-    nearness: bool = True,
-) -> Pair:
-    """Lower and upper bounds over the waveform, from moments and extremes alone.
+def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
+    """Lower and upper bounds over the waveform; upper ones of windings that pass.
 
     Parameters
     ----------
@@ -56,183 +48,43 @@ def bounds(
         Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
     parts
         The parts of each candidate.
-    nearness
-        Whether it matters how near to its limits a candidate is that passes: else wide bounds do for those that pass by
-        them, and upper ones for those that are short of voltage.
 
     Returns
     -------
     Pair
-        Lower and upper bounds, columns over candidates.
+        Columns over candidates; NaN where nothing is known, or no limit needs it.
     """
     heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
-    nothing = np.full_like(demand.rms_current, np.nan)
-    none = Moments(*[nothing] * len(Moments._fields))
-    T_low, T_high = winding_limits(spec, cycle, demand, heating, stresses, parts.motor)
-    shortest, longest = above_bounds(spec, cycle, demand, stresses, parts)
-    low, high = none._replace(winding=T_low, above=shortest), none._replace(winding=T_high, above=longest)
-    coolest = coolest_winding(
-        two_bodies(parts.motor),
-        spec.environment.ambient,
-        demand.rms_current,
-        cycle.load_cycle.total,
-        heating.mean,
-        T_low,
-    )
-    if nearness:
-        return resisted(spec, cycle, demand, heating, stresses, parts, (low, high), coolest)
-    low, high = _by_the_largest_current(spec, cycle, demand, heating, stresses, parts, (low, high))
-    rows = np.flatnonzero(~np.logical_and.reduce([c.passed for c in waveform_limits(spec, high, high, parts)]))
-    at = BehindOne(spec, cycle, on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows))
-    least = _at_least(at, on(low, rows), coolest[rows])
-    short = next(c.failed for c in waveform_limits(spec, least, least, at.parts) if c.name == "supply_voltage")
-    few = np.flatnonzero(~short)
-    return replaced(low, rows, least), replaced(high, rows[few], at_most(at.on(few), on(high, rows[few])))
-
-
-class BehindOne(NamedTuple):
-    """A load case behind one belt and its candidates."""
-
-    spec: RobotSpec
-    cycle: AtGearhead
-    demand: Demands
-    heating: Heat
-    stresses: Stress
-    parts: Parts
-
-    def on(self, rows: NDArray[np.int64]) -> BehindOne:
-        """Some of the candidates."""
-        columns = on(self.demand, rows), on(self.heating, rows), on(self.stresses, rows), self.parts.on(rows)
-        return BehindOne(self.spec, self.cycle, *columns)
-
-
-def _by_the_largest_current(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts, found: Pair
-) -> Pair:
-    """Bounds of the winding with wide ones of voltage and power: at the largest current all that warmth adds."""
-    motor, (low, high) = parts.motor, found
-    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
-    ambient, R_25 = spec.environment.ambient, resistance_25(motor)
-    warmer = np.maximum(np.asarray(resistance_at(R_25, warmest)) - np.asarray(resistance_at(R_25, ambient)), 0.0)
-    cold, current = stresses.cold_voltage.value, stresses.current.value
-    volts = cold + warmer * current
-    low = low._replace(voltage=cold, stored=np.zeros_like(cold))
-    high = high._replace(voltage=volts, stored=most_kept(spec, cycle, demand, motor))
-    if not _limits_power(spec):
-        return low, high
-    most = current * volts + _most_beyond(cycle, demand, stresses, motor["torque_constant"])
-    most = at_source(most, stresses, spec.feed(parts.controller, parts.brake))
-    return low._replace(power=np.zeros_like(cold)), high._replace(power=most)
-
-
-def resisted(
-    spec: RobotSpec,
-    cycle: AtGearhead,
-    demand: Demands,
-    heating: Heat,
-    stresses: Stress,
-    parts: Parts,
-    found: Pair,
-    coolest: Array,
-) -> Pair:
-    """Bounds of the winding with those of voltage and power put to them.
-
-    Parameters
-    ----------
-    spec, cycle, demand, heating, stresses, parts
-        As in ``bounds``.
-    found
-        Bounds of the winding's peak, and all else that does not hang on its resistance.
-    coolest
-        A temperature below which the winding is at no moment [K].
-
-    Returns
-    -------
-    Pair
-        Lower and upper bounds.
-    """
-    at, (low, high) = BehindOne(spec, cycle, demand, heating, stresses, parts), found
-    return _at_least(at, low, coolest), at_most(at, high)
-
-
-def _at_least(at: BehindOne, low: Moments, coolest: Array) -> Moments:
-    """Lower bounds of the winding with those of voltage and power put to them, by a winding nowhere cooler."""
-    motor, feed = at.parts.motor, at.spec.feed(at.parts.controller, at.parts.brake)
-    cool, k_t = np.asarray(resistance_at(resistance_25(motor), coolest)), motor["torque_constant"]
-    leads = np.broadcast_to(feed.leads if at.spec.resists else 0.0, k_t.shape)
-    least, power = _each(at.cycle, _least_at_points, k_t, at.demand, cool, leads, feed.broadcast(len(k_t)))
-    low = low._replace(voltage=np.maximum(least, at.stresses.cold_voltage.value), stored=np.zeros_like(k_t))
-    if not _limits_power(at.spec):
-        return low
-    return low._replace(power=of_the_source(power + feed.stage.standby, feed))
-
-
-def at_most(at: BehindOne, high: Moments) -> Moments:
-    """Upper bounds of the winding with those of voltage and power put to them.
-
-    Parameters
-    ----------
-    at
-        The load case and its candidates.
-    high
-        Upper bounds of the winding, and all else that does not hang on its resistance.
-
-    Returns
-    -------
-    Moments
-        Upper bounds.
-    """
-    spec, cycle, demand, heating, stresses, parts = at
-    motor, feed, cold = parts.motor, spec.feed(parts.controller, parts.brake), stresses.cold_voltage.value
-    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high.winding)
-    hot, k_t = np.asarray(resistance_at(resistance_25(motor), warmest)), motor["torque_constant"]
-    at_hot = most = np.maximum(_each(cycle, _most_at_points, k_t, demand, hot), cold)
+    motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
+    low, high = winding_limits(spec, cycle, demand, heating, stresses, motor)
+    bodies, total = two_bodies(motor), cycle.load_cycle.total
+    coolest = coolest_winding(bodies, ambient, demand.rms_current, total, heating.mean, low)
+    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high)
+    k_t, R_25 = motor["torque_constant"], resistance_25(motor)
+    cool, hot = (np.asarray(resistance_at(R_25, T)) for T in (coolest, warmest))
+    leads = np.broadcast_to(feed.leads if spec.resists else 0.0, k_t.shape)
+    volts, least_power = _each(cycle, _least_at_points, k_t, demand, cool, leads, feed.broadcast(len(k_t)))
+    at_hot = most_volts = np.maximum(_each(cycle, _most_at_points, k_t, demand, hot), stresses.cold_voltage.value)
     if spec.resists:
-        most = np.maximum(at_hot, _each(cycle, _most_at_points, k_t, demand, hot + feed.leads))
-    high = high._replace(voltage=most, stored=most_kept(spec, cycle, demand, motor))
-    if not _limits_power(spec):
-        return high
-    power = np.minimum(_each(cycle, _power_bound, k_t, demand, hot), stresses.current.value * at_hot)
-    return high._replace(power=at_source(power + _most_beyond(cycle, demand, stresses, k_t), stresses, feed))
-
-
-def _limits_power(spec: RobotSpec) -> bool:
-    """Whether the supply has a limit of current or power."""
-    return bool(spec.supply.current or spec.supply.power)
+        most_volts = np.maximum(at_hot, _each(cycle, _most_at_points, k_t, demand, hot + leads))
+    nothing = np.full_like(k_t, np.nan)
+    none, (shortest, longest) = Moments(*[nothing] * len(Moments._fields)), _above(spec, cycle, demand, stresses, parts)
+    least = none._replace(
+        winding=low, above=shortest, voltage=np.maximum(volts, stresses.cold_voltage.value), stored=np.zeros_like(k_t)
+    )
+    most = none._replace(winding=high, above=longest, voltage=most_volts, stored=_most_kept(spec, cycle, demand, motor))
+    if spec.supply.current or spec.supply.power:
+        power = np.minimum(_each(cycle, _most_power, k_t, demand, hot), stresses.current.value * at_hot)
+        power = at_source(power + _most_beyond(cycle, demand, stresses, k_t), stresses, feed)
+        least = least._replace(power=of_the_source(least_power + feed.stage.standby, feed))
+        most = most._replace(power=power)
+    return least, most
 
 
 def _each(cycle: AtGearhead, compute: Callable[..., Any], *columns: Any) -> Any:
     """A function of the cycle's extreme points and candidates, of so many of these at a time as stay in the cache."""
     points = len(cycle.extremes.high) + len(cycle.extremes.low)
     return at_a_time(len(columns[0]), max(_CELLS // points, 1), partial(compute, cycle), *columns)
-
-
-def most_cold_power(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
-) -> Array:
-    """Upper bound of the electrical power while the winding is at the ambient temperature.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    demand, heating, stresses
-        Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
-    parts
-        The parts of each candidate.
-
-    Returns
-    -------
-    Array
-        [W], shape (rows,).
-    """
-    cycle, demand = behind_one(cycle, demand)
-    k_t = parts.motor["torque_constant"]
-    cold = np.asarray(resistance_at(resistance_25(parts.motor), spec.environment.ambient))
-    most = _each(cycle, _power_bound, k_t, demand, cold) + _most_beyond(cycle, demand, stresses, k_t)
-    return at_source(most, stresses, spec.feed(parts.controller, parts.brake))
 
 
 def at_source(power: Array, stresses: Stress, feed: Feed) -> Array:
@@ -280,10 +132,6 @@ def _most_at_points(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) 
     current, volts = _current_and_induced(points, k_t, demand)
     volts += hot * current
     found: Array = np.abs(volts).max(axis=0)
-    rows = np.flatnonzero(lacking(demand.left_out))
-    if len(rows):  # as far as what is unknown makes it no smaller
-        some = volts_of(on(demand, rows), k_t[rows], hot[rows])
-        found[rows] = cycle.peak(some, demand.left_out[rows]).value
     return found
 
 
@@ -309,7 +157,7 @@ def winding_limits(
     return low, high
 
 
-def _power_bound(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> Array:
+def _most_power(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> Array:
     """More than the electrical power ever is [W]: where current and voltage are both positive, or both negative."""
     found = np.zeros(len(hot))
     for points, sign in ((cycle.extremes.above, 1.0), (cycle.extremes.below, -1.0)):
@@ -317,3 +165,40 @@ def _power_bound(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> 
         volts += hot * current
         found = np.maximum(found, (np.maximum(current, 0.0) * np.maximum(volts, 0.0)).max(axis=0))
     return found
+
+
+def _above(spec: RobotSpec, cycle: AtGearhead, demand: Demands, stresses: Stress, parts: Parts) -> tuple[Array, Array]:
+    """Bounds of the time above the controller's current [s]: what is exceeded so long has that mean square."""
+    peak, limit = stresses.current.value, controller_current(parts.controller, spec.environment.ambient)
+    none, total = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0), cycle.load_cycle.total
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = total * np.minimum(np.square(demand.rms_current / limit) * (1.0 + _ROUNDING), 1.0)
+    exceeded = peak > limit
+    return np.where(exceeded, _SOME, none), np.where(exceeded, most, none)
+
+
+def _most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) -> Array:
+    """More than the energy that stays on the bus [J]: all that is returned over a cycle and not accepted.
+
+    Infinite where more may be returned than is drawn, or that is unknown.
+    """
+    kept, nothing = kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
+    if not kept > 0.0:
+        return nothing
+    ratio, c, acting = demand.total_ratio, demand.coefficients, np.flatnonzero(cycle.braked)
+    returned = ratio * product(c[:, acting], cycle.braked[acting, None])[:, 0]
+    heat = np.asarray(resistance_at(resistance_25(motor), spec.environment.ambient)) * demand.rms_current**2
+    work = ratio * product(c, cycle.moments[:, SPEED, None])[:, 0]
+    draws = heat + work > _ROUNDING * (heat + np.abs(work))  # mean power at least, see ``least_drawn``
+    most = np.where(draws, kept * returned * (1.0 + _ROUNDING), np.inf)
+    return np.where(_brakes(cycle, c), most, nothing)
+
+
+def _brakes(cycle: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
+    """Whether the motor's torque is ever against its motion: otherwise nothing is regenerated."""
+    against = np.zeros(len(coefficients), bool)
+    for points, sign in ((cycle.extremes.low, +1.0), (cycle.extremes.high, -1.0)):
+        moving = points[points[:, DIRECTION] == sign] * cycle.scale
+        if len(moving):
+            against |= (sign * product(coefficients, moving.T) < 0.0).any(axis=1)
+    return against

@@ -119,8 +119,8 @@ def _look(
 
 
 def _in_order(problem: Problem, rejected: Candidates) -> Candidates:
-    """The rejected from the closest on, by bounds."""
-    return rejected.on(_closest(by_physics(problem, rejected, False))) if len(rejected.motor) else rejected
+    """The rejected from the closest on."""
+    return rejected.on(_closest(by_physics(problem, rejected, True))) if len(rejected.motor) else rejected
 
 
 def _closest(found: Evaluation) -> Rows:
