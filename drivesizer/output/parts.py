@@ -47,6 +47,8 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | Non
     lines = [replace(x, said=", ".join((x.said, *found.belt_running))) if x.role == "belt" else x for x in lines]
     if found.without_controller:
         lines = [replace(x, said=found.without_controller) if x.role == "controller" else x for x in lines]
+    if found.motor.controller:
+        lines = [replace(x, said=f"{found.motor.controller} inside") if x.role == "motor" else x for x in lines]
     if found.chosen_screw:
         lines = [replace(x, said=found.chosen_screw.running) if x.role == "screw" else x for x in lines]
     if _bare_belt(found):

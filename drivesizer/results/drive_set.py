@@ -161,18 +161,18 @@ class DriveParts:
 
     @property
     def parts(self) -> dict[str, Any]:
-        """The parts as they are bought, by role; None where none is known. An actuator is one part."""
+        """The parts as they are bought, by role; None where none is known. What is inside one is no part of its own."""
         turning: dict[str, Any] = {"motor": self.motor, "gearhead": self.gearhead}
         held = {"brake": self.brake} if self.brake else {}
         controlling: dict[str, Any] = {**held, "encoder": self.encoder, "controller": self.controller}
+        controlling = {role: part for role, part in controlling.items() if not getattr(part, "inside", "")}
         if self.steps and self.encoder is None:
             del controlling["encoder"]
         belt: dict[str, Any] = dict(self.belt_drive.parts) if self.belt_drive else {}
         belt |= {"screw": self.chosen_screw.screw} if self.chosen_screw else {}
         if not self.actuator:
             return {role: part for role, part in turning.items() if part.part != DIRECT} | belt | controlling
-        outside = {role: part for role, part in controlling.items() if not getattr(part, "inside", "")}
-        return {"actuator": self.actuator} | belt | outside
+        return {"actuator": self.actuator} | belt | controlling
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

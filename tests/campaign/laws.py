@@ -305,7 +305,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings(), brief():
         warnings.simplefilter("ignore")
         for number in range(given.first, given.first + given.count):
-            case = case_of(number, Path(scratch), whole=given.all)
+            case = case_of(number, Path(scratch), whole=given.all, alone=not set(laws) <= {*OF_A_SIZING})
             tried += case is not None
             joints = joints_of(number, Path(scratch)) if number % ROBOTS == 0 else []
             for one in filter(None, (case, *joints)):

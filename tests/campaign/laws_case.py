@@ -71,8 +71,11 @@ def explained(spec: RobotSpec, drive: DriveSet, parts: Any) -> DriveSet:
     return min(made, key=lambda one: abs(one.belt_ratio - drive.belt_ratio))
 
 
-def case_of(number: int, folder: Path, *, whole: bool = False) -> Case | None:
-    """The machine of a number, with all catalogues or its own; None where no drive is to be looked at."""
+def case_of(number: int, folder: Path, *, whole: bool = False, alone: bool = True) -> Case | None:
+    """The machine of a number, with all catalogues or its own; None where no drive is to be looked at.
+
+    ``alone``: explain its first drives too.
+    """
     data = machine(number, folder)
     if whole:
         data["select"]["catalogs"] = WHOLE
@@ -83,7 +86,7 @@ def case_of(number: int, folder: Path, *, whole: bool = False) -> Case | None:
     except InputError:
         return None
     some = (*found.sets, *found.misses)[:DRIVES]
-    each = tuple(explained(spec, one, parts) for one in some)
+    each = tuple(explained(spec, one, parts) for one in some) if alone else some
     return Case(data, folder, found, each, (each[number % len(each)],)) if each else None
 
 

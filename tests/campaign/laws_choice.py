@@ -24,10 +24,10 @@ from drivesizer.search.parts_offered import load_parts
 from drivesizer.search.relaxations import changes_for, relaxations
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["more_to_choose_from", "one_part", "proposals"]
 
-_OBJECTIVES = ("mass", "price", "energy", "joule_heat", "peak_current", "winding_temperature")
 _Search = tuple[Problem, Sifted, list[tuple[str, str, float]]]
 _CONTROLLERS = ("technosoft", "odrive", "mjbots", "roboteq", "granite_devices", "vesc", "amc", "cytron", "trinamic")
 
@@ -36,11 +36,14 @@ def more_to_choose_from(case: Case) -> Iterator[str]:
     """More catalogues, families of motors, gearheads or controllers: no drive is lost, no best objective worse."""
     rng = np.random.default_rng(zlib.crc32(repr(case.data).encode()))
     for what, few, more in _wider(case.data, rng):
+        objective = str(rng.choice(list(OBJECTIVES)))
+        for data in (few, more):
+            data["select"]["objective"] = objective
         try:
-            one, other = (_searched(spec_of(data, case.folder)) for data in (few, more))
+            one, other = (_searched(spec_of(data, case.folder), objective) for data in (few, more))
         except InputError:  # a choice without motors
             continue
-        for text in _lost(one, other):
+        for text in _lost(one, other, objective):
             yield f"{what} {few['select']} / {more['select']}: {text}"
 
 
@@ -71,22 +74,22 @@ def _with(data: Plain, **select: Any) -> Plain:
     return copy.deepcopy(data) | {"select": {"objective": "mass", **select}}
 
 
-def _searched(spec: RobotSpec) -> _Search:
+def _searched(spec: RobotSpec, objective: str) -> _Search:
     one = problem(spec, load_parts(spec, catalogue(*spec.select.catalogs)))
-    found, table = sifted(one, set(_OBJECTIVES), None)[0], one.catalog
+    found, table = sifted(one, {objective}, None, margins=objective == "margin")[0], one.catalog
     names = table.motors["part"][found.sets.motor], table.gearheads["part"][found.sets.gearhead], found.sets.belt
     return one, found, list(zip(*(column.tolist() for column in names), strict=True))
 
 
-def _lost(one: _Search, other: _Search) -> Iterator[str]:
-    """What passes, or fails nothing, of the one and not of the other; best objectives of the one that are better."""
+def _lost(one: _Search, other: _Search, objective: str) -> Iterator[str]:
+    """What passes, or fails nothing, of the one and not of the other; a best objective that gets worse."""
     before, after = (dict(zip(parts, found.passes.tolist(), strict=True)) for _, found, parts in (one, other))
     for parts, passes in before.items():
         if passes and not after.get(parts):
             yield f"{parts} passes no more"
         elif parts not in after:
             yield f"{parts} fails"
-    for objective in _OBJECTIVES if any(before.values()) else ():
+    if any(before.values()):
         (missing, value), (lacks, worse) = (_best(*each[:2], objective) for each in (one, other))
         if (lacks, worse - SAME * abs(worse)) > (missing, value):
             yield f"best {objective} {value:.9g} ({missing} unknown) / {worse:.9g} ({lacks} unknown)"

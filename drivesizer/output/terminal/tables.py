@@ -291,6 +291,8 @@ def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text
     shown = [f"{show(value, c.unit, c.kind)} {words}".strip() for value, c, words in values if not isnan(value)]
     if role == "encoder":
         shown = [part.resolution]
+    if role == "motor" and part.controller:
+        shown.append(f"{part.controller} inside")
     if role == "belt":
         shown += found.belt_running
     if role == "screw" and found.chosen_screw:
