@@ -61,6 +61,7 @@ def taken_away(spec: RobotSpec, catalog: Catalog):
 SPECS = ["robot", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("hoist", "arm"))]
 WITHOUT_A_CONTROLLER = {"controller.supply_min", "controller.supply_max"}
 WHERE_IT_BINDS = {
+    "controller.max_duty",  # unknown it is 0.9 at least, which most makers print
     "controller.max_encoder_frequency",
     "gearhead.temperature_min",
     "motor.ambient_min",
