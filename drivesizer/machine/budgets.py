@@ -18,6 +18,7 @@ from drivesizer.machine.battery_pack import pack_of
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import checks_of_battery, energy_budget
 from drivesizer.machine.mass_budget import drive_rows
+from drivesizer.machine.price_budget import of_drives, of_supply, price_check
 from drivesizer.machine.supply_power import DrivePower, drive_power, together
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, worst_of_cases
@@ -116,7 +117,7 @@ def machine_budget(
         Of several load cases each check where it is worst.
     """
     spec, parts = problem.spec, [machine] if machine else []
-    if spec.budget:
+    if spec.budget and spec.budget.weighs:
         parts.insert(0, _mass(problem, spec.budget, one))
     checks, energy = [check for part in parts for check in part.checks], None
     if spec.battery and brief:
@@ -128,6 +129,10 @@ def machine_budget(
     braking = regeneration(problem, one) if problem.machine.limits_the_bus else None
     if braking:
         checks += braking.checks
+    if spec.budget and spec.budget.price is not None:
+        resistor = braking.resistor if braking else None
+        items = [*of_drives(problem, one), *of_supply(spec.supply.part, resistor, problem.catalog)]
+        checks.append(price_check(items, spec.budget.price))
     figures = tuple(figure for part in parts for figure in part.figures)
     masses = next((part.mass.rows for part in parts if part.mass), ())
     return MachineBudget(tuple(checks), figures, masses, energy, braking)

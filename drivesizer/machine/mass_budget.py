@@ -14,6 +14,7 @@ from statistics import NormalDist
 from typing import Any, Literal, NamedTuple
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.estimates.assumed import assumed_mass
 from drivesizer.catalog.tolerances.distributions import END
 from drivesizer.errors import InputError
 from drivesizer.results.drive_set import DriveParts
@@ -118,15 +119,24 @@ def drive_rows(
         One row for each kind of part.
     """
     rows = [
-        MassRow(name=role, each=getattr(part, "mass", math.nan), number=sets, band=_band(catalog, role, part))
+        MassRow(name=role, number=sets, each=_unlisted(catalog, role)[0] if part is None else part.mass,
+                band=_unlisted(catalog, role)[1] if part is None else _band(catalog, role, part))
         for role, part in drive_set.parts.items()
         if part is not None or role != "encoder" or encoder
-    ]
+    ]  # fmt: skip
     if drive_set.belt_ratio != 1.0 and drive_set.belt_drive is None:
         each, band = (math.nan, None) if catalog is None or not catalog.ends else BELT
         own = (each, band) if belt is None else (belt, None)
         rows.append(MassRow(name="belt and pulleys", each=own[0], number=sets, band=own[1]))
     return tuple(rows)
+
+
+def _unlisted(catalog: Catalog | None, role: str) -> tuple[float, tuple[float, float] | None]:
+    """Mass of an encoder or controller that no catalogue lists, with its band where estimates count."""
+    if catalog is None or not catalog.ends or role not in ("encoder", "controller"):
+        return math.nan, None
+    mass, *band = assumed_mass(_SECTIONS[role])
+    return mass, (band[0], band[1])
 
 
 def _band(catalog: Catalog | None, role: str, part: Any) -> tuple[float, float] | None:

@@ -18,6 +18,7 @@ from drivesizer.multi_axis.machine_power import with_choppers
 from drivesizer.multi_axis.offered_kinds import Loaded, OfferedKinds
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, of_all_drives
+from drivesizer.results.objectives import unknown_parts
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.order.ranking import Ranking
@@ -279,9 +280,8 @@ def _cost(one: DriveSet, objective: Ranking, motors: int, best: bool) -> Cost:
     """The objective of all drives of an axis; where it is no sum, the best one alone counts."""
     if not isinstance(objective, str) or objective not in SUMMED:
         return (0 if best else 1), 0.0
-    declared, value = OBJECTIVES[objective], one.objective
-    parts = [getattr(getattr(one, part), declared.figure) for part in declared.over]
-    missing = sum(map(isnan, parts)) if parts else int(isnan(value))
+    value, summed = one.objective, OBJECTIVES[objective].over
+    missing = len(unknown_parts(one, objective, one.objective_of)) if summed else int(isnan(value))
     return missing, 0.0 if isnan(value) else of_all_drives(objective, one, motors)
 
 

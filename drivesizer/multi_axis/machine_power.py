@@ -9,6 +9,10 @@ from typing import NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError
+from drivesizer.machine.battery_pack import pack_of
+from drivesizer.machine.budgets import rows_of_drive
+from drivesizer.machine.platform_checks import machine_mass, mass_checks
+from drivesizer.machine.price_budget import of_drives, of_supply, price_check
 from drivesizer.machine.supply_unit import with_parts_of_supply
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
 from drivesizer.multi_axis.shared_sections import shared_sections
@@ -22,7 +26,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.several_axes.machine import MachineSpec
 from drivesizer.spec.several_axes.machine_file import on_common_bus
 
-__all__ = ["machine_power", "over_tolerances", "with_choppers"]
+__all__ = ["budget_checks", "machine_power", "over_tolerances", "with_choppers"]
 
 
 class _OnSupply(NamedTuple):
@@ -125,6 +129,36 @@ def _motor_voltage(power: MachinePower, shared: RobotSpec, on_it: Sequence[AxisS
             column = at_most("supply_voltage", own.demand, limit if certain else nan, needed=own.needed, note=said)
             found.append(("", (column.at((), "budget"),)))
     return worst_of_cases(found)
+
+
+def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: MachinePower | None) -> tuple[Check, ...]:
+    """Mass and price of all axes against the machine's budget.
+
+    Parameters
+    ----------
+    machine, axes
+        As of ``machine_power``.
+    power
+        Of all axes, with the brake resistor.
+
+    Returns
+    -------
+    tuple of Check
+        None of a single axis, whose own drive is held against it, and where an axis has no drive.
+    """
+    budget, drives = machine.budget, [(one.result.problem, one.best) for one in axes if one.best]
+    if budget is None or _alone(machine) or len(drives) < len(axes):
+        return ()
+    catalog, found = _listing(machine, [problem.catalog for problem, _ in drives]), list[Check]()
+    if budget.weighs:
+        battery = pack_of(machine.battery, catalog).mass if machine.battery else None
+        rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]
+        found += mass_checks(machine_mass(budget, rows, battery=battery))
+    if budget.price is not None:
+        resistor = power.braking.resistor if power and power.braking else None
+        items = [item for problem, one in drives for item in of_drives(problem, one)]
+        found.append(price_check([*items, *of_supply(machine.supply.part, resistor, catalog)], budget.price))
+    return tuple(found)
 
 
 def with_choppers(machine: MachineSpec, catalog_of: Callable[[RobotSpec], Catalog]) -> MachineSpec:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from math import fsum, isnan
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.tables import Pairs
@@ -18,14 +18,15 @@ from drivesizer.results.check import Status
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.search.both_methods import other_checks
-from drivesizer.search.order.ranking import BRAKE, values
+from drivesizer.search.columns.bought import chosen
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.order.ranking import controlling_unknown, single
 from drivesizer.search.order.sifting import sifted
 from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.set_record import drive_parts
 from drivesizer.search.shortlist import Shortlist, shortlist
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["ORDER", "Loaded", "OfferedKinds", "kind_of"]
 
@@ -33,6 +34,7 @@ ORDER: tuple[Status, ...] = ("pass", "open", "unknown", "fail")
 _FIRST = 200  # kinds of an axis that shares none, among which it chooses where other masses are on it
 _FREE = 4  # of them that enter the choice for the whole
 Masses = tuple[float, ...]
+Array = NDArray[np.float64]
 
 
 class Loaded(NamedTuple):
@@ -127,8 +129,7 @@ def _costs(loaded: Loaded, status: Status) -> dict[Kind, Cost]:
     """Cost of all kinds of drives of an axis that pass, budgets of the machine aside; the cheapest first."""
     problem, _ = problem_with_drive_mass(loaded.spec, loaded.catalog, loaded.objective)
     kept, _, _ = sifted(problem, {loaded.objective}, None)
-    figures = {name: column for name, column in kept.figures.items() if name != BRAKE}
-    value, missing = values(problem.catalog, kept.sets, figures, loaded.objective)
+    value, missing = _known(problem.catalog, kept.sets, kept.figures, loaded.objective)
     drives = _of_all(loaded.objective, problem.machine)
     motors, gearheads = problem.catalog.motors["part"], problem.catalog.gearheads["part"]
     rows = np.lexsort((value, missing))
@@ -157,19 +158,26 @@ def _searched(loaded: Loaded, top: int) -> dict[Kind, _Row]:
     for row in found.best:
         one = drive_parts(found.found.evaluation, row)
         if kind_of(one) not in rows:
-            choice = Choice(one.label, _cost(found, row, one), riding_mass(found.problem, one))
+            choice = Choice(one.label, _cost(found, row), riding_mass(found.problem, one))
             rows[kind_of(one)] = _Row(found, row, kind_of(one), choice)
     return rows
 
 
-def _cost(found: Shortlist, row: int, one: DriveParts) -> Cost:
+def _cost(found: Shortlist, row: int) -> Cost:
     """The objective of all drives of an axis."""
     objective = str(found.objective)
-    declared, drives = OBJECTIVES[objective], _of_all(objective, found.problem.machine)
-    parts = [getattr(getattr(one, part), declared.figure) for part in declared.over]
-    figures = parts or [float(found.found.evaluation.figures[objective][row])]
-    known = [figure for figure in figures if not isnan(figure)]
-    return len(figures) - len(known), fsum(known) * drives
+    some = found.found.evaluation.on(np.array([row]))
+    figures = {**some.figures, **chosen(some.encoder, some.controller, some.brake, needs_encoder=not some.spec.steps)}
+    value, missing = _known(some.catalog, some.candidates, figures, objective)
+    return int(missing[0]), float(value[0]) * _of_all(objective, found.problem.machine)
+
+
+def _known(
+    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: str
+) -> tuple[Array, NDArray[np.int64]]:
+    """Known part of an objective, and number of parts of which it is unknown."""
+    value, missing = single(catalog, sets, figures, objective)
+    return value, missing + controlling_unknown(catalog, sets, figures, objective)
 
 
 def _of_all(objective: str, spec: RobotSpec) -> int:

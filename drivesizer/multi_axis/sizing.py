@@ -21,7 +21,7 @@ from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
 from drivesizer.multi_axis.file_tolerances import toleranced, without_effect
 from drivesizer.multi_axis.joint_axes import TorquesOf
 from drivesizer.multi_axis.machine_cycle import in_their_cycle
-from drivesizer.multi_axis.machine_power import machine_power, over_tolerances, with_choppers
+from drivesizer.multi_axis.machine_power import budget_checks, machine_power, over_tolerances, with_choppers
 from drivesizer.multi_axis.offered_kinds import ORDER, OfferedKinds, kind_of
 from drivesizer.multi_axis.within_limits import within_limits
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
@@ -113,7 +113,7 @@ def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], fo
             *_on_joints(sizings, axes, found),
             *_waiting(axes),
         ),
-        checks=power.checks if power else (),
+        checks=(*(power.checks if power else ()), *budget_checks(machine, axes, power)),
         power=power,
     )
 
@@ -148,7 +148,8 @@ def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizi
     if power is None or how is None:
         return replace(sizing, notes=notes)
     power = over_tolerances(machine, sizing.axes, power, how)
-    return replace(sizing, power=power, checks=power.checks, notes=notes)
+    own = budget_checks(machine, sizing.axes, power)
+    return replace(sizing, power=power, checks=(*power.checks, *own), notes=notes)
 
 
 def _with_few_kinds(

@@ -78,7 +78,7 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
         With its price for that quantity.
     """
     if part is None:
-        return PartLine(role=role, quantity=quantity)
+        return PartLine(role=role, quantity=quantity, **mass)
     section = section_of(part)
     known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
     notes, source = _remarks(catalog, part), known["part"]

@@ -244,6 +244,7 @@ _BUDGET = {  # of the machine with a drive in it
     "motion_speed": CheckKind("Speed of the motion", "speed", "m/s", rotary=_SPEED),
     "devices": CheckKind("Required devices carried"),
     "mass": CheckKind("Mass of the machine", "mass", "kg"),
+    "price": CheckKind("Price of all drives", "price", "EUR"),
     "mass_sized_for": CheckKind("Mass that the drive is sized for", "mass", "kg"),
     "passage_width": CheckKind("Width of a passage", *_MM),
     "passage_height": CheckKind("Height of a passage", *_MM),
@@ -298,7 +299,7 @@ OWN_REQUIREMENTS = ("travel_time", "motion_speed", "devices")  # of the section 
 REQUIREMENTS = {  # of the machine, in the order in which people read them: which end of the check is required
     "travel_time": "limit", "motion_speed": "demand", "passage_width": "limit", "passage_height": "limit",
     "passage_turning": "limit", "passage_corner": "limit", "passage_clearance": "limit", "mass": "limit",
-    "battery_autonomy": "demand", "battery_range": "demand", "devices": "demand",
+    "price": "limit", "battery_autonomy": "demand", "battery_range": "demand", "devices": "demand",
 }  # fmt: skip
 BATTERY_LASTING = ("battery_autonomy", "battery_range")
 BATTERY_VOLTAGES = ("battery_voltage", "battery_cutoff")

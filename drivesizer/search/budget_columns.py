@@ -13,19 +13,20 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.load_cases.trip import distance_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery_checks import Load, accepted, charging, raised_voltage
 from drivesizer.machine.battery_pack import Pack, pack_of
 from drivesizer.machine.mass_budget import BELT
-from drivesizer.results.check_columns import CheckColumn
+from drivesizer.machine.price_budget import BY_PIECES
+from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.problem import Problem
-from drivesizer.search.columns.brakes import own_figure
-from drivesizer.search.columns.candidates import Candidates, Rows
+from drivesizer.search.columns.bought import bought, chosen
+from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.select import BOUGHT
 
 __all__ = ["certain_failures"]
 
@@ -42,7 +43,7 @@ def certain_failures(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
         Drives that pass their own checks.
     """
     sets, found = whole.candidates, dict[str, NDArray[np.bool_]]()
-    for check in (*_masses(whole), *_batteries(whole)):
+    for check in (*_masses(whole), *_prices(whole), *_batteries(whole)):
         with np.errstate(invalid="ignore"):
             missed = ~((1.0 + check.margin) >= (1.0 + check.needed) * (1.0 - _NEARLY))
         falls = check.failed & missed
@@ -58,13 +59,14 @@ def certain_failures(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
 def _masses(whole: Evaluation) -> list[CheckColumn]:
     """The known mass of the machine with each drive, of what is estimated the least."""
     spec, sets = whole.spec, whole.candidates
-    if spec.budget is None:
+    if spec.budget is None or not spec.budget.weighs:
         return []
     from drivesizer.machine.platform_checks import machine_mass, mass_columns
 
     catalog = whole.catalog.ends[0] if whole.catalog.ends else whole.catalog
-    parts = [Rows(catalog.motors, sets.motor)["mass"], *_beside(catalog, sets, whole), _belts(whole.problem, sets)]
-    each = np.stack(np.broadcast_arrays(*parts))
+    parts = chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=spec.wants_encoder)
+    of_drive = bought(catalog, sets, parts, "mass", BOUGHT, 1 if whole.catalog.ends else None)
+    each = np.vstack([of_drive, _belts(whole.problem, sets)])
     battery = pack_of(spec.battery, catalog).mass if spec.battery else None
     rest = machine_mass(spec.budget, (), platform=spec.platform, battery=battery)
     known = spec.load.motors * np.nansum(each, axis=0) + rest.known
@@ -73,21 +75,22 @@ def _masses(whole: Evaluation) -> list[CheckColumn]:
     return mass_columns(known, lacking, spec.budget.mass, load.mass if isinstance(load, WheeledVehicle) else None)
 
 
-def _beside(catalog: Catalog, sets: Candidates, whole: Evaluation) -> Iterator[Array]:
-    """Mass of gearhead, brake, encoder and controller; nothing where there is none, or it is inside an actuator."""
-    inside = Rows(catalog.motors, sets.motor)["inside"] != ""
-    direct = catalog.gearheads["part"][sets.gearhead] == DIRECT
-    yield np.where(inside | direct, 0.0, catalog.gearheads["mass"][sets.gearhead])
-    if (whole.brake >= 0).any():
-        yield own_figure(Rows(catalog.brakes, whole.brake), "mass")
-    controlling = (
-        (catalog.encoders, whole.encoder, not whole.spec.wants_encoder),
-        (catalog.controllers, whole.controller, False),
-    )
-    for table, rows, needless in controlling:
-        part = Rows(table, rows)
-        none = (inside & (part["inside"] != "") & (rows >= 0)) | (needless & (rows < 0))
-        yield np.where(none, 0.0, part["mass"])
+# --- price ------------------------------------------------------------------------------------------------------------
+
+
+def _prices(whole: Evaluation) -> list[CheckColumn]:
+    """The known price of all drives, without belt, screw and supply."""
+    spec, sets = whole.spec, whole.candidates
+    if spec.budget is None or spec.budget.price is None:
+        return []
+    parts = chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=spec.wants_encoder)
+    each = bought(whole.catalog, sets, parts, "price", BOUGHT)
+    for name, least in reversed(BY_PIECES):
+        if spec.load.motors >= least:
+            of_several = bought(whole.catalog, sets, parts, name, BOUGHT[:2])
+            each[:2] = np.where(np.isnan(of_several), each[:2], of_several)
+    column = at_most("price", spec.load.motors * np.nansum(each, axis=0), spec.budget.price)
+    return [replace(column, passed=column.passed & ~np.isnan(each).any(axis=0))]
 
 
 def _belts(problem: Problem, sets: Candidates) -> Array:

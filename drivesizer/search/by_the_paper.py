@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
+from drivesizer.search.columns.bought import chosen
 from drivesizer.search.columns.candidates import Candidates, candidates, pairs
 from drivesizer.search.columns.evaluation import Evaluation, evaluate, smallest_margin
 from drivesizer.search.order import ranking
@@ -47,14 +48,15 @@ def by_the_paper(
         The best, the closest rejected, the front, those of other families, and the counts.
     """
     every = _judged(problem, objective, rejected=misses is not None)
-    found, sets, margin = every.evaluation, every.evaluation.candidates, every.margin
+    found, sets = every.evaluation, every.evaluation.candidates
     of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
     kept = in_order(judge, sets, of_parts.on, every.passing, len(sets.motor) if pareto else top)
     best, short = kept.best[:top], kept.rejected[:top]
     near = every.rejected[: _closest(misses, top, len(best), every.counts.feasible)]
     on_front = best[:0]
     if pareto:
-        of_all = ranking.front(problem.catalog, sets.on(kept.best), {"margin": margin[kept.best]}, pareto)
+        figures = {name: column[kept.best] for name, column in every.figures.items()}
+        of_all = ranking.front(problem.catalog, sets.on(kept.best), figures, pareto)
         on_front = kept.best[of_all]
     unlike = best[:0]
     if others:
@@ -75,6 +77,7 @@ class _Judged(NamedTuple):
 
     evaluation: Evaluation
     margin: NDArray[np.float64]  # the smallest of each
+    figures: dict[str, NDArray[np.float64]]  # it and the parts that go with each
     rank: Rank
     passing: Rows  # those that pass, the best first
     rejected: Rows  # the others, the nearest first
@@ -83,8 +86,9 @@ class _Judged(NamedTuple):
     def all_passing(self, best: Rows) -> Passing:
         """All that pass, and which of them are given."""
         some, found = self.passing, self.evaluation
+        figures = {name: column[some] for name, column in self.figures.items()}
         return Passing(
-            found.candidates.on(some), self.rank.precedence[some] * UNKNOWN, {"margin": self.margin[some]},
+            found.candidates.on(some), self.rank.precedence[some] * UNKNOWN, figures,
             _places(some, best, len(self.margin)), lambda rows: found.on(some[rows]),
         )  # fmt: skip
 
@@ -95,7 +99,8 @@ def _judged(problem: Problem, objective: Ranking, rejected: bool) -> _Judged:
     found = evaluate(problem, every, rejected=rejected)
     margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
     each = np.array([check.failed for check in found.checks])
-    value, missing = ranking.values(problem.catalog, found.candidates, {"margin": margin}, objective)
+    figures = {"margin": margin, **chosen(found.encoder, found.controller, found.brake, needs_encoder=True)}
+    value, missing = ranking.values(problem.catalog, found.candidates, figures, objective)
     before = [
         np.where(failed, 2, unknown.astype(int)),
         np.where(failed, -margin, 0.0),  # of those that fail first the nearest
@@ -110,7 +115,7 @@ def _judged(problem: Problem, objective: Ranking, rejected: bool) -> _Judged:
         left_out=left_out, failed_by=tally,
     )  # fmt: skip
     rank = Rank(unknown.astype(np.int64), missing, value)
-    return _Judged(found, margin, rank, order[passes[order]], order[~passes[order]], counts)
+    return _Judged(found, margin, figures, rank, order[passes[order]], order[~passes[order]], counts)
 
 
 def _closest(misses: int | None, top: int, given: int, feasible: int) -> int:

@@ -25,6 +25,7 @@ from drivesizer.physics.extremes import undominated
 from drivesizer.results.check import Status, verdict
 from drivesizer.results.problem import Problem
 from drivesizer.results.weights import CRITERIA, Choice, Choices, by_weights, used_share
+from drivesizer.search.columns.bought import chosen
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
 from drivesizer.search.least_drawn import least_power
@@ -127,7 +128,8 @@ def _by_margin(found: Evaluation, rows: list[int]) -> list[int]:
 
 def _known(found: Evaluation) -> dict[str, Array]:
     """Figures that objectives count beside those of the catalogue."""
-    return {**found.figures, "margin": smallest_margin(found.checks), ranking.BRAKE: found.brake.astype(float)}
+    parts = chosen(found.encoder, found.controller, found.brake, needs_encoder=not found.spec.steps)
+    return {**found.figures, "margin": smallest_margin(found.checks), **parts}
 
 
 def _in_full(found: Evaluation, names: Sequence[str]) -> dict[str, Array]:
@@ -148,7 +150,7 @@ def _records(found: Evaluation, rows: Sequence[int], names: Sequence[str]) -> tu
 
 def _figure(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str) -> Array:
     """An objective of drives as it is shown, NaN where a part of it is unknown."""
-    value, lacking = ranking.values(catalog, sets, figures, name)
+    value, lacking = ranking.single(catalog, sets, figures, name)
     known: Array = np.where(lacking > 0, np.nan, value)
     return -known if OBJECTIVES[name].more_is_better else known
 

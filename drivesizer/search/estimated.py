@@ -58,7 +58,7 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
     rows_of = {section: int(rows[index]) for section, rows in chosen if rows[index] >= 0}
     places |= {section: row for section, row in rows_of.items() if not catalog.table(section)["inside"][row]}
     found = [(section, one) for section, row in places.items() for one in _of_part(catalog, section, row)]
-    weighed = evaluation.spec.budget is not None
+    weighed = evaluation.spec.budget is not None and evaluation.spec.budget.weighs
     if (brake := int(evaluation.brake[index])) >= 0:
         found += [("brakes", one) for one in _of_part(catalog, "brakes", brake)]
     weighing = (one for section, one in found if weighed or section not in _CONTROLLING or one.figure != "mass")

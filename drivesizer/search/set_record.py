@@ -7,6 +7,9 @@ from collections.abc import Iterator
 from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.catalog.parts import one_row
 from drivesizer.machine.budgets import MachineBudget, regeneration
@@ -26,6 +29,7 @@ from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
 from drivesizer.results.pieces import MotorPiece
 from drivesizer.results.reliability import Reliability
 from drivesizer.search.both_methods import compared
+from drivesizer.search.columns.bought import CONTROLLING, bought, chosen
 from drivesizer.search.columns.brakes import stops
 from drivesizer.search.columns.controllers import none_suits
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
@@ -192,7 +196,7 @@ _NOT_IN_BRIEF: dict[str, Any] = {
 
 def _sums(evaluation: Evaluation, index: int, objective: Ranking, parts: DriveParts) -> dict[str, Any]:
     """Fields of a drive's record: its parts, its mass and its objective."""
-    mass, mass_of = _summed(parts, "mass", ("motor", "gearhead"))
+    mass, mass_of = _summed(evaluation, index, parts, "mass")
     value, value_of = _objective(evaluation, index, objective, parts)
     return {field.name: getattr(parts, field.name) for field in fields(parts)} | {
         "mass": mass,
@@ -226,17 +230,22 @@ def _pieces(evaluation: Evaluation, parts: DriveParts) -> tuple[MotorPiece, ...]
     return tuple(found)
 
 
-def _summed(one: DriveParts, figure: str, over: tuple[str, ...]) -> tuple[float, tuple[str, ...]]:
-    """The sum of what is known, and of which parts; unknown where no part of it is that there is."""
-    # the figures of a motor inside an actuator are those of the whole
-    parts: dict[str, Any] = {"actuator": one.motor} if one.motor.inside else {name: getattr(one, name) for name in over}
-    values = {name: getattr(part, figure) for name, part in parts.items()}
-    if one.brake and "gearhead" in over:
-        values["brake"] = getattr(one.brake, ranking.BRAKE_FIGURES.get(figure, figure))
-    known = {name: value for name, value in values.items() if not math.isnan(value)}
-    if all(name == "gearhead" and one.gearhead.part == DIRECT for name in known):
-        return math.nan, ()
-    return sum(known.values()), tuple(known)
+def _summed(evaluation: Evaluation, index: int, one: DriveParts, objective: str) -> tuple[float, tuple[str, ...]]:
+    """The sum of what is known, and of which parts; unknown where it is of neither motor nor gearhead."""
+    declared, row = OBJECTIVES[objective], evaluation.on(np.array([index]))
+    end = 0 if evaluation.catalog.ends else None
+    every = bought(evaluation.catalog, row.candidates, _chosen(row), declared.figure, declared.over, end)[:, 0]
+    values = dict(zip(declared.over, every.tolist(), strict=True))
+    if one.actuator:  # the figures of a motor inside are those of the whole
+        values["actuator"] = values.pop("motor")
+    known = {role: values[role] for role in one.parts if role in values and not math.isnan(values[role])}
+    return (sum(known.values()), tuple(known)) if known.keys() - set(CONTROLLING) else (math.nan, ())
+
+
+def _chosen(evaluation: Evaluation) -> dict[str, NDArray[np.float64]]:
+    """The parts that go with the candidates, as objectives count them."""
+    needs_encoder = not evaluation.spec.steps
+    return chosen(evaluation.encoder, evaluation.controller, evaluation.brake, needs_encoder=needs_encoder)
 
 
 def _objective(
@@ -248,7 +257,7 @@ def _objective(
         return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].note,)
     if not isinstance(objective, str):
         figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
-        figures |= {ranking.BRAKE: evaluation.brake.astype(float)}
+        figures |= _chosen(evaluation)
         value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
         lacking = f", {missing[index]} figures unknown" if missing[index] else ""
         return math.nan if missing[index] else float(value[index]), (
@@ -256,7 +265,7 @@ def _objective(
         )
     declared = OBJECTIVES[objective]
     if declared.over:
-        return _summed(parts, declared.figure, declared.over)
+        return _summed(evaluation, index, parts, objective)
     return float(evaluation.figures[objective][index]), (declared.note,)
 
 

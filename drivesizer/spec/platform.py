@@ -17,6 +17,7 @@ from drivesizer.files.fields import (
     Length,
     Mass,
     Place,
+    Price,
     Quantity,
     Section,
     Speed,
@@ -206,14 +207,23 @@ class Item(Section):
 
 
 class Budget(Section):
-    """Permitted mass of the machine, and masses beside the drive's parts and the payloads."""
+    """Permitted mass and price of the machine, and masses beside the drive's parts and the payloads."""
 
     mass: Mass | None = Field(default=None, description="permitted total")
+    price: Price | None = Field(
+        default=None,
+        description="permitted, of all drives, power supply and brake resistor together",
+    )
     structure: Mass | None = Field(default=None, description="frame, wheels, covers; unknown where not given")
     others: Annotated[list[Item], Field(max_length=1000)] = no_entries(description="equipment")
     drive_counts: bool = Field(
         default=False, description="whether the moved mass follows from the budget, including the drive's own"
     )
+
+    @property
+    def weighs(self) -> bool:
+        """Whether masses are summed: not where the price alone is limited."""
+        return self.model_fields_set != {"price"}
 
     @model_validator(mode="after")
     def _summed(self) -> Self:

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 from drivesizer.files.fields import Names, Ratio, Section, at_defaults
 
 __all__ = [
-    "ASSUMABLE", "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "MotorChoice", "Objective",
+    "ASSUMABLE", "BOUGHT", "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "MotorChoice", "Objective",
     "ObjectiveKind", "Select", "Weighted",
 ]  # fmt: skip
 
@@ -21,17 +21,19 @@ class ObjectiveKind:
     kind: str  # of quantity
     unit: str  # of the trade
     figure: str = ""  # of the parts, that is summed; none: what ``search.columns.powered`` computes under this name
-    over: tuple[str, ...] = ()  # motor, gearhead: the parts that it is summed over
+    over: tuple[str, ...] = ()  # roles of the parts that it is summed over
     note: str = ""  # beside a value that is no sum: its meaning
     more_is_better: bool = False
     by_waveform: bool = False  # needs the current over time, not moments and extremes alone
 
 
-_WHOLE = ("motor", "gearhead")
+_TURNING = ("motor", "gearhead", "brake")
+BOUGHT = (*_TURNING, "encoder", "controller")
+"""Roles of the parts that mass and price are summed over: an actuator has some of them inside."""
 OBJECTIVES: dict[str, ObjectiveKind] = {
-    "mass": ObjectiveKind("mass", "mass", "g", "mass", _WHOLE),
-    "price": ObjectiveKind("price", "price", "EUR", "price", _WHOLE),
-    "length": ObjectiveKind("length", "length", "mm", "length", _WHOLE),
+    "mass": ObjectiveKind("mass", "mass", "g", "mass", BOUGHT),
+    "price": ObjectiveKind("price", "price", "EUR", "price", BOUGHT),
+    "length": ObjectiveKind("length", "length", "mm", "length", _TURNING),
     "power": ObjectiveKind("assigned power", "power", "W", "assigned_power", ("motor",)),
     "energy": ObjectiveKind("energy per cycle", "energy", "J", note="all drives, per cycle", by_waveform=True),
     "joule_heat": ObjectiveKind(

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from drivesizer.output.sums import unknown_of
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.objectives import unknown_parts
 from drivesizer.results.sizing import worst
 from drivesizer.study.best import Best
 from drivesizer.study.column import Column, Form, Row, cell
@@ -40,8 +41,7 @@ def _name(part: Any, name: str) -> str:
 
 
 def _mass_lacks(one: DriveSet) -> str:
-    weighed = {"motor", "gearhead"} if not one.actuator else {"actuator"}
-    return " + ".join(sorted(weighed - set(one.mass_of)))
+    return " + ".join(sorted(unknown_parts(one, "mass", one.mass_of)))
 
 
 def _price_lacks(one: DriveSet) -> str:
@@ -68,7 +68,7 @@ _DRIVE: tuple[_Of, ...] = (
     _text("controller_family", lambda one: _name(one.controller, "family")),
     _text("controller_part", lambda one: _name(one.controller, "part")),
     _number("total_ratio", lambda one: one.total_ratio, "1"),
-    _number("mass_kg", lambda one: one.mass, "kg"),  # of motor and gearhead, as the objective counts it
+    _number("mass_kg", lambda one: one.mass, "kg"),  # as the objective counts it
     _text("mass_lacks", _mass_lacks),
     _number("price_EUR", lambda one: one.price, "EUR"),  # of all parts whose price is known
     _text("price_lacks", _price_lacks),

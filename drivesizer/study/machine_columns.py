@@ -13,6 +13,7 @@ from drivesizer.output.sums import unknown_of
 from drivesizer.results.check import Check, worst
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import AxisSizing, MachineSizing
+from drivesizer.results.objectives import unknown_parts
 from drivesizer.study.column import Column, Row, cell
 
 __all__ = ["machine_columns", "machine_row"]
@@ -47,8 +48,7 @@ def _lacking(of: Callable[[DriveSet], Sequence[str]]) -> Callable[[MachineSizing
 
 
 def _unweighed(one: DriveSet) -> list[str]:
-    weighed = {"motor", "gearhead"} if not one.actuator else {"actuator"}
-    return sorted(weighed - set(one.mass_of))
+    return sorted(unknown_parts(one, "mass", one.mass_of))
 
 
 def _power(name: str) -> Callable[[MachineSizing], float]:

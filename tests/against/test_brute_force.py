@@ -253,9 +253,12 @@ def test_the_peak_of_the_winding_by_simulation_in_small_steps(name, worked, cata
     assert seen
 
 
-def ranked(spec, sets, mine, objective, *, whole=True):
+def ranked(spec, sets, mine, objective, *, whole=True, controlling=None):
     """Rows of the sets that pass or are unknown: those that lack least of what others have first, then what is known of
-    all parts, then the better one, then the larger smallest margin. ``whole``: the sets are all there are."""
+    all parts, then the better one, then the larger smallest margin.
+
+    ``whole``: the sets are all there are; ``controlling``: masses of each set's encoder and controller, NaN unknown.
+    """
     rows, idle = [], () if by_hand.encoder_required(spec) else ("encoder_speed", "encoder_frequency")
     for row, (every, _, asked, _) in enumerate(mine):
         checks = {name: verdict for name, verdict in every.items() if name not in idle}
@@ -264,7 +267,7 @@ def ranked(spec, sets, mine, objective, *, whole=True):
         motor, head = records("motors")[int(sets.motor[row])], records("gearheads")[int(sets.gearhead[row])]
         margin = min((v.margin for v in checks.values() if not math.isnan(v.margin)), default=math.inf)
         if objective == "mass":
-            figures = [motor.mass, head.mass]
+            figures = [motor.mass, head.mass, *controlling[row]]
         elif objective == "energy":
             figures = [(asked.drawn - spec.supply.regeneration * asked.returned) * spec.load.motors]
         elif objective == "peak_current":
@@ -273,10 +276,19 @@ def ranked(spec, sets, mine, objective, *, whole=True):
             figures = [-margin]
         known = [x for x in figures if not math.isnan(x)]
         lacks = {name for name, verdict in checks.items() if verdict.status == "unknown"}
-        key = (lacks, len(figures) - len(known), sum(known), -margin)
+        turning = [x for x in figures[:2] if math.isnan(x)]
+        missing = 2 * len(turning) + len(figures) - len(known)  # before what is unknown of encoder and controller
+        key = (lacks, missing, sum(known), -margin)
         rows.append((key, motor.part, head.part, float(sets.belt[row])))
     alike = set.intersection(*(row[0][0] for row in rows)) if whole else set()
     return sorted(((len(key[0] - alike), *key[1:]), *names) for key, *names in rows)
+
+
+def controlling(spec, catalog, sets):
+    """Masses of encoder and controller of each set, NaN where none is listed."""
+    found = evaluate(problem(spec, catalog), sets)
+    tables = (catalog.encoders["mass"], found.encoder), (catalog.controllers["mass"], found.controller)
+    return list(zip(*(np.append(mass, np.nan)[rows].tolist() for mass, rows in tables), strict=True))
 
 
 @pytest.mark.parametrize(
@@ -289,7 +301,7 @@ def test_the_ranking(name, objective, worked, catalog, monkeypatch):
     one_each = sets.on(np.flatnonzero(sets.belt == spec.belt_ratios[0]))
     monkeypatch.setattr("drivesizer.search.order.sifting.pairs", lambda *_, **__: one_each)
     found = search(problem(spec, catalog), top=10**6, objective=objective, misses=0)
-    expected = ranked(spec, sets, mine, objective)
+    expected = ranked(spec, sets, mine, objective, controlling=controlling(spec, catalog, sets))
     assert found.counts.considered == len(mine)
     assert found.counts.feasible == found.passing == len(expected) > 10
     order = []
@@ -409,7 +421,9 @@ def test_resolution_at_the_load_counts_the_belt(catalog):
 def test_size_takes_the_same_best_set(worked, catalog):
     """From the outside: the first set of the whole catalogue is no worse than the first of the random ones."""
     spec, sets, mine = worked("hoist lowering past its counterweight")
-    (lacks, _, mass, _), *_ = ranked(spec, sets, mine, "mass", whole=False)[0]
+    (lacks, _, mass, _), *_ = ranked(
+        spec, sets, mine, "mass", whole=False, controlling=controlling(spec, catalog, sets)
+    )[0]
     first = size(spec, catalog=catalog, top=1).sets[0]
     assert (first.status != "pass", first.objective) <= (lacks, mass)
 

@@ -10,6 +10,7 @@ from random import Random
 from typing import Any
 
 import numpy as np
+from bought_parts import together
 
 from drivesizer.catalog import Catalog
 from drivesizer.machine.problem import problem
@@ -126,7 +127,7 @@ def every_combination(machine: MachineSpec, objective: str) -> Iterator[tuple[fl
         parts = [drive_parts(found, row) for row in np.flatnonzero(~found.failed).tolist()]
         return tuple(
             (
-                getattr(one.motor, objective) + getattr(one.gearhead, objective),
+                together(one, objective, estimates=False),
                 one.motor.mass + one.gearhead.mass,
                 (one.motor.part, one.gearhead.part),
             )

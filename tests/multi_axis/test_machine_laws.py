@@ -7,6 +7,7 @@ from random import Random
 from typing import Any
 
 import pytest
+from bought_parts import together
 from small_arms import JOINTS, arm
 
 from drivesizer.multi_axis.sizing import laden, size_machine
@@ -43,7 +44,7 @@ def test_the_sum_is_that_of_the_axes_each_as_a_spec_with_the_masses_on_it(found:
         best = found.axis(name).best
         assert one.label == best.label and one.status == best.status
         assert [check.demand for check in one.checks] == pytest.approx([c.demand for c in best.checks], nan_ok=True)
-    assert found.total == pytest.approx(sum(axis.best.motor.mass + axis.best.gearhead.mass for axis in found.axes))
+    assert found.total == pytest.approx(sum(together(axis.best, estimates=False) for axis in found.axes))
 
 
 def test_an_axis_carries_all_that_its_carried_axes_carry(found: MachineSizing) -> None:

@@ -90,3 +90,31 @@ def test_a_limit_that_no_choice_keeps_is_said(free: MachineSizing) -> None:
     assert found.status == "fail" and not found.certain
     assert [one.best.label for one in found.axes if one.best] == [one.best.label for one in free.axes if one.best]
     assert any("other choices of drives keeps it" in note for note in found.notes)
+
+
+def tables(**budget: str) -> MachineSizing:
+    turn = {"speed": "71 rpm", "acceleration_time": "0.13 s", "cruise_time": "0.6 s", "rest_time": "0.9 s"}
+    axes = {
+        name: {"load": {"kind": "rotary_table", "inertia": f"{inertia} kg*m^2", "friction_torque": "0.3 N*m",
+                        "motors": motors}, "transmission": [{"kind": "gearhead"}]}
+        for name, inertia, motors in (("large", 0.09, 2), ("small", 0.05, 1))
+    }  # fmt: skip
+    supply = {"nominal": "24 V", "accepts": "all"}
+    given = {"name": "tables", "supply": supply, "budget": budget, "motion": turn, "axes": axes}
+    return size_machine(load_machine({**given, "select": {"motor": {"family": ["DCX*"]}}}), top=1, brief=True)
+
+
+def test_all_axes_together_have_the_machines_mass_and_price() -> None:
+    """What the parts of two drives and of one weigh and cost, and 3 kg of structure."""
+    found = tables(mass="9 kg", price="9999 EUR", structure="3 kg")
+    checks = {check.name: check for check in found.checks}
+    assert all(axis.best for axis in found.axes)
+    drives = [axis.drives * axis.best.mass for axis in found.axes]
+    assert len(set(drives)) == 2 and checks["mass"].demand == pytest.approx(3.0 + sum(drives))
+    assert (checks["mass"].limit, checks["mass"].status) == (9.0, "pass")
+    assert checks["price"].demand == pytest.approx(sum(axis.drives * axis.best.price for axis in found.axes))
+    assert checks["price"].status == "unknown" and "controller" in checks["price"].note
+    heavy = tables(mass="3.1 kg", structure="3 kg")
+    assert heavy.status == "fail" and [check.name for check in heavy.checks if check.status == "fail"] == ["mass"]
+    dear = tables(price="300 EUR")
+    assert dear.status == "fail" and [check.name for check in dear.checks if check.status == "fail"] == ["price"]

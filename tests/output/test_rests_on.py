@@ -63,6 +63,7 @@ WITHOUT_A_CONTROLLER = {"controller.supply_min", "controller.supply_max"}
 WHERE_IT_BINDS = {
     "controller.max_duty",  # unknown it is 0.9 at least, which most makers print
     "controller.max_encoder_frequency",
+    "gearhead.intermittent_input_speed",  # the continuous one is as large
     "gearhead.temperature_min",
     "motor.ambient_min",
     "motor.speed_constant",  # no load tells the same back-EMF constant

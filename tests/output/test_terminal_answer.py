@@ -46,13 +46,14 @@ def test_the_first_screen_has_the_whole_answer_in_forty_lines(starter, capsys, m
 
 
 def test_totals_are_sums_of_the_lines_and_say_what_they_lack(starter, capsys, monkeypatch):
-    """2 x (127.00 + 143.55) EUR by the shop of 2020; encoder and controller have no price in any catalogue."""
+    """2 x (120.82 + 143.55) EUR by the shop of 2020; encoder and controller have no price in any catalogue."""
     out = " ".join(told(starter, capsys, monkeypatch).split())
-    assert "at least 541.10 EUR; without the price of encoder, controller" in out
+    assert "at least 528.74 EUR; without the price of encoder, controller" in out
     mass = next(t for t in totals(machine_parts(starter.sets[0], starter.problem)) if t.name == "mass")
-    assert mass.value == pytest.approx(2 * (0.066 + 0.073 + 0.035 + 0.045))
-    assert mass.estimated == ("controller",) and mass.low < mass.value < mass.high
-    assert mass.high - mass.value == pytest.approx(2 * 0.045 * 5.5)  # 0.045 kg times 6.5, the class of controllers
+    assert mass.value == pytest.approx(2 * (0.066 + 0.073 + 0.020 + 0.045))
+    assert mass.estimated == ("encoder", "controller") and mass.low < mass.value < mass.high
+    # 0.045 kg times 6.5, the class of controllers, and 0.02 kg times 2.5, that of encoders
+    assert mass.high - mass.value == pytest.approx(2 * (0.045 * 5.5 + 0.020 * 1.5))
     assert "≈ 90 g" in out
 
 
@@ -250,10 +251,10 @@ def test_masses_are_whole_at_any_width(columns, starter, capsys, monkeypatch):
     assert len(rows) == 4 and [row.split()[-2:] for row in rows] == [
         ["132", "g"],
         ["146", "g"],
-        ["70", "g"],
+        ["40", "g"],
         ["90", "g"],
     ]
-    assert "127.00 EUR" in rows[0] and ("254.00 EUR" in rows[0]) == (columns >= 72)
+    assert "120.82 EUR" in rows[0] and ("241.64 EUR" in rows[0]) == (columns >= 72)
 
 
 def test_the_head_of_a_report_has_the_payload(catalog):

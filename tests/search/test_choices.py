@@ -13,6 +13,7 @@ from starters import starter
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.weights import by_weights, used_share
 from drivesizer.search.choices import choices, picked
+from drivesizer.search.columns import bought
 from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.least_drawn import least_power
 from drivesizer.search.order import ranking
@@ -88,10 +89,11 @@ def belt_axis(tmp_path_factory, catalog):
     problem, _ = problem_with_drive_mass(spec, load_parts(spec, catalog), "mass")
     every = search(problem, top=5, objective="mass", margins=True).every
     whole = every.evaluated(np.flatnonzero(every.certainty == every.certainty[every.best[0]]))
-    figures = {**whole.figures, "margin": smallest_margin(whole.checks)}
+    parts = bought.chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=True)
+    figures = {**whole.figures, "margin": smallest_margin(whole.checks), **parts}
     columns = {}
     for name in NAMES:
-        value, lacking = ranking.values(whole.catalog, whole.candidates, figures, name)
+        value, lacking = ranking.single(whole.catalog, whole.candidates, figures, name)
         columns[name] = np.where(lacking > 0, np.nan, used_share(-value) if name == "margin" else value)
     return problem, every, whole, columns
 

@@ -16,6 +16,7 @@ from drivesizer.search.order.sifting import sifted
 from drivesizer.search.parts_offered import load_parts
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec, read_spec
+from drivesizer.spec.select import BOUGHT
 
 VEHICLE = """
 name: vehicle of 300 kg
@@ -293,3 +294,66 @@ def test_more_catalogues_lose_no_drive():
 @pytest.mark.slow
 def test_more_catalogues_lose_no_drive_of_many():
     assert {seed: lost for seed in range(100, 220) if (lost := loses(seed)[1])} == {}
+
+
+# RobStride's RS00 of 310 g has encoder and controller inside; CubeMars' AKE60-8 of 260 g has neither, nor does any
+# catalogue list some for it: of a motor encoder 20 g, of a controller 45 g are assumed
+ROTARY = """
+name: rotary table
+load: {kind: rotary_table, inertia: 0.09 kg*m^2, friction_torque: 0.37 N*m, motors: %s}
+motion: {speed: 71 rpm, acceleration_time: 0.13 s, cruise_time: 0.6 s, rest_time: 0.9 s}
+transmission: [{kind: gearhead}]
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [%s], motor: {part: [%s]}, estimates: "%s"}
+"""
+_ACTUATORS = "cubemars, robstride, maxon", "AKE60-8 KV80, RS00"
+
+
+def test_mass_is_that_of_all_that_is_bought():
+    light, bare = size(read(ROTARY % (1, *_ACTUATORS, "on")), top=2, brief=True).sets
+    assert (light.motor.part, light.mass) == ("RS00", pytest.approx(0.310, abs=1e-6))
+    assert (bare.motor.part, bare.encoder) == ("AKE60-8 KV80", None)
+    assert bare.mass == bare.objective == pytest.approx(0.260 + 0.020 + 0.045, abs=1e-6)
+
+
+def test_an_unknown_mass_of_encoder_or_controller_stands_last():
+    """By data sheets alone: 260 g and more, behind 310 g."""
+    sets = size(read(ROTARY % (1, *_ACTUATORS, "off")), top=2, brief=True).sets
+    masses = {one.motor.part: (one.mass, "encoder" in one.mass_of) for one in sets}
+    assert masses["AKE60-8 KV80"] == (pytest.approx(0.260, abs=1e-6), False)
+
+
+def test_the_objective_is_the_mass_of_the_parts_list():
+    """Of one drive out of three, each with what is listed for it."""
+    result = size(read(ROTARY % (3, "maxon", '"*"', "on")), top=60, brief=True)
+    for one in result.sets:
+        listed = [line for line in machine_parts(one, result.problem) if line.role in BOUGHT]
+        assert one.mass == pytest.approx(sum(line.quantity * line.mass for line in listed) / 3)
+    masses = [one.mass for one in result.sets]
+    assert masses == sorted(masses) and masses[0] < masses[-1]
+
+
+def test_a_budget_of_the_price_counts_all_drives_at_the_price_of_so_many():
+    """DCX22L01EBKL570 166.45 EUR (1 to 4), GPX 22 HP 143.55 EUR: twice 310.00; of encoder and controller none."""
+
+    def judged(motors: int, limit: int) -> tuple[float, str, str]:
+        text = ROTARY % (motors, "maxon", '"*"', "on") + f"budget: {{price: {limit} EUR}}\n"
+        (one,) = explain(read(text), "DCX22L01EBKL570", "GPX22HPKLSL44D0CPLW")
+        (price,) = one.budget
+        return price.demand, price.status, price.note
+
+    lacks = "at least: no price is known of encoder, controller, for which 80 EUR is left"
+    assert judged(2, 700) == (pytest.approx(620.00), "unknown", lacks)
+    assert judged(2, 610) == (pytest.approx(620.00), "fail", "")
+    part = explain(read(ROTARY % (7, "maxon", '"*"', "on")), "DCX22L01EBKL570", "GPX22HPKLSL44D0CPLW")[0]
+    assert part.motor.price_5 < part.motor.price and part.gearhead.price_5 < part.gearhead.price
+    assert judged(7, 9000)[0] == pytest.approx(7 * (part.motor.price_5 + part.gearhead.price_5))
+
+
+def test_a_budget_of_the_price_rejects_drives_before_they_are_shown():
+    """Each that is shown costs what is left, and the cheapest of all that pass without it is among them."""
+    text = ROTARY % (2, "maxon", '"*"', "on")
+    free = size(read(text), top=400, brief=True).sets
+    held = size(read(text + "budget: {price: 450 EUR}\n"), top=400, brief=True).sets
+    within = [one.label for one in free if 2 * one.price <= 450]
+    assert 0 < len(within) < len(free) and [one.label for one in held[: len(within)]] == within

@@ -19,7 +19,7 @@ References
 
 from __future__ import annotations
 
-from math import inf, log
+from math import exp, inf, log
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
 from drivesizer.physics.stepper.starting import START_BAND
 from drivesizer.physics.thermal import continuous_current, rated_ambient, resistance_25, steady_winding_temperature
 
-__all__ = ["ASSUMED", "CONVECTION", "DENSITY", "MOUNTED", "RULE", "by_rating", "by_rule", "by_stall"]
+__all__ = ["ASSUMED", "CONVECTION", "DENSITY", "MOUNTED", "RULE", "assumed_mass", "by_rating", "by_rule", "by_stall"]
 
 CONVECTION = 10.0  # W/m^2 K
 DENSITY = 2000.0  # kg/m^3, of an actuator whole
@@ -149,6 +149,18 @@ _LEAST = {"brushed": 358.15, "brushless": 373.15}  # K: 85 and 100 degC, of 326 
 _STALL = {"nominal_torque": "stall_torque", "nominal_current": "stall_current"}
 _LEAST_SHARE = 0.2  # of its stall torque that an actuator is rated for, for a moment: makers of servos advise as much
 _MOST = 10.0  # times its continuous torque, for a moment; of the 201 that print both 192 have 1.3 to 5, 196 up to 10
+
+
+def assumed_mass(section: str) -> tuple[float, float, float]:
+    """Mass of an encoder or controller of which nothing is known: value, 5th and 95th percentile [kg].
+
+    >>> [round(mass, 3) for mass in assumed_mass("encoders")]
+    [0.02, 0.008, 0.05]
+    """
+    own = next(fit for fit in ASSUMED if (fit.law.section, fit.law.figure) == (section, "mass"))
+    value = exp(own.coefficients[0])
+    low, high = own.band
+    return value, value * exp(low), value * exp(high)
 
 
 def by_rating(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:

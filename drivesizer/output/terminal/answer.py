@@ -21,10 +21,10 @@ from drivesizer.output.sums import unknown_of
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
 from drivesizer.results.braking import BrakingBudget
-from drivesizer.results.check import tightest
+from drivesizer.results.check import Check, tightest
 from drivesizer.results.check_parts import part_of
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.objectives import objective_figure
+from drivesizer.results.objectives import objective_figure, unknown_parts
 from drivesizer.results.sizing import SizingResult, worst
 from drivesizer.units import show
 
@@ -75,13 +75,13 @@ def _parts(lines: list[PartLine], best: DriveSet, width: int) -> Table:
     table = tables.bare(*heads, edged=False)
     for line in lines:
         number = [_number(line)] if wide else []
-        name = _named(line, best) if wide else Text("\n").join([_named(line, best), *_second(line)])
+        name = _named(line, best, wide=True) if wide else Text("\n").join([_named(line, best), *_second(line)])
         prices = [_money(line.price, line), *([_money(line.quantity * line.price, line)] if several else [])]
         table.add_row(f"{line.quantity} ×", line.role, name, *number, *prices, _massed(line))
     for column in table.columns:
         column.no_wrap = column.header != "part"
     known = [line for line in lines if line.part]
-    names = max(len(_named(line, best)) for line in known)
+    names = max(len(_named(line, best, wide=wide)) for line in known)
     numbers = 0 if wide else max(len(line.part) for line in known)
     longest = max(len(text) for cell in table.columns[2].cells for text in str(cell).split("\n"))
     figures = tables.width_of(table) - longest
@@ -90,19 +90,21 @@ def _parts(lines: list[PartLine], best: DriveSet, width: int) -> Table:
     return table
 
 
-def _named(line: PartLine, best: DriveSet) -> Text:
-    """Maker and family, with the reduction of a gearhead or the ratio of a belt."""
+def _named(line: PartLine, best: DriveSet, *, wide: bool = False) -> Text:
+    """Maker and family, with the reduction of a gearhead or the ratio of a belt; a number that begins with these."""
     if not line.part:
         return Text(line.said or "none is listed for this motor", style="" if line.said else "yellow")
     reduction = best.gearhead.reduction if line.role in ("gearhead", "actuator") else ""
     maker = "" if line.maker in line.family else line.maker
-    name = Text(" ".join(filter(None, (maker, line.family, reduction))), style="bold")
+    family = line.part if line.part.startswith(line.family) and not (wide or reduction) else line.family
+    name = Text(" ".join(filter(None, (maker, family, reduction))), style="bold")
     return name + Text(f", {line.said}") if line.said.endswith(OWN_SUPPLY) else name
 
 
 def _second(line: PartLine) -> list[Text]:
     """The order number below a part's name, unless it is the name."""
-    return [_number(line)] if line.part and line.part != line.family else []
+    again = line.part.startswith(line.family) and line.role not in ("gearhead", "actuator")
+    return [_number(line)] if line.part and line.part != line.family and not again else []
 
 
 def _number(line: PartLine) -> Text:
@@ -172,9 +174,14 @@ def _undecided(best: DriveSet, result: SizingResult) -> Iterator[Text]:
         unknown.remove(bus)
     if unknown:
         more = f" and {len(unknown) - _NAMED} more (--checks)" if len(unknown) > _NAMED + 1 else ""
-        names = "; ".join(check.title for check in unknown[: _NAMED if more else None])
+        names = "; ".join(map(_named_check, unknown[: _NAMED if more else None]))
         yield Text(f"unknown: {names}{more}", style=STYLE["unknown"])
     yield from tables.missing(best)
+
+
+def _named_check(check: Check) -> str:
+    """A check; that of the price with what it lacks."""
+    return f"{check.title} ({check.note})" if (check.name, check.method) == ("price", "budget") else check.title
 
 
 def _deciding(braking: BrakingBudget) -> str:
@@ -226,8 +233,8 @@ def side_by_side(console: Console, sets: Sequence[DriveSet], objective: str, tit
     figures = tables.width_of(table) - max(map(_longest_line, drives))
     names = max(_longest_line(names_of(found, wide=wide)) for found in sets)
     table.columns[0].min_width = min(names, console.width - figures)  # figures are whole, long part numbers wrap
-    braked = " with brake" if any(found.brake for found in sets) else ""
-    over = "" if all(found.actuator for found in sets) else f", mass of motor and gearhead{braked}"
+    braked = "brake, " if any(found.brake for found in sets) else ""
+    over = f", mass with {braked}encoder and controller"
     console.print(Text(f"\n{title}: one drive each{over}", style="bold"))
     console.print(table)
     if shared:
@@ -304,9 +311,9 @@ def compared(found: DriveSet) -> tuple[str | Text, ...]:
     """
     least = "≥ " if unknown_of(found, found.price_of) else ""
     tight = worst(found.deciding)
-    energy = objective_figure(found, "energy")
+    energy, known = objective_figure(found, "energy"), not isnan(found.mass)
     return (
-        show(found.mass, "g", "mass"),
+        ("≥ " if known and unknown_parts(found, "mass", found.mass_of) else "") + show(found.mass, "g", "mass"),
         "unknown" if isnan(found.price) else f"{least}{found.price:.0f} EUR",
         "–" if isnan(energy.value) else energy.text,
         Text(percent(tight.margin) if tight else "–", style=STYLE[found.status]),

@@ -19,6 +19,7 @@ from drivesizer.output.probability import about
 from drivesizer.output.required import required_rows
 from drivesizer.results.drive_set import DriveSet, made_by, section_of
 from drivesizer.results.figures_behind_checks import missing_figures
+from drivesizer.results.objectives import unknown_parts
 from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.robot import AS_SPECIFIED
@@ -347,8 +348,7 @@ def objective(found: DriveSet, name: str) -> str:
         return f"{found.objective:.4g}"
     declared = OBJECTIVES[name]
     text = show(found.objective, declared.unit, declared.kind)
-    summed = {*declared.over, *(["brake"] if "gearhead" in declared.over else [])}
-    lacks = summed.intersection(found.parts).difference(found.objective_of)
+    lacks = declared.over and unknown_parts(found, name, found.objective_of)
     return f"{text}\n({' and '.join(found.objective_of)} only)" if lacks and found.objective_of else text
 
 

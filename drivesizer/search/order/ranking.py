@@ -8,23 +8,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Table
+from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.extremes import undominated
 from drivesizer.results.weights import multiples, used_share
+from drivesizer.search.columns.bought import CONTROLLING, bought
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.spec.select import OBJECTIVES, Weighted
 from drivesizer.units.ranges import RANGES
 
 __all__ = [
-    "BRAKE", "BRAKE_FIGURES", "COUNTED", "Ranking", "front", "names_of", "objective_of", "order", "rounded", "title_of",
-    "values", "weights_of",
+    "COUNTED", "Ranking", "controlling_unknown", "front", "names_of", "objective_of", "order", "rounded", "single",
+    "title_of", "values", "weights_of",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
 COUNTED = tuple(name for name, declared in OBJECTIVES.items() if not declared.over and name != "margin")
-BRAKE = "brake"  # among the figures of drives: row of the brake, -1 none
-BRAKE_FIGURES = {"length": "added_length"}  # that objectives sum under another name
+_BEHIND = len(CONTROLLING) + 1  # so that what is unknown of a motor goes before what is of all else
 _DIGITS = 9  # in which equal objectives agree
 Ranking = str | list[Weighted]  # one objective, or several with weights
 
@@ -101,24 +101,26 @@ def values(
     sets
         Candidates.
     figures
-        Their energy [J], peak current [A], winding temperature [K] and smallest margin, as far as objectives need them.
+        Their energy [J], peak current [A], winding temperature [K] and smallest margin, as far as objectives need them,
+        and the parts of ``bought.chosen``.
     objective
         One, or several with weights: then multiples of the best value that any of the drives has are summed.
 
     Returns
     -------
     tuple[Array, array of int]
-        The objective and the number of unknown parts, each of shape (rows,); of a price that is not wholly known the
-        mass, by which such drives are ordered.
+        The objective and what is unknown of it, each of shape (rows,). A single objective counts unknown encoders and
+        controllers after all others; where the price of motor, gearhead or brake is unknown it is the mass, by which
+        such drives are ordered.
     """
     if isinstance(objective, str):
-        value, missing = _single(catalog, sets, figures, objective)
+        value, missing = single(catalog, sets, figures, objective)
         if objective == "price" and missing.any():  # what is known of a price says nothing of the rest of it
-            value = np.where(missing > 0, _single(catalog, sets, figures, "mass")[0], value)
-        return value, missing
+            value = np.where(missing > 0, single(catalog, sets, figures, "mass")[0], value)
+        return value, _BEHIND * missing + controlling_unknown(catalog, sets, figures, objective)
     total, missing = np.zeros(len(sets.motor)), np.zeros(len(sets.motor), np.int64)
     for part in objective:
-        value, lacking = _single(catalog, sets, figures, part.objective)
+        value, lacking = single(catalog, sets, figures, part.objective)
         if OBJECTIVES[part.objective].more_is_better:  # a margin, counted as what is used of the limit
             value = used_share(-value)
         total += part.weight * multiples(value, lacking == 0)
@@ -126,26 +128,56 @@ def values(
     return total, missing
 
 
-def _single(
+def single(
     catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str
 ) -> tuple[Array, NDArray[np.int64]]:
+    """One objective of each drive as far as it is known, less is better, and what is unknown of it.
+
+    Parameters
+    ----------
+    catalog, sets, figures
+        As ``values`` takes them.
+    name
+        The objective.
+
+    Returns
+    -------
+    tuple[Array, array of int]
+        Each of shape (rows,); what is unknown of encoder and controller is left out and not counted.
+    """
     declared = OBJECTIVES[name]
     if not declared.over:
         value = np.where(np.isinf(figures[name]), np.nan, -figures[name]) if declared.more_is_better else figures[name]
         return np.nan_to_num(value, nan=0.0), np.isnan(value).astype(np.int64)
-    tables: dict[str, Table[Any]] = {"motor": catalog.motors, "gearhead": catalog.gearheads}
-    found = np.array([tables[part][declared.figure][getattr(sets, part)] for part in declared.over])
-    if "gearhead" in declared.over and BRAKE in figures:
-        found = np.concatenate([found, _of_brakes(catalog, figures[BRAKE], declared.figure)[None]])
+    found = bought(catalog, sets, figures, declared.figure, declared.over, 0 if catalog.ends else None)
+    turning = [role not in CONTROLLING for role in declared.over]
     total = np.nansum(found, 0)
-    return -total if declared.more_is_better else total, np.isnan(found).sum(0)
+    return -total if declared.more_is_better else total, np.isnan(found[turning]).sum(0)
 
 
-def _of_brakes(catalog: Catalog, rows: Array, figure: str) -> Array:
-    """A figure of the drives' brakes; 0 of a drive without one."""
-    column = np.append(catalog.brakes[BRAKE_FIGURES.get(figure, figure)], 0.0)
-    found: Array = column[rows.astype(np.int64)]
-    return found
+def controlling_unknown(
+    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: str
+) -> NDArray[np.int64]:
+    """Number of encoder and controller of each drive of which an objective is unknown.
+
+    Parameters
+    ----------
+    catalog, sets, figures
+        As ``values`` takes them.
+    objective
+        One.
+
+    Returns
+    -------
+    array of int
+        Of shape (rows,).
+    """
+    declared = OBJECTIVES[objective]
+    over = [role for role in declared.over if role in CONTROLLING]
+    unknown: NDArray[np.int64] = np.isnan(
+        bought(catalog, sets, figures, declared.figure, over, 0 if catalog.ends else None)
+    ).sum(0)
+    return unknown
 
 
 def order(
@@ -213,7 +245,7 @@ def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name
     array of int
         Rows on the front.
     """
-    columns = [_single(catalog, sets, figures, name) for name in names]
+    columns = [single(catalog, sets, figures, name) for name in names]
     known = np.flatnonzero(sum(missing for _, missing in columns) == 0)
     values_ = np.stack([rounded(value[known]) for value, _ in columns], axis=1)
     ordered = order(catalog, sets.on(known), values_[:, 0], np.zeros(len(known), np.int64))

@@ -17,12 +17,13 @@ from drivesizer.physics.stress import put
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.bands import BothEnds, at_ends, both_ends, estimated
+from drivesizer.search.columns.bought import chosen
 from drivesizer.search.columns.candidates import Candidates, Crossed, joined, pairs
 from drivesizer.search.columns.evaluation import figures_by_physics
 from drivesizer.search.columns.limits_over_time import Wanted
 from drivesizer.search.columns.parts_alone import belts_together
 from drivesizer.search.columns.stages import Examined, examine
-from drivesizer.search.order.ranking import BRAKE, COUNTED, order, rounded
+from drivesizer.search.order.ranking import COUNTED, order, rounded
 from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["OPEN", "PASSES", "UNKNOWN", "Progress", "Sifted", "any_passes", "examined_by", "sifted"]
@@ -183,7 +184,8 @@ def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.b
     """Some candidates as they were found, with the nearest of the rejected."""
     not_known = np.full_like(one.margin, np.inf)
     margin, most = (one.margin, not_known) if margins else (not_known, one.margin)
-    figures = {name: one.figures[name] for name in COUNTED} | {"margin": margin, BRAKE: one.brake.astype(float)}
+    figures = {name: one.figures[name] for name in COUNTED} | {"margin": margin}
+    figures |= chosen(one.encoder, one.controller, one.brake, needs_encoder=not problem.spec.steps)
     few = _closest(one.bound)
     failing = _nearest(problem, [(every.on(one.rejected[few]), one.bound[few])])
     count = len(every.counted.motor) * len(every.belts)
@@ -232,6 +234,7 @@ def _at_the_unfavourable(
     return easy._replace(
         unknown=put(easy.unknown, place, unknown & hard.unknown),
         margin=put(easy.margin, place, hard.margin),
+        controller=put(easy.controller, place, hard.controller),
         brake=put(easy.brake, place, hard.brake),
         figures={name: put(column, place, hard.figures[name]) for name, column in easy.figures.items()},
     )
@@ -284,7 +287,8 @@ def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[
     """All that pass or may pass; of estimated figures those that objectives count are at the middle of the band."""
     if not kept:
         none = every.on(slice(0, 0))
-        figures, nothing = dict.fromkeys((*COUNTED, "margin", BRAKE), none.belt), np.zeros(0, np.int64)
+        nothing = np.zeros(0, np.int64)
+        figures = dict.fromkeys((*COUNTED, "margin"), none.belt) | chosen(nothing, nothing, nothing, needs_encoder=True)
         return Sifted(none, nothing, figures, nothing, none.belt, nothing == 0)
     sets = joined([k.sets for k in kept])
     opened, unknown, doublings, most = (

@@ -21,7 +21,7 @@ from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.specification import file_name
 from drivesizer.output.text import cleaned, margin
 from drivesizer.results.weights import Choice, Choices, by_weights, used_share
-from drivesizer.spec.select import OBJECTIVES
+from drivesizer.spec.select import BOUGHT, OBJECTIVES
 from drivesizer.units import show
 
 __all__ = ["weights_section"]
@@ -145,10 +145,10 @@ def _intro(content: Content, chosen: Choices) -> str:
 
 def _caption(chosen: Choices, offered: list[Criterion]) -> str:
     """Meaning of the figures: parts that they are summed over, or drives that they are of."""
-    braked = " with brake" if any(one.parts.brake for one in chosen.drives) else ""
+    there = {role for role in BOUGHT if any(getattr(one.parts, role) for one in chosen.drives)}
     said = dict[str, list[str]]()
     for declared in (OBJECTIVES[one.name] for one in offered if one.name != _PARTS):
-        over = f"of {' and '.join(declared.over)}{braked}" if declared.over else declared.note
+        over = f"of {', '.join(role for role in declared.over if role in there)}" if declared.over else declared.note
         said.setdefault(over, []).append(declared.title)
     return "; ".join(f"{' and '.join(titles)}: {over}" for over, titles in said.items())
 
