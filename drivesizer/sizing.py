@@ -27,7 +27,7 @@ from drivesizer.search.own_mass import problem_with_drive_mass
 from drivesizer.search.paper.derivation import vehicle
 from drivesizer.search.parts_offered import load_parts, pair_of
 from drivesizer.search.relaxations import changes_for, relaxations, tried
-from drivesizer.search.remarks import assumptions, not_returning, warnings
+from drivesizer.search.remarks import assumptions, nearest_figures, not_returning, warnings
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.shortlist import Shortlist, shortlist
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
@@ -236,7 +236,9 @@ def explained(
     catalog = load_parts(spec, catalog)
     check_battery(spec, catalog)
     problem, _ = problem_with_drive_mass(spec, catalog, spec.select.objective)
-    evaluation, found = _examined(problem, pair_of(catalog, motor, gearhead), spec.behind(gearhead))
+    evaluation, found = _examined(
+        problem, pair_of(catalog, motor, gearhead, spec.supply.nominal), spec.behind(gearhead)
+    )
     weigh = weighing(problem, of_the_machine(problem.machine))
     parts = {row: drive_parts(evaluation, row) for row in found}
     beside = {row: other_checks(problem, one) for row, one in parts.items()}
@@ -256,7 +258,7 @@ def explained(
         )
         for rank, (row, one) in enumerate(parts.items(), 1)
     ]  # fmt: skip
-    return Explanation(sets, uncertain, tuple(not_returning(problem)))
+    return Explanation(sets, uncertain, (*not_returning(problem), *nearest_figures(spec, sets)))
 
 
 def _examined(problem: Problem, rows: tuple[int, int], behind: RobotSpec) -> tuple[Evaluation, list[int]]:

@@ -157,6 +157,7 @@ def _section(reader: Reader, section: str, given: Any, maker: str) -> Table[Any]
     empty = {name: _unknown(column, 0) for name, column in schema.items()}
     columns = {name: np.concatenate([p[name] for p in parts] or [empty[name]]) for name in schema}
     _unique(reader, columns["part"], places)
+    _at_several_voltages(reader, columns, places)
     out = {p for note in reader.notes if note.section == section and note.exclude for p in note.parts}
     excluded = np.isin(columns["part"], sorted(out)) if out else np.zeros(len(columns["part"]), bool)
     return Table(section, columns, np.concatenate(source or [np.zeros(0, np.int32)]), excluded)
@@ -181,6 +182,24 @@ def _unique(reader: Reader, parts: NDArray[Any], places: list[Path_]) -> None:
     again = np.setdiff1d(np.arange(len(parts)), first)
     if len(again):
         raise reader.fail(places[again[0]], f"part {quoted(parts[again[0]])} is given twice")
+
+
+def _at_several_voltages(reader: Reader, columns: dict[str, NDArray[Any]], places: list[Path_]) -> None:
+    """Refuse two rows of an order number at one voltage, or at none: no supply says which of them counts."""
+    found: dict[tuple[str, float], str] = {}
+    for row, order in enumerate(columns.get("order_number", np.array([])).tolist()):
+        volts = float(columns["nominal_voltage"][row])
+        if not order:
+            continue
+        if np.isnan(volts):
+            raise reader.fail(
+                places[row], f"order_number {quoted(order)} needs nominal_voltage, at which its figures hold"
+            )
+        first = found.setdefault((order, volts), part := str(columns["part"][row]))
+        if first != part:
+            raise reader.fail(
+                places[row], f"{quoted(part)} and {quoted(first)} are {quoted(order)} at {volts:g} V; give one"
+            )
 
 
 def _table(reader: Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:

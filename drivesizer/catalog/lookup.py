@@ -8,39 +8,43 @@ from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Source
 from drivesizer.catalog.conditions import OPTIONS
 from drivesizer.catalog.maker_tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.catalog.query import Hit, Shelf, every, select
+from drivesizer.catalog.tables import OTHER_NAMES
 from drivesizer.errors import InputError, nearest, quoted
 
 __all__ = ["families", "find", "look", "origins", "partners", "tolerances"]
 
 
 def find(shelf: Shelf, part: str) -> list[Hit]:
-    """The parts with a number, in whatever section or catalogue.
+    """The parts with a number or another name, in whatever section or catalogue.
 
     Parameters
     ----------
     shelf
         Catalogues by name.
     part
-        The part number.
+        The part number; else another name, whatever its case, blanks and hyphens.
 
     Returns
     -------
     list[Hit]
-        One for each catalogue and section that has it.
+        One for each catalogue and section that has it; by the name of a part all rows of its figures.
 
     Raises
     ------
     InputError
         When there is none: the nearest numbers, or that it is a family's name.
     """
-    found = [
-        Hit(name, catalog, section, catalog.table(section).rows[part])
-        for name, catalog in shelf.items()
-        for section in PARTS
-        if part in catalog.table(section).rows
-    ]
-    if found and part != DIRECT:
-        return found
+    exact, other = (
+        [
+            Hit(name, catalog, section, row)
+            for name, catalog in shelf.items()
+            for section in PARTS
+            for row in rows(catalog.table(section))
+        ]
+        for rows in (lambda table: [table.rows[part]] if part in table.rows else [], lambda table: table.called(part))
+    )
+    if part != DIRECT and (exact or other):
+        return exact or other
     for section, names in families(shelf).items():
         if part in names:
             raise InputError(
@@ -76,7 +80,7 @@ def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list
         section: {name: members for name, members in names.items() if name in called[section]}
         for section, names in families(shelf).items()
     }
-    return groups, [hit for section in PARTS for hit in hits(section, "part")]
+    return groups, [hit for section in PARTS for hit in hits(section, "part", *OTHER_NAMES)]
 
 
 def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:

@@ -20,6 +20,8 @@ class Actuator(PartRecord):
     """A motor sold with its gearhead inside, maybe with encoder and controller: figures at the output, as printed."""
 
     part: str = text()
+    order_number: str = text()  # what is bought, where rows of one part are its figures at several voltages
+    also_called: str = text()  # its other names, separated by semicolons
     family: str = text()
     manufacturer: str = text()
     kind: str = text()  # of the motor: brushed or brushless

@@ -43,6 +43,8 @@ class Motor(PartRecord):
     """One winding of a motor, as its data sheet gives it at ``data_temperature``; 25 degC where none is stated."""
 
     part: str = text()
+    order_number: str = text()  # what is bought, where rows of one part are its figures at several voltages
+    also_called: str = text()  # its other names, separated by semicolons
     family: str = text()
     manufacturer: str = text()
     kind: str = text()  # brushed or brushless; stepper in the search view alone

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, PARTS, Catalog, Table, columns_of, load, path_of, shipped
 from drivesizer.catalog.conditions import Condition, column_name
+from drivesizer.catalog.tables import spelling
 from drivesizer.errors import InputError, nearest, quoted
 
 __all__ = ["Hit", "Selection", "Shelf", "contains", "every", "open_all", "select"]
@@ -144,7 +145,7 @@ def select(
 
 
 def contains(table: Table[Any], text: str, names: Sequence[str]) -> NDArray[np.bool_]:
-    """Rows of a table that have a text in one of some columns; case and blanks around it do not matter.
+    """Rows of a table that have a text in one of some columns; case, blanks and hyphens do not matter.
 
     Parameters
     ----------
@@ -153,17 +154,17 @@ def contains(table: Table[Any], text: str, names: Sequence[str]) -> NDArray[np.b
     text
         Part of a number, name or kind; all rows contain an empty one.
     names
-        Columns of text.
+        Columns of text; those that the section does not have contain nothing.
 
     Returns
     -------
     array of bool
         Shape (rows,).
     """
-    piece = text.strip().casefold()
+    piece = spelling(text) or text.strip()
     found = np.full(len(table), not piece)
-    for name in names if piece else ():
-        found |= np.array([piece in value.casefold() for value in table[name].tolist()], bool)
+    for name in (name for name in names if piece and name in table.columns):
+        found |= np.array([piece in spelling(value) for value in table[name].tolist()], bool)
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -29,6 +30,7 @@ from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
 __all__ = [
     "CONFIDENCE",
     "ESTIMATED",
+    "OTHER_NAMES",
     "Across",
     "Catalog",
     "Estimates",
@@ -37,10 +39,12 @@ __all__ = [
     "Source",
     "Table",
     "empty",
+    "spelling",
     "unique_pairs",
 ]
 
 _KEPT = 256  # results of a catalogue for specs of late
+OTHER_NAMES = ("order_number", "also_called")  # columns of some sections, beside the part number
 _RECORDS = 256  # parts of late, by row
 
 Part = TypeVar("Part")
@@ -147,6 +151,41 @@ class Table(Generic[Part]):
         return {part: row for row, part in enumerate(self.columns["part"].tolist())}
 
     @cached_property
+    def spellings(self) -> dict[str, list[int]]:
+        """Rows by all names of parts: number, order number and others, whatever case, blanks and hyphens."""
+        found: dict[str, list[int]] = {}
+        for column in (name for name in ("part", *OTHER_NAMES) if name in self.columns):
+            for row, text in enumerate(self.columns[column].tolist()):
+                for name in {spelling(one) for one in text.split(";")} - {""} if text else ():
+                    found.setdefault(name, []).append(row)
+        return found
+
+    def called(self, name: str) -> list[int]:
+        """Rows of a part by any of its names; of one that has figures at several voltages all of them.
+
+        >>> table = empty("actuators")
+        >>> parts = {"part": ["X 12 V", "X 9 V", "Y-1"], "order_number": ["X", "X", ""], "also_called": ["", "", "Z"]}
+        >>> table = replace(table, columns={name: np.array(texts) for name, texts in parts.items()})
+        >>> table.called("x12v"), table.called("X"), table.called("z"), table.called("W")
+        ([0, 1], [0, 1], [2], [])
+        """
+        rows = [self.rows[name]] if name in self.rows else self.spellings.get(spelling(name), [])
+        if "order_number" not in self.columns:
+            return rows
+        orders = {order for row in rows if (order := str(self["order_number"][row]))}
+        return sorted({*rows, *(row for order in orders for row in self.spellings[spelling(order)])})
+
+    def at_voltage(self, volts: float) -> NDArray[np.bool_]:
+        """Rows that count at a supply voltage: of parts with figures at several that with the nearest one."""
+        keep = np.ones(len(self), bool)
+        several = np.flatnonzero((self["order_number"] != "") & ~self.excluded)
+        own, order = self["nominal_voltage"][several], self["order_number"][several]
+        ranked = several[np.lexsort((own, np.abs(own - volts), order))]
+        keep[ranked] = False
+        keep[ranked[np.unique(self["order_number"][ranked], return_index=True)[1]]] = True
+        return keep
+
+    @cached_property
     def alphabetical(self) -> NDArray[np.int64]:
         """Place of each row by part number, by which ties are resolved: a catalogue may list its parts in any order."""
         place = np.empty(len(self), np.int64)
@@ -160,6 +199,15 @@ class Table(Generic[Part]):
         names, first = np.unique(self["family"][order], return_index=True)
         families = dict(zip(names.tolist(), np.split(order, first[1:]), strict=True)) if len(self) else {}
         return {part: np.array([row]) for part, row in self.rows.items()} | families
+
+
+def spelling(name: str) -> str:
+    """A name of a part without case, blanks and hyphens.
+
+    >>> spelling("ST-3215-C001") == spelling("st3215 c001")
+    True
+    """
+    return re.sub(r"[\s_-]+", "", name).casefold()
 
 
 def empty(section: str) -> Table[Any]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from math import nan
+from dataclasses import replace
+from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -65,7 +66,7 @@ def predict(
         resistance=_not_below_zero("resistance", resistance, "resistance"),
     )
     form = _form(figure)
-    sold, gear, drive = _set(open_named(catalogs), motor, gearhead, controller)
+    sold, gear, drive = _set(open_named(catalogs), motor, gearhead, controller, given.voltage)
     given = completed(given, sold, gear)
     with working("predicting"):
         found = predicted(sold, gear, drive, given)
@@ -149,10 +150,13 @@ def _form(figure: Path | None) -> Any:
 
 
 def _set(
-    shelf: dict[str, Catalog], motor: str, gearhead: str | None, controller: str | None
+    shelf: dict[str, Catalog], motor: str, gearhead: str | None, controller: str | None, volts: float
 ) -> tuple[Hit, Hit | None, Hit | None]:
     """The parts that are named: the motor's catalogue goes before others that have the same number."""
     sold = _found(shelf, motor, ("motors", "actuators"), "motor or actuator")
+    if not isnan(volts):  # else that of the row
+        counts = sold.table.at_voltage(volts)
+        sold = replace(sold, row=next(row for row in sold.table.called(motor) if counts[row]))
     if sold.section == "actuators" and gearhead is not None:
         raise InputError(f"--gearhead: {quoted(motor)} is an actuator with its gear inside; leave the option out")
     first = {sold.catalogue: shelf[sold.catalogue]} | shelf

@@ -26,7 +26,7 @@ class PartLine:
     maker: str = ""
     family: str = ""
     part: str = ""  # its name in the catalogue
-    order_number: str = ""  # the same, where the maker knows it by that
+    order_number: str = ""  # as its maker sells it; mostly the same
     said: str = ""  # what it is, in words
     quantity: int  # of the whole machine
     mass: float = nan  # kg, of one
@@ -152,12 +152,13 @@ def ordered_as(part: str, order_number: str) -> str:
     str
         The text.
     """
-    return f"{part}, {NO_NUMBER}" if part and not order_number else part
+    return order_number or (f"{part}, {NO_NUMBER}" if part else "")
 
 
 def _number(catalog: Catalog, part: Any) -> str:
     """The order number of a part; empty where the name in the catalogue is the catalogue's own."""
-    return "" if any(NO_NUMBER in note.text for note in _remarks(catalog, part)) else str(part.part)
+    known = not any(NO_NUMBER in note.text for note in _remarks(catalog, part))
+    return (getattr(part, "order_number", "") or str(part.part)) if known else ""
 
 
 def _remarks(catalog: Catalog, part: Any) -> list[Note]:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drivesizer.catalog import DIRECT, Catalog, load, one_of
 from drivesizer.catalog.view.stepper_view import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
@@ -49,7 +52,7 @@ def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:
         raise InputError(f"{where}: only steppers are in them; expected select: {{motor: {{kind: {STEPPER}}}}}")
 
 
-def pair_of(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:
+def pair_of(catalog: Catalog, motor: str, gearhead: str, volts: float) -> tuple[int, int]:
     """Rows of a motor and a gearhead.
 
     Parameters
@@ -57,7 +60,9 @@ def pair_of(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:
     catalog
         The parts.
     motor, gearhead
-        Part numbers; an actuator is named as the motor and brings its own gearhead.
+        Part numbers or other names; an actuator is named as the motor and brings its own gearhead.
+    volts
+        Of the supply [V], at which figures count.
 
     Returns
     -------
@@ -69,7 +74,7 @@ def pair_of(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:
     InputError
         When a part number is in no catalogue, the gearhead is missing or inside something else.
     """
-    row = _row(catalog, "motors", motor)
+    row = _row(catalog, "motors", motor, catalog.motors.at_voltage(volts))
     box = str(catalog.motors["inside"][row])
     if box and gearhead in ("", box):
         return row, catalog.gearheads.rows[box]
@@ -82,8 +87,12 @@ def pair_of(catalog: Catalog, motor: str, gearhead: str) -> tuple[int, int]:
     return row, other
 
 
-def _row(catalog: Catalog, section: str, part: str) -> int:
+def _row(catalog: Catalog, section: str, part: str, counts: NDArray[np.bool_] | None = None) -> int:
     table = catalog.table(section)
-    if part not in table.rows:
+    rows = [row for row in table.called(part) if counts is None or counts[row]]
+    if not rows:
         raise InputError(f"{one_of(section)} {quoted(part)} is in no catalogue{nearest(part, table.rows)}")
-    return table.rows[part]
+    if len(rows) > 1:
+        names = ", ".join(table["part"][rows].tolist())
+        raise InputError(f"{one_of(section)} {quoted(part)} is several parts; expected one of {names}")
+    return rows[0]

@@ -22,7 +22,7 @@ from drivesizer.spec.mounting import mounting_words
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["assumptions", "not_returning", "warnings"]
+__all__ = ["assumptions", "nearest_figures", "not_returning", "warnings"]
 
 _FEW = 4  # missing figures at most that are worth a request to the maker
 
@@ -77,6 +77,7 @@ def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
         *_mains(picked.problem.machine),
         *picked.weighed,
         *_of_best(picked.problem, sets),
+        *nearest_figures(picked.problem.machine, sets[:1]),
         *_held_back(picked, sets),
         *budgets,
     )
@@ -89,6 +90,30 @@ def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
     given = tuple(sets)
     stated = unstated_temperature(s.motor.part for s in given if isnan(s.motor.data_temperature))
     return (*stated, *unstated_ambient(given), *unstated_supply(given))
+
+
+def nearest_figures(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
+    """Parts that have figures at several voltages, none of them that of the supply.
+
+    Parameters
+    ----------
+    spec
+        With its supply.
+    sets
+        The drives.
+
+    Returns
+    -------
+    tuple of str
+        A sentence each, at which voltage they hold.
+    """
+    volts = spec.supply.nominal
+    rows = (s.motor for s in sets if s.motor.order_number and not math.isclose(s.motor.nominal_voltage, volts))
+    nearest = {one.order_number: show(one.nominal_voltage, "V", "voltage") for one in rows}
+    return tuple(
+        f"the figures of {part} are those at {own}, of those of its maker the nearest to {show(volts, 'V', 'voltage')}"
+        for part, own in nearest.items()
+    )
 
 
 _MAINS = (100, 110, 115, 120, 200, 208, 220, 230, 240, 380, 400, 415, 440, 460, 480)  # V

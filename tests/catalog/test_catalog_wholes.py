@@ -37,8 +37,8 @@ sources:
 actuators:
 - family: A
   source: s
-  common: {kind: brushless, gearing: planetary, direction: 1, nominal_voltage: 24 V, resistance: 1.2 ohm,
-    inductance: 0.6 mH, stall_current: 20 A, no_load_current: 0.5 A, nominal_current: 5.5 A, peak_current: 15.5 A,
+  common: {kind: brushless, gearing: planetary, direction: 1, resistance: 1.2 ohm,
+    inductance: 0.6 mH, no_load_current: 0.5 A, nominal_current: 5.5 A, peak_current: 15.5 A,
     motor_torque_constant: 50 mN*m/A, rotor_inertia: 200 g*cm^2, pole_pairs: 7, thermal_resistance_winding: 1.5 K/W,
     thermal_resistance_housing: 3 K/W, winding_time_constant: 10 s, motor_time_constant: 600 s,
     max_winding_temperature: 120 degC, ambient_min: -10 degC, ambient_max: 50 degC, backlash: 0.2 deg,
@@ -47,11 +47,13 @@ actuators:
     supply_max: 48 V, standby_current: 30 mA, diameter: 60 mm, length: 50 mm, mass: 500 g}
   columns: [part, reduction, ratio, stages, efficiency (%), torque_constant (N*m/A), stall_torque (N*m),
     nominal_torque (N*m), peak_torque (N*m), no_load_speed (rad/s), nominal_speed (rad/s), max_speed (rad/s),
-    output_inertia (kg*m^2), price (EUR), coulomb_friction (N*m), viscous_friction (N*m*s/rad), load_friction (%)]
+    output_inertia (kg*m^2), price (EUR), coulomb_friction (N*m), viscous_friction (N*m*s/rad), load_friction (%),
+    nominal_voltage (V), stall_current (A), order_number]
   rows:
-  - [A10, "10:1", 10, 2, 80, 0.40, 7.8, 2.0, 6.0, 46.8, 34.8, 52, 0.0022, 100, 0.1, 0.0032, 25]
-  - [A20, "20:1", 20, 2, 75, 0.75, 14.625, 3.75, 11.25, 23.4, 17.4, 26, 0.0088, 120, 0.2, 0.0128, 33.3]
-  - [A30, "30:1", 30, 3, 70, 1.05, 20.475, 5.25, 15.75, 15.6, 11.6, 17, 0.0198, 150, 0.3, 0.0288, 42.9]
+  - [A10, "10:1", 10, 2, 80, 0.40, 7.8, 2.0, 6.0, 46.8, 34.8, 52, 0.0022, 100, 0.1, 0.0032, 25, 24, 20, A10]
+  - [A10 23 V, "10:1", 10, 2, 80, 0.40, 7.467, 2.0, 6.0, 44.8, 32.8, 52, 0.0022, 100, 0.1, 0.0032, 25, 23, 19.17, A10]
+  - [A20, "20:1", 20, 2, 75, 0.75, 14.625, 3.75, 11.25, 23.4, 17.4, 26, 0.0088, 120, 0.2, 0.0128, 33.3, 24, 20, ~]
+  - [A30, "30:1", 30, 3, 70, 1.05, 20.475, 5.25, 15.75, 15.6, 11.6, 17, 0.0198, 150, 0.3, 0.0288, 42.9, 24, 20, ~]
 brakes:
 - family: B
   source: s

@@ -3,9 +3,15 @@
 import pytest
 from specs import estimates_off
 
+from drivesizer.catalog import load
+from drivesizer.catalog.laws.check import check_file
+from drivesizer.catalog.lookup import find, look
+from drivesizer.catalog.query import open_all
+from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json.documents import sizing
-from drivesizer.sizing import explain, load_parts, size
+from drivesizer.output.parts import machine_parts
+from drivesizer.sizing import explain, explained, load_parts, size
 from drivesizer.spec.robot import read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -172,3 +178,120 @@ def test_a_mass_that_nobody_knows_is_not_nothing(fan):
     assert [one["mass_kg"] for one in told] == [0.4, None]
     assert [one["objective"] for one in told] == [0.4, None]
     assert [one["objective"] for one in sizing(size(fan(catalog=unknown), objective="price"))["sets"]] == [None, None]
+
+
+SERVO = """
+catalog: 1
+manufacturer: maker
+sources: {sheet: {document: a sheet, confidence: quoted}}
+actuators:
+  - family: S
+    source: sheet
+    common: {kind: brushed, gearing: spur, ratio: 200, reduction: "200:1", efficiency: 70 %, controller: integrated,
+      supply_min: 9 V, supply_max: 16 V, mass: 80 g, ambient_min: 0 degC, ambient_max: 60 degC}
+    columns: [part, order_number, also_called, nominal_voltage (V), no_load_speed (rpm), no_load_current (A),
+      nominal_torque (N*m), nominal_current (A), stall_torque (N*m), stall_current (A), peak_torque (N*m),
+      peak_current (A), motor_torque_constant (mN*m/A), resistance (ohm)]
+    rows:
+      - [S-7 9 V,  S-7, "SX7-A; SX7-B", 9,  45, 0.1, 1.5, 0.7, 7,    3.4, 7,    3.4, 9, 2.65]
+      - [S-7 12 V, S-7, "SX7-A; SX7-B", 12, 60, 0.1, 2,   0.9, 9.4,  4.5, 9.4,  4.5, 9, 2.65]
+      - [S-7 15 V, S-7, "SX7-A; SX7-B", 15, 75, 0.1, 2.5, 1.1, 11.8, 5.6, 11.8, 5.6, 9, 2.65]
+      - [S-8,      ~,   ~,              12, 60, 0.1, 2.6, 0.9, 9.4,  4.5, 9.4,  4.5, 9, 2.65]
+"""
+ELBOW = """
+name: elbow
+load: {kind: arm, mass: 0.8 kg, length: 0.25 m}
+motion: {speed: 60 deg/s, acceleration_time: 0.4 s, cruise_time: 1 s, rest_time: 2 s, there_and_back: true}
+supply: {nominal: %s V, accepts: all}
+select: {catalogs: [servo.yaml], estimates: off%s}
+"""
+
+
+@pytest.fixture
+def elbow(tmp_path):
+    (tmp_path / "servo.yaml").write_text(SERVO, encoding="utf-8")
+
+    def spec(volts, select=""):
+        return read_spec(YamlSource(ELBOW % (volts, select), str(tmp_path / "robot.yaml")))
+
+    return spec
+
+
+def parts_of(found):
+    return sorted(one.motor.part for one in (*found.sets, *found.misses))
+
+
+@pytest.mark.parametrize(
+    ("volts", "row", "limit"),
+    [(12, "12 V", 2.0), (15, "15 V", 2.5), (10.5, "9 V", 1.5), (13, "12 V", 2.0), (14, "15 V", 2.5), (16, "15 V", 2.5)],
+)
+def test_of_one_part_the_row_at_the_voltage_counts(elbow, volts, row, limit):
+    """One servo with figures at three voltages is one drive, and what one buys is S-7; of two as near the lower."""
+    found = size(elbow(volts), top=9)
+    assert parts_of(found) == [f"S-7 {row}", "S-8"]
+    (one,) = (x for x in (*found.sets, *found.misses) if x.motor.part != "S-8")
+    line = machine_parts(one, found.problem)[0]
+    assert (line.order_number, line.part) == ("S-7", f"S-7 {row}")
+    for name in ("S-7", "S-7 15 V", "s7", "sx7-B", "SX 7 a"):
+        (same,) = explained(elbow(volts), name).sets
+        assert same.motor.part == f"S-7 {row}"
+        assert next(c for c in same.checks if c.name == "gearhead_continuous_torque").limit == limit
+        assert parts_of(size(elbow(volts, f", motor: {{part: {name}}}"))) == [f"S-7 {row}"]
+    said = f"the figures of S-7 are those at {row}, of those of its maker the nearest to {volts:g} V"
+    assert (said in explained(elbow(volts), "S-7").warnings) == (f"{volts:g} V" != row)
+    assert parts_of(size(elbow(volts, ", motor: {part: S*}"))) == [f"S-7 {row}", "S-8"]
+
+
+EIGHT = "- [S-8,      ~,   ~,              12, 60, 0.1, 2.6, 0.9, 9.4,  4.5, 9.4,  4.5, 9, 2.65]"
+
+
+def test_several_parts_of_one_name_are_named(tmp_path, elbow):
+    spec = elbow(12)
+    text = SERVO.replace(EIGHT, f"{EIGHT.replace('S-8', 'S 8')}\n      {EIGHT}")
+    (tmp_path / "servo.yaml").write_text(text, encoding="utf-8")
+    assert explained(spec, "S 8").sets[0].motor.part == "S 8"
+    with pytest.raises(InputError, match='motor "s8" is several parts; expected one of S 8, S-8'):
+        explained(spec, "s8")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('S-7, "SX7-A; SX7-B", 15,', "S-7, ~, 12,", '"S-7 15 V" and "S-7 12 V" are "S-7" at 12 V; give one'),
+        ('S-7, "SX7-A; SX7-B", 9,', "S-7, ~, ~,", 'order_number "S-7" needs nominal_voltage'),
+    ],
+)
+def test_rows_of_one_part_have_a_voltage_each(tmp_path, old, new, said):
+    file = tmp_path / "servo.yaml"
+    assert old in SERVO
+    file.write_text(SERVO.replace(old, new), encoding="utf-8")
+    with pytest.raises(CatalogError, match=said) as caught:
+        load([str(file)])
+    assert f"{file}:" in str(caught.value)
+
+
+def test_rows_of_one_part_weigh_the_same(tmp_path):
+    """One of 90 g beside two of 80 g; the part without further rows has a mass of its own."""
+    file = tmp_path / "servo.yaml"
+    text = SERVO.replace("mass: 80 g, ", "").replace("resistance (ohm)]", "resistance (ohm), mass (g)]")
+    for mass in (90, 80, 80, 200):
+        text = text.replace("2.65]", f"2.65, {mass}]", 1)
+    file.write_text(text, encoding="utf-8")
+    found = [(f.part, f.identity) for f in check_file(str(file)) if "several voltages" in f.identity]
+    assert found == [("S-7 9 V", "mass at several voltages")]
+
+
+@pytest.mark.parametrize("name", ["STS3215", "st3215", "ST-3215-C001", "sts 3215 c001"])
+def test_one_servo_by_all_its_names(name):
+    (hit,) = find(open_all(["feetech", "robotis"]), name)
+    assert (hit.part, hit["no_load_current"]) == ("ST-3215-C001", 0.15)
+
+
+def test_a_model_is_found_with_all_its_rows():
+    """XM540-W270 by its buses' names too; one row by its own."""
+    shelf = open_all(["feetech", "robotis"])
+    rows = [f"XM540-W270 {volts} V" for volts in ("11.1", "12", "14.8")]
+    for name in ("XM540-W270", "xm540w270", "XM540-W270-R"):
+        assert [hit.part for hit in find(shelf, name)] == rows
+    assert [hit.part for hit in find(shelf, rows[1])] == rows[1:2]
+    assert [hit.part for hit in look(shelf, "st3215")[1]] == ["ST-3215-C001", "ST-3215-C018"]

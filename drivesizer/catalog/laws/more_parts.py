@@ -118,6 +118,17 @@ def _of_toothed_parts(section: str) -> Iterator[Law]:
               reason="a smaller pulley would break the belt, which goes round two")  # fmt: skip
 
 
+# --- actuators with figures at several voltages -----------------------------------------------------------------------
+
+
+def _of_one_part(figure: str) -> Law:
+    """A figure that does not hang on the voltage, the same in all rows of a part."""
+    alike = usual("order_number")(figure)
+    return Law(section="actuators", name=f"{figure.replace('_', ' ')} at several voltages", figure=figure, relation="=",
+               meaning="that of the other rows of its order_number", fields=(), rounds=False, reason="none: one part",
+               expected=lambda a: np.where(a["order_number"] == "", np.nan, alike(a)))  # fmt: skip
+
+
 # --- steppers --------------------------------------------------------------------------------------------------------
 
 _FULL_STEPS = (12.0, 20.0, 24.0, 36.0, 48.0, 60.0, 72.0, 96.0, 100.0, 120.0, 144.0, 180.0, 200.0, 300.0, 400.0, 500.0,
@@ -338,6 +349,7 @@ LAWS_OF_MORE_PARTS: tuple[Law, ...] = (
     *formulas("batteries", _BATTERY_LAWS, DEFINITION),
     *_capacities(),
     *reductions("actuators", "gearing"),
+    *map(_of_one_part, ("mass", "ratio", "output_inertia")),
     *_of_toothed_parts("belts"),
     *_of_toothed_parts("pulleys"),
     *orders(_ORDERS),

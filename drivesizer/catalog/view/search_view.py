@@ -39,7 +39,7 @@ _BATTERY = {"min": 0.85, "max": 1.15}  # of the nominal voltage, at which machin
 _THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
 
 Columns = dict[str, NDArray[Any]]
-_NAMES = ("part", "family", "manufacturer")
+_NAMES = ("part", "order_number", "also_called", "family", "manufacturer")
 _MOTOR = (
     "kind", "nominal_voltage", "no_load_current", "nominal_current", "stall_current", "data_temperature",
     "rated_ambient", "resistance", "inductance",

@@ -109,7 +109,7 @@ def _second(line: PartLine) -> list[Text]:
 
 def _number(line: PartLine) -> Text:
     """The order number; a name that is the catalogue's own is dim."""
-    return Text(line.part, style="" if line.order_number else "dim")
+    return Text(line.order_number or line.part, style="" if line.order_number else "dim")
 
 
 def _money(price: float, line: PartLine) -> Text:

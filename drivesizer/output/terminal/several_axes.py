@@ -114,7 +114,11 @@ def _part_row(one: SharedLine) -> tuple[str | Text, ...]:
     said = line.said.partition(",")[0] if line.role == "gearhead" else ""
     reduction = said if ":" in said else ""
     name = Text(" ".join(filter(None, (maker, line.family, reduction))), style="bold")
-    number = Text(f"\n{line.part}", style="" if line.order_number else "dim") if line.part != line.family else ""
+    number = (
+        Text(f"\n{line.order_number or line.part}", style="" if line.order_number else "dim")
+        if line.part != line.family
+        else ""
+    )
     price = Text(money_text(line.price, line.currency), style="yellow" if isnan(line.price) else "")
     return f"{line.quantity} ×", line.role, Text.assemble(name, number), axes, price, mass_text(line)
 

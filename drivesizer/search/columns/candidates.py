@@ -131,7 +131,9 @@ def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
     """
     if also is None:  # variants of a spec mostly have the same
         of = (problem.spec.select,)
-        found: Candidates = problem.catalog.once(("pairs", problem.spec.is_direct), lambda: _pairs(problem, None), of)
+        several = bool((problem.catalog.motors["order_number"] != "").any())
+        key = "pairs", problem.spec.is_direct, problem.spec.supply.nominal if several else None
+        found: Candidates = problem.catalog.once(key, lambda: _pairs(problem, None), of)
         return found
     return _pairs(problem, also)
 
@@ -142,6 +144,7 @@ def _pairs(problem: Problem, also: tuple[int, int] | None) -> Candidates:
     keep = selected(catalog.motors, spec.select.motor)[left]
     if spec.select.motor.kind:
         keep &= (catalog.motors["kind"] == spec.select.motor.kind)[left]
+    keep &= catalog.motors.at_voltage(spec.supply.nominal)[left]
     keep &= selected(catalog.gearheads, spec.select.gearhead)[right]
     motor, gearhead = left[keep].astype(np.int64), right[keep].astype(np.int64)
     listed = np.ones(len(motor), bool)

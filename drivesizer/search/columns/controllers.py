@@ -83,7 +83,7 @@ def matching(name: str, table: Table[Any], key: str) -> list[str]:
     Parameters
     ----------
     name
-        One of them, or a pattern in which ``*`` stands for any text and ``?`` for a character.
+        One of them, another name of a part, or a pattern in which ``*`` stands for any text and ``?`` for a character.
     table
         A section of the catalogue.
     key
@@ -94,6 +94,9 @@ def matching(name: str, table: Table[Any], key: str) -> list[str]:
     list of str
         Empty where the catalogue has none.
     """
+    if key == "part" and (rows := table.called(name)):
+        found: list[str] = table["part"][rows].tolist()
+        return found
     known = set(table[key].tolist())
     return [name] if name in known else sorted(fnmatch.filter(known, name)) if set(name) & set("*?") else []
 
