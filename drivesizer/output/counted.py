@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from drivesizer.results.sizing import Counts, Status
 
 __all__ = ["meeting", "number_of"]
@@ -56,7 +58,12 @@ def meeting(counts: Counts, best: Status | None, of: str = "") -> str:
     ['1 meets all limits', '7 fail no check', '87 meet all limits, 26 more fail none, figures missing']
     >>> meeting(Counts(considered=99, feasible=7, passing=5, failed_by={}, left_out=8), "pass")
     '5 meet all limits, 10 more fail none, figures missing, 8 of them left out by select: {unknown: reject}'
+    >>> meeting(Counts(considered=99, feasible=7, passing=7, failed_by={}, undecided=1646), "pass")
+    'at least 7 meet all limits, 1,646 behind them not computed'
     """
+    if counts.undecided:
+        known = meeting(replace(counts, undecided=0), best, of)
+        return f"at least {known}, {counts.undecided:,} behind them not computed"
     passing = counts.passing if best in ("pass", None) else 0
     more = counts.feasible - passing + counts.left_out
     those = "" if counts.left_out == more else f"{counts.left_out:,} of them "

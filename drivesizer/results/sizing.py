@@ -35,6 +35,7 @@ class Counts:
     open: int = 0  # of the feasible, how many pass or fail by estimated figures
     judged: int = 0  # of those that fail no check of the drive, the best that were checked in the machine
     failed_by_budget: dict[str, int] = field(default_factory=dict)  # of these, how many failed on which budget
+    undecided: int = 0  # of a long cycle, how many may pass and were not computed, behind enough that do
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

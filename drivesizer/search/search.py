@@ -103,9 +103,12 @@ def search(
         return by_the_paper(problem, top, objective, misses, pareto, judge, others)
     names, wanted = {*ranking.names_of(objective), *pareto}, _Wanted(top, misses, pareto, others)
     made, key = {} if made is None else made, examined_by(names, margins)
-    if key not in made:
-        made[key] = sifted(problem, names, progress, margins=margins)
-    kept, rejected, counts = made[key]
+    one = None if pareto else objective
+    several = 4 * top if judge else top
+    sifting = made.get(key) or sifted(problem, names, progress, margins=margins, objective=one, wanted=several)
+    if not sifting[2].undecided:
+        made[key] = sifting
+    kept, rejected, counts = sifting
     rank = ranked(problem, kept, objective, top)
     order = rank.order(problem.catalog, kept.sets)
     tied, rest = np.split(order, [equals_of_the_last(problem, rank, order, top)])

@@ -270,6 +270,7 @@ def sizing(result: SizingResult) -> schema.Sizing:
             "feasible": result.counts.feasible,
             "passing": result.counts.passing,
             "left_out": result.counts.left_out,
+            "undecided": result.counts.undecided,
             "failed_by": result.counts.failed_by,
             "judged": result.counts.judged,
             "failed_by_budget": result.counts.failed_by_budget,

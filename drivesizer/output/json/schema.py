@@ -183,8 +183,8 @@ Proof = TypedDict("Proof", {
 })  # fmt: skip
 Pareto = TypedDict("Pareto", {"objectives": list[str], "sets": list[Set]})
 Counts = TypedDict("Counts", {
-    "considered": Count, "feasible": Count, "passing": Count, "left_out": Count, "failed_by": dict[str, Count],
-    "judged": Count, "failed_by_budget": dict[str, Count],
+    "considered": Count, "feasible": Count, "passing": Count, "left_out": Count, "undecided": Count,
+    "failed_by": dict[str, Count], "judged": Count, "failed_by_budget": dict[str, Count],
 })  # fmt: skip
 Sizing = TypedDict("Sizing", {
     "schema_version": Version, "drivesizer": str, "catalogs": dict[str, str], "spec": dict[str, Any],

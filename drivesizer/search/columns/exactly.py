@@ -30,7 +30,7 @@ from drivesizer.search.columns.limits_over_time import (
 from drivesizer.search.columns.waveform_bounds import bounds
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["decided", "exact"]
+__all__ = ["decided", "exact", "left_open"]
 
 Array = NDArray[np.float64]
 
@@ -109,18 +109,39 @@ def decided(
         Lower and upper bounds, the same where they were computed.
     """
     low, high = bounds(spec, cycle, demand, heating, stresses, parts)
-    both = list(zip(*(waveform_limits(spec, side, side, parts) for side in (low, high)), strict=True))
-    fails = np.logical_or.reduce([a.failed & b.failed for a, b in both])
-    left = np.logical_or.reduce([(a.passed != b.passed) | (a.failed != b.failed) for a, b in both])
-    left &= alive & ~fails
-    if {check.name for check, _ in both} & {*each}:
-        left |= np.logical_or.reduce([~b.passed for _, b in both])
+    left = left_open(spec, (low, high), parts) & alive
+    limits = waveform_limits(spec, high, high, parts)
+    if {check.name for check in limits} & {*each}:
+        left |= np.logical_or.reduce([~check.passed for check in limits])
     rows = np.flatnonzero(left & demand.complete)  # else it stays unknown whatever the waveform says
     if not len(rows):
         return low, high
     columns = on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows)
     few = exact(spec, cycle.on(rows), *columns, "limits")
     return replaced(low, rows, few[0]), replaced(high, rows, few[1])
+
+
+def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:
+    """Candidates that fail on no limit of the waveform by their bounds, and of which one may be met or not.
+
+    Parameters
+    ----------
+    spec
+        The machine, or one of its load cases.
+    found
+        Lower and upper bounds.
+    parts
+        The parts of each candidate.
+
+    Returns
+    -------
+    array of bool
+        Of each candidate.
+    """
+    both = list(zip(*(waveform_limits(spec, side, side, parts) for side in found), strict=True))
+    fails = np.logical_or.reduce([a.failed & b.failed for a, b in both])
+    left = np.logical_or.reduce([(a.passed != b.passed) | (a.failed != b.failed) for a, b in both])
+    return np.asarray(left & ~fails, bool)
 
 
 def _moments(

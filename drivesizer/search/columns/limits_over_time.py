@@ -70,7 +70,8 @@ WAVEFORM_LIMITS = (
     "controller_power", "supply_current", "supply_power",
 )  # fmt: skip
 Wanted = Literal["limits", "all"]
-Exactly = Wanted | bool | NDArray[np.bool_]  # what is computed from the waveform whatever bounds decide; of which rows
+# what is computed from the waveform whatever bounds decide, or of which rows; ``bounds``: not even what they leave open
+Exactly = Wanted | Literal["bounds"] | bool | NDArray[np.bool_]
 Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
 
 

@@ -22,15 +22,17 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import HANGING, Speeds, controllers, no_better_than, room_on_bus
 from drivesizer.search.columns.encoders import line_frequency
-from drivesizer.search.columns.exactly import decided, exact
+from drivesizer.search.columns.exactly import decided, exact, left_open
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed
 from drivesizer.search.columns.limits_over_time import Exactly, Moments, Pair, least, waveform_limits
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
+from drivesizer.search.columns.waveform_bounds import bounds
 from drivesizer.spec.altitude import controller_needed
 
-__all__ = ["Moving", "Powered", "powered"]
+__all__ = ["UNDECIDED", "Moving", "Powered", "powered"]
 
 Array = NDArray[np.float64]
+UNDECIDED = "undecided"  # figure of a candidate: 1 where bounds leave open whether the waveform meets its limits
 
 
 class Moving(NamedTuple):
@@ -92,10 +94,12 @@ def powered(
     chosen = case.controllers([u.cold_voltage.value for u in case.stresses])
     free = np.ones(len(chosen), bool) if parts.controller is None else parts.controller.rows == FREE
     row = chosen if parts.controller is None else np.where(free, chosen, parts.controller.rows)
-    row, found = _walked(case, row, case.judged(row), np.flatnonzero(free))
+    found = case.judged(row)
+    row, found = _walked(case, row, found, np.flatnonzero(free & ~case.undecided(row, found)))
     figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
     available = offered.controllers.available(parts.motor.rows, row)
-    return Powered(row, [available, *found.checks], _where_known(figures, cases))
+    figures = _where_known(figures, cases) | {UNDECIDED: case.undecided(row, found).astype(float)}
+    return Powered(row, [available, *found.checks], figures)
 
 
 class _Found(NamedTuple):
@@ -237,6 +241,15 @@ class _Cases(NamedTuple):
         last = worst_of_all(self.problem, lambda k: unknown_where_doubtful(limits[k], complete[k]))
         return _Found([*first, *last], pairs)
 
+    def undecided(self, row: NDArray[np.int64], found: _Found) -> NDArray[np.bool_]:
+        """Candidates that fail nothing by bounds alone, which is all that is wanted, and that the waveform may fail."""
+        if not isinstance(self.exactly, str) or self.exactly != "bounds":
+            return np.zeros(len(row), bool)
+        parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
+        cases = zip(self.problem.cases, found.pairs, self.moving, strict=True)
+        left = [left_open(case.spec, pair, parts) & moving.demand.complete for case, pair, moving in cases]
+        return np.asarray(np.logical_or.reduce(left) & ~found.failed(), bool)
+
     def _stress(self, k: int, row: NDArray[np.int64]) -> Stress:
         """The stress of one load case, with what resistances before the winding take of the voltage."""
         spec = self.problem.cases[k].spec
@@ -250,6 +263,8 @@ class _Cases(NamedTuple):
         args = (self.problem.cases[k].spec, self.cycles[k], *self.moving[k], stresses, parts)
         if isinstance(self.exactly, np.ndarray):
             return self._in_part(k, parts, stresses, dead)
+        if self.exactly == "bounds":
+            return bounds(*args)
         if self.exactly:
             return exact(*args, "all" if self.exactly is True else self.exactly)
         return decided(*args, ~dead, self.each)

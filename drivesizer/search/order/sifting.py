@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Set
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,11 +20,13 @@ from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.bands import BothEnds, at_ends, both_ends, estimated
 from drivesizer.search.columns.bought import chosen
 from drivesizer.search.columns.candidates import Candidates, Crossed, joined, pairs
-from drivesizer.search.columns.evaluation import figures_by_physics
-from drivesizer.search.columns.limits_over_time import Wanted
+from drivesizer.search.columns.evaluation import by_physics, figures_by_physics, smallest_margin
+from drivesizer.search.columns.limits_over_time import Exactly, Wanted
 from drivesizer.search.columns.parts_alone import belts_together
+from drivesizer.search.columns.powered import UNDECIDED
 from drivesizer.search.columns.stages import Examined, examine
-from drivesizer.search.order.ranking import COUNTED, order, rounded
+from drivesizer.search.columns.survivors import amounting, bound_of
+from drivesizer.search.order.ranking import COUNTED, Ranking, order, rounded, values
 from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["OPEN", "PASSES", "UNKNOWN", "Progress", "Sifted", "any_passes", "examined_by", "sifted"]
@@ -36,6 +39,9 @@ _CHUNK = 1 << 20  # drives at a time
 _NEAREST = 32  # of the rejected, kept until all are known
 _SOME = 1 << 12  # of the rejected, among which the farthest that may be kept is found
 _OF_ROWS = ("rows", "unknown", "doublings", "margin", "encoder", "controller", "brake")  # of what was examined
+_LONG = 1 << 14  # segments of a cycle, up to which all drives that bounds leave open are computed
+_CELLS = 50_000_000  # drives times segments that are computed before none is said to pass but for what all lack
+_FIRST, _SEEN = 32, 200  # drives that are computed at first, and at least before that is said
 _ALIKE = 1e-7  # share of a margin within which rounding makes others equal
 
 
@@ -68,7 +74,13 @@ class _Found(NamedTuple):
 
 
 def sifted(
-    problem: Problem, names: Set[str], progress: Progress | None, *, margins: bool = False
+    problem: Problem,
+    names: Set[str],
+    progress: Progress | None,
+    *,
+    margins: bool = False,
+    objective: Ranking | None = None,
+    wanted: int = 0,
 ) -> tuple[Sifted, Candidates, Counts]:
     """The drives that pass or may pass, the closest rejected, and the counts.
 
@@ -82,6 +94,9 @@ def sifted(
         Called after each chunk.
     margins
         Compute the smallest margin of each; by bounds where no objective needs the waveform.
+    objective, wanted
+        Over a long cycle drives that bounds leave open are computed in this order, until so many pass; those behind are
+        counted as undecided. All of them are where no objective is given, or one needs margins or the waveform.
 
     Returns
     -------
@@ -92,7 +107,9 @@ def sifted(
     total, done, failed_by = len(every.motor) * len(problem.belt_ratios), 0, Counter[str]()
     kept: list[_Found] = []
     rejected = [(every.on(slice(0, 0)), np.zeros(0))]
-    exact = _wanted(names)
+    exact: Exactly = _wanted(names)
+    if objective is not None and not exact and not margins and "margin" not in names and _is_long(problem):
+        exact = "bounds"
     for one in _examined(problem, every, exact, margins or bool(exact)):
         failed_by.update(one.failed_by)
         kept.append(one)
@@ -100,14 +117,19 @@ def sifted(
         done += one.examined
         if progress:
             progress(done, total)
-    passing = _joined(problem, kept, every, names)
+    whole, undecided = _put_together(kept), 0
+    if whole is not None and objective is not None and exact == "bounds":
+        whole, undecided = _computed(problem, whole, objective, wanted)
+        failed_by.update(whole.failed_by)
+        rejected = [_nearest(problem, [*rejected, (whole.rejected, whole.bound)])]
+    passing = _joined(problem, whole, every, names)
     tally = {name: count for name, count in failed_by.items() if count}
     opened = int(np.count_nonzero(passing.certainty == OPEN))
-    left_out = sum(len(one.unknown) for one in kept) - len(passing.sets.motor)
+    left_out = (0 if whole is None else len(whole.unknown)) - len(passing.sets.motor)
     passes = int(np.count_nonzero(passing.passes))
     counts = Counts(
         considered=total, feasible=len(passing.sets.motor), passing=passes, left_out=left_out, open=opened,
-        failed_by=tally,
+        failed_by=tally, undecided=undecided,
     )  # fmt: skip
     return passing, rejected[0][0], counts
 
@@ -152,7 +174,7 @@ def any_passes(problem: Problem) -> bool:
     return any(len(one.rows) for one in found)
 
 
-def _examined(problem: Problem, every: Candidates, exact: Wanted | bool, margins: bool) -> Iterator[_Found]:
+def _examined(problem: Problem, every: Candidates, exact: Exactly, margins: bool) -> Iterator[_Found]:
     """Some of them after the other: all at the favourable end, where printed figures are as printed."""
     uncertain = estimated(problem, every)
     ends = both_ends(problem, every.on(uncertain)) if len(uncertain) else None
@@ -186,6 +208,7 @@ def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.b
     margin, most = (one.margin, not_known) if margins else (not_known, one.margin)
     figures = {name: one.figures[name] for name in COUNTED} | {"margin": margin}
     figures |= chosen(one.encoder, one.controller, one.brake, needs_encoder=not problem.spec.steps)
+    figures[UNDECIDED] = one.figures.get(UNDECIDED, np.zeros(len(margin)))
     few = _closest(one.bound)
     failing = _nearest(problem, [(every.on(one.rejected[few]), one.bound[few])])
     count = len(every.counted.motor) * len(every.belts)
@@ -231,6 +254,8 @@ def _at_the_unfavourable(
     """
     unknown = easy.unknown[place]
     opened[place] = (unknown != hard.unknown).any(axis=1)
+    if UNDECIDED in hard.figures:  # at either end
+        hard.figures[UNDECIDED] = np.maximum(hard.figures[UNDECIDED], easy.figures[UNDECIDED][place])
     return easy._replace(
         unknown=put(easy.unknown, place, unknown & hard.unknown),
         margin=put(easy.margin, place, hard.margin),
@@ -283,18 +308,71 @@ def _nearest(problem: Problem, several: list[tuple[Candidates, Array]]) -> tuple
     return sets.on(rows), bound[rows]
 
 
-def _joined(problem: Problem, kept: list[_Found], every: Candidates, names: Set[str]) -> Sifted:
-    """All that pass or may pass; of estimated figures those that objectives count are at the middle of the band."""
+def _is_long(problem: Problem) -> bool:
+    """Whether a cycle has so many segments that no more drives are computed than are shown."""
+    return max(len(case.at_belt.load_cycle.duration) for case in problem.cases) > _LONG
+
+
+def _computed(problem: Problem, found: _Found, objective: Ranking, wanted: int) -> tuple[_Found, int]:
+    """Drives that bounds leave open computed in the order of an objective, until so many before the next one pass.
+
+    The rest of them is left out, and counted. Where no drive passes because of what all lack, a look at some says so.
+    """
+    catalog, failed_by = problem.catalog, Counter[str]()
+    undecided = found.figures[UNDECIDED] > 0.0
+    rank = order(catalog, found.sets, *values(catalog, found.sets, found.figures, objective))
+    rows, segments = rank[undecided[rank]], max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
+    enough = max(_CELLS // segments, _SEEN, 4 * wanted)
+    failed, opened = np.zeros(len(rank), bool), found.opened.copy()
+    unknown, doublings, most = found.unknown.copy(), found.doublings.copy(), found.most.copy()
+    figures, bound = {name: x.copy() for name, x in found.figures.items()}, np.full(len(rank), np.inf)
+    start, size = 0, max(2 * wanted, _FIRST)
+    while start < len(rows):
+        of_all = np.bitwise_and.reduce(unknown[~(undecided | failed)], axis=0) if start >= enough else np.uint64(0)
+        passes = ~(undecided | failed | opened | (unknown & ~of_all).any(axis=1))
+        if np.count_nonzero(passes[rank[: int(np.argmax(rank == rows[start]))]]) >= wanted:
+            break
+        some = rows[start : start + size]
+        one = by_physics(problem, found.sets.on(some), True)
+        checks = [check for check in one.checks if not check.advice]
+        failed_by.update({check.name: int(np.count_nonzero(check.failed)) for check in checks})
+        known = [c if c.opened is None else replace(c, passed=c.passed | c.opened) for c in checks]
+        opens = [c.opened for c in checks if c.opened is not None]
+        opened[some] = np.logical_or.reduce(opens) if opens else False
+        failed[some], undecided[some] = one.failed, False
+        amount = amounting(known, len(some), False)
+        unknown[some], doublings[some], most[some] = amount.unknown, amount.doublings, smallest_margin(one.checks)
+        bound[some] = bound_of(checks, len(some))
+        for name, x in chosen(one.encoder, one.controller, one.brake, needs_encoder=not problem.spec.steps).items():
+            figures[name][some] = x
+        start, size = start + size, 2 * size
+    left, out = np.flatnonzero(~(failed | undecided)), np.flatnonzero(failed)
+    figures = {name: x[left] for name, x in figures.items()}
+    return found._replace(
+        sets=found.sets.on(left), opened=opened[left], unknown=unknown[left], doublings=doublings[left],
+        figures=figures, most=most[left], failed_by=failed_by, rejected=found.sets.on(out), bound=bound[out],
+    ), int(np.count_nonzero(undecided))  # fmt: skip
+
+
+def _put_together(kept: list[_Found]) -> _Found | None:
+    """All that pass or may pass."""
     if not kept:
+        return None
+    names = ("opened", "unknown", "doublings", "most")
+    columns: Any = {name: np.concatenate([getattr(k, name) for k in kept]) for name in names}
+    figures = {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures}
+    return kept[0]._replace(sets=joined([k.sets for k in kept]), figures=figures, **columns)
+
+
+def _joined(problem: Problem, found: _Found | None, every: Candidates, names: Set[str]) -> Sifted:
+    """All that pass or may pass; of estimated figures those that objectives count are at the middle of the band."""
+    if found is None:
         none = every.on(slice(0, 0))
         nothing = np.zeros(0, np.int64)
         figures = dict.fromkeys((*COUNTED, "margin"), none.belt) | chosen(nothing, nothing, nothing, needs_encoder=True)
         return Sifted(none, nothing, figures, nothing, none.belt, nothing == 0)
-    sets = joined([k.sets for k in kept])
-    opened, unknown, doublings, most = (
-        np.concatenate([getattr(k, name) for k in kept]) for name in ("opened", "unknown", "doublings", "most")
-    )
-    figures = {name: np.concatenate([k.figures[name] for k in kept]) for name in kept[0].figures}
+    sets, opened, unknown, most, figures = found.sets, found.opened, found.unknown, found.most, found.figures
+    doublings = found.doublings
     rows = estimated(problem, sets)
     if names & set(COUNTED) and len(rows):
         middle = figures_by_physics(problem, sets.on(rows), _wanted(names) or True)

@@ -175,6 +175,8 @@ def count_rows(result: SizingResult) -> Iterator[Row]:
     yield row("count", "considered", "Combinations that were examined", value=counts.considered)
     yield row("count", "feasible", "Drives that fail no check", value=counts.feasible)
     yield row("count", "passing", "Drives that meet all limits", value=counts.passing)
+    if counts.undecided:
+        yield row("count", "undecided", "Drives behind them that may, not computed", value=counts.undecided)
     for name, count in counts.failed_by.items():
         yield row("count", f"failed_{name}", f"Fails on: {declared[name].title}", value=count)
     for name, count in counts.failed_by_budget.items():
