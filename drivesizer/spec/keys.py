@@ -224,7 +224,7 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
     """
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    if hasattr(annotation, "models"):  # loaded later, or a figure that may be a group of fields too
+    if hasattr(annotation, "models"):  # a figure that may be a group of fields too
         return list(annotation.models)
     if get_origin(annotation) in (Union, UnionType, list) or get_origin(annotation) is not None:
         return [found for inner in get_args(annotation) for found in models_in(inner)]

@@ -18,21 +18,15 @@ from drivesizer.loads.kinds import Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.figures import once_per_part
 from drivesizer.physics.power_stage import Feed, power_stage
+from drivesizer.spec.battery import Battery, Consumer
+from drivesizer.spec.brake import OwnBrake
+from drivesizer.spec.brake_resistor import BrakeResistor
 from drivesizer.spec.control import Control, Plant
 from drivesizer.spec.motions import Motion, Trapezoid
+from drivesizer.spec.mounting import Mounting
+from drivesizer.spec.platform import Budget, Platform
+from drivesizer.spec.requirements import Requirements
 from drivesizer.spec.robot.contradictions import refuse_contradictions
-from drivesizer.spec.robot.later_sections import (
-    Battery,
-    BrakeResistor,
-    Budget,
-    Consumer,
-    Mounting,
-    OwnBrake,
-    Platform,
-    Requirements,
-    Shaft,
-    or_any,
-)
 from drivesizer.spec.robot.of_file import OfFile
 from drivesizer.spec.robot.stages import fed, figures_of, stage_of
 from drivesizer.spec.sections import (
@@ -47,6 +41,7 @@ from drivesizer.spec.sections import (
     TitleBlock,
 )
 from drivesizer.spec.select import Select
+from drivesizer.spec.shaft import Shaft
 from drivesizer.spec.tolerance_text import Toleranced
 from drivesizer.spec.tolerances import Tolerances
 from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, GearheadStage, GearStage, Stage
@@ -54,6 +49,11 @@ from drivesizer.spec.transmission import DIRECT, BeltStage, DirectStage, Gearhea
 __all__ = ["AS_SPECIFIED", "RobotSpec"]
 
 AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
+
+
+def or_any(schema: dict[str, Any]) -> None:
+    """Let the schema of a section take the word ``any``."""
+    schema["anyOf"].insert(0, {"const": "any", "type": "string"})
 
 
 class RobotSpec(OfFile):

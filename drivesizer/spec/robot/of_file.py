@@ -6,13 +6,13 @@ from typing import Any
 
 from pydantic import PrivateAttr
 
-from drivesizer.files.later import HasLater
+from drivesizer.files.fields import Section
 from drivesizer.files.yaml_source import Path_, YamlSource
 
 __all__ = ["OfFile"]
 
 
-class OfFile(HasLater):
+class OfFile(Section):
     """A group of fields that was read of a file, or of a dict, which has no name."""
 
     _source: YamlSource | None = PrivateAttr(default=None)
