@@ -23,7 +23,6 @@ from goals import line
 
 from drivesizer.catalog import load
 from drivesizer.catalog.view.search_view import search_view
-from drivesizer.commands.memory import keep_freed_memory
 from drivesizer.files import csv_columns
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
@@ -135,7 +134,6 @@ def main() -> None:
     parser.add_argument("--belts", type=int, default=17, help="belt ratios, times 59 946 combinations")
     parser.add_argument("--runs", type=int, default=3)
     options = parser.parse_args()
-    keep_freed_memory()  # as every command does
     with tempfile.TemporaryDirectory() as folder:
         megabytes, many = (memory(written(Path(folder), n)[0]) for n in (options.belts, min(10 * options.belts, 1000)))
         short_path, long_path = written(Path(folder), options.belts)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import signal
 
@@ -13,7 +12,6 @@ _STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
 def main() -> None:
     """Import the command line and run it; until it is there nothing is open that an interruption could spoil."""
-    gc.set_threshold(200_000, 20, 20)  # in a process of seconds, collecting cycles costs more than it frees
     interruptible = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # unless a shell ignores it
     if interruptible:
         signal.signal(signal.SIGINT, lambda *_: os._exit(_STOPPED))

@@ -14,14 +14,11 @@ import sys
 import warnings
 from collections.abc import Collection
 from functools import cache
-from types import ModuleType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drivesizer.commands.ends import ended
-from drivesizer.commands.idle_threads import let_idle_threads_sleep
-from drivesizer.commands.memory import keep_freed_memory
 from drivesizer.commands.usage import parsed, with_values
 from drivesizer.errors import InputError, printable
 from drivesizer.version import __version__
@@ -111,29 +108,9 @@ def _of(arguments: list[str]) -> typer.Typer:
     return _with(named) if {*named} & (_COMMANDS.keys() | _GROUPS.keys()) else _whole()
 
 
-class _SearchOfPackages(ModuleType):
-    """``importlib.metadata`` before it is used: pydantic loads it, and sockets with it, to look for plugins."""
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        if name == "entry_points":  # which is taken long before it is called, if ever
-            return lambda **wanted: self._loaded().entry_points(**wanted)
-        return getattr(self._loaded(), name)
-
-    def _loaded(self) -> Any:
-        if sys.modules.get(self.__name__) is self:
-            del sys.modules[self.__name__]
-        return importlib.import_module(self.__name__)
-
-
 def main() -> None:
     """Run the command line; every failure ends in one line and a status."""
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else every package is searched for some
-    keep_freed_memory()
-    let_idle_threads_sleep()
-    if "importlib.metadata" not in sys.modules:
-        importlib.metadata = sys.modules["importlib.metadata"] = _SearchOfPackages("importlib.metadata")
     warnings.showwarning = lambda message, *_, **__: print(f"note: {printable(str(message))}", file=sys.stderr)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown
     status = ended(_run)

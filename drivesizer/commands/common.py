@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import sys
 import threading
 import time
@@ -19,7 +18,6 @@ from drivesizer.errors import DrivesizerError, InputError, UnknownCatalogError
 __all__ = [
     "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "load",
     "load_whole", "print_notes", "progress", "simulating", "working",
-    "writing_report",
 ]  # fmt: skip
 
 Spec = Annotated[Path, file_argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
@@ -201,23 +199,3 @@ def working(on: str) -> Iterator[None]:
         late.cancel()
         late.join()
         line.stop()
-
-
-_GARBAGE = 500_000  # objects that are made before it is looked which of them are garbage: some 50 MB at most
-
-
-@contextmanager
-def writing_report() -> Iterator[None]:
-    """Status line while a report is written; all that was there before is not searched for cyclic garbage.
-
-    What the report itself makes is searched as soon as it is much: figures of a large machine must not pile up.
-    """
-    before = gc.get_threshold()
-    gc.freeze()
-    gc.set_threshold(_GARBAGE, *before[1:])
-    try:
-        with working("writing the report"):
-            yield
-    finally:
-        gc.set_threshold(*before)
-        gc.unfreeze()

@@ -8,7 +8,7 @@ from typing import Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, working, writing_report
+from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, working
 from drivesizer.commands.proving import proven_axes
 from drivesizer.errors import InputError
 
@@ -57,7 +57,7 @@ def size_all(
         write_machine(result, {}, [csv])
     if pdf:
         simulated = proven_axes(result)
-        with writing_report():
+        with working("writing the report"):
             write_machine(*simulated, [pdf])
     if json:
         from drivesizer.output.json.documents import as_text
@@ -113,7 +113,7 @@ def report_all(
 
     of_one_axis(given)
     result, proofs = proven_axes(sized_machine(machine, top, objective, sampling), profile)
-    with writing_report():
+    with working("writing the report"):
         written = write_machine(result, proofs, output, paper=paper, date=date)
         if drawings:
             written += write_machine_figures(result, proofs, drawings)

@@ -21,7 +21,6 @@ from drivesizer.commands.common import (
     progress,
     simulating,
     working,
-    writing_report,
 )
 from drivesizer.commands.options import file_option, number_option, whole_option
 from drivesizer.commands.proving import proven
@@ -98,7 +97,7 @@ def size(
     if csv:
         write_sets(result, csv)
     if pdf:
-        with writing_report():
+        with working("writing the report"):
             write(*proven(result), [pdf])
     if json:
         from drivesizer.output.json import documents as json_documents
@@ -180,7 +179,7 @@ def report(
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples), choices)
     with simulating("simulating the drive in closed loop"):
         result, proof = proven(result, profile)
-    with writing_report():
+    with working("writing the report"):
         written = write(result, proof, output, paper=paper, date=date)
         if drawings:
             written += write_figures(result, proof, drawings)

@@ -33,7 +33,6 @@ from pydantic import Field
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import columns
 from drivesizer.files.fields import Axis, Pause, default
-from drivesizer.files.freed import give_back
 from drivesizer.files.inertia import Inertia
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
@@ -98,7 +97,6 @@ def recorded(load: Recorded, path: Path) -> LoadCycle:
         parts = (_segments(load, time[k], speed[k], torque[k]) for k in some)
         if len(time) <= _PART + 1:
             return next(parts)
-        give_back()  # of the text, and of what the speed was made of
         return _joined(parts, len(time) - 1, jumps=load.inertia != 0.0)
 
 

@@ -37,12 +37,9 @@ from program import ran  # noqa: E402
 from runner import Outcome, campaign, judged, kind_of  # noqa: E402
 from shrinking import shrunk  # noqa: E402
 
-from drivesizer.commands.memory import keep_freed_memory  # noqa: E402
-
 
 def main() -> int:
     given = _options()
-    keep_freed_memory()  # as ``cli.main`` does; processes are copies of this one
     if given.again:
         return _again(given.again)
     seeds = range(given.seed, given.seed + given.inputs)

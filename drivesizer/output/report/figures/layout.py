@@ -1,15 +1,12 @@
-"""matplotlib's figures: loaded without what nobody reads, and laid out once for several forms of the same drawing."""
+"""matplotlib's figures, laid out once for several forms of the same drawing."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from contextvars import ContextVar
-from importlib import import_module
 from typing import Any
 
-__all__ = ["laid_out", "load_matplotlib", "once"]
+__all__ = ["laid_out", "once"]
 
 _KEPT: ContextVar[list[Any] | None] = ContextVar("_KEPT", default=None)  # where figures are kept that are drawn once
 
@@ -77,30 +74,3 @@ def _place(figure: Any) -> None:
     if figure.get_layout_engine() is not None:
         figure.get_layout_engine().execute(figure)
         figure.set_layout_engine("none")
-
-
-def load_matplotlib() -> None:
-    """Load it without the help on what each artist's ``set`` takes, which takes a third of the time to write."""
-    if "matplotlib.artist" in sys.modules:
-        return
-    artist: Any = import_module("matplotlib.artist")
-    unwritten = classmethod(lambda _: None)
-    with (
-        _instead(artist, "kwdoc", lambda _: ""),
-        _instead(artist.Artist, "_update_set_signature_and_docstring", unwritten),
-    ):
-        import_module("matplotlib.figure")
-
-
-@contextmanager
-def _instead(owner: Any, name: str, other: Any) -> Iterator[None]:
-    """Something else under a name that the owner has, for a while."""
-    own = vars(owner).get(name)
-    if own is None:
-        yield
-        return
-    setattr(owner, name, other)
-    try:
-        yield
-    finally:
-        setattr(owner, name, own)

@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
-from drivesizer.output.report.figures.layout import laid_out, load_matplotlib
+from drivesizer.output.report.figures.layout import laid_out
 from drivesizer.output.text import clean, short
 
 if TYPE_CHECKING:
@@ -84,7 +84,6 @@ def drawn(draw: Any, height: float, form: Form = "svg") -> bytes:
     bytes
         The file in that form.
     """
-    load_matplotlib()
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_svg import FigureCanvasSVG
