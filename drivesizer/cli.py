@@ -70,8 +70,12 @@ def _root(
     """Size electric drives from real catalogues: one robot.yaml in, the drive with every check out."""
 
 
-def _with(names: Collection[str]) -> typer.Typer:
-    """The command line with some of its commands, whose modules are loaded."""
+def _unloaded() -> None:
+    """A command of which only the name and the short help are wanted."""
+
+
+def _with(names: Collection[str], *, loaded: bool = True) -> typer.Typer:
+    """The command line with some of its commands, whose modules are loaded unless only their names are wanted."""
     made = typer.Typer(
         name="drivesizer",
         no_args_is_help=True,
@@ -82,11 +86,12 @@ def _with(names: Collection[str]) -> typer.Typer:
     made.callback()(_root)
     for name, (module, short, example) in _COMMANDS.items():
         if name in names:
-            command = getattr(importlib.import_module(f"drivesizer.{module}"), name)
-            made.command(short_help=short, epilog=f"Example: drivesizer {example}")(command)
+            command = getattr(importlib.import_module(f"drivesizer.{module}"), name) if loaded else _unloaded
+            made.command(name, short_help=short, epilog=f"Example: drivesizer {example}")(command)
     for name, (module, short) in _GROUPS.items():
         if name in names:
-            made.add_typer(importlib.import_module(f"drivesizer.{module}").app, name=name, short_help=short)
+            group = importlib.import_module(f"drivesizer.{module}").app if loaded else typer.Typer(callback=_unloaded)
+            made.add_typer(group, name=name, short_help=short)
     return made
 
 
@@ -105,6 +110,8 @@ def __getattr__(name: str) -> typer.Typer:
 def _of(arguments: list[str]) -> typer.Typer:
     """The command line with the one command that is run: loading the others would take as long as to parse."""
     named = arguments[:1]
+    if {*named} & {"-h", "--help", "--version"}:
+        return _with(_COMMANDS | _GROUPS, loaded=False)
     return _with(named) if {*named} & (_COMMANDS.keys() | _GROUPS.keys()) else _whole()
 
 
