@@ -24,7 +24,7 @@ from drivesizer.physics.drive_train import lost_in_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import coefficients
 from drivesizer.physics.stress import housing_loss
-from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding_temperature
+from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
 from drivesizer.platform.dynamics import Dynamics, wheel_torques
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.results.check_columns import CheckColumn, at_most
@@ -160,8 +160,7 @@ def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> 
         driving, braking = (f[:, which] * f[:, SPEED] for which in (DRIVING, BRAKING))
         loss = loss + spec.mounting.gear_loss_share * lost_in_gearhead(driving, braking, turning * ratio, gearhead)
     R_25 = resistance_25(motor)
-    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
-    winding = np.asarray(steady_winding_temperature(ambient, R_25, *R_th, np.abs(current), loss))
+    winding = np.asarray(steady_winding(motor, ambient, np.abs(current), loss))
     warm = np.where(np.isnan(winding), motor["max_winding_temperature"], np.fmin(winding, 1e4))
     feed = spec.feed_of(drive.controller, drive.brake)
     volts = np.max([np.abs(current * (resistance_at(R_25, T) + feed.leads) + own.back_emf * f[:, SPEED] * ratio)

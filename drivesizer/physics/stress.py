@@ -12,7 +12,7 @@ from drivesizer.physics.drive_train import nominal_friction
 from drivesizer.physics.figures import Figures, once_per_part
 from drivesizer.physics.load_cycle import Figure
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding_temperature
+from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding
 
 __all__ = [
     "Heat", "Parts", "Record", "Stress", "heat", "housing_loss", "on", "put", "replaced", "stress",
@@ -215,9 +215,7 @@ def heat(
     moments = cycle.moments
     mean = rubbing * moments[DIRECTION, SPEED] + iron * moments[SPEED, SPEED]
     least = np.where(demands.complete, mean, np.nan_to_num(mean))  # of an unknown friction
-    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
-    R_25 = resistance_25(motor)
-    winding = steady_winding_temperature(ambient, R_25, *R_th, demands.rms_current, least)
+    winding = steady_winding(motor, ambient, demands.rms_current, least)
     return Heat(rubbing, iron, mean, np.asarray(winding))
 
 
@@ -273,9 +271,8 @@ def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: 
         Temperature of each candidate [K]; infinite at thermal runaway, NaN where a figure is unknown.
     """
     fast = cycle.peak_speed
-    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     loss = heat.friction * fast + heat.iron * fast**2
-    return np.asarray(steady_winding_temperature(ambient, resistance_25(motor), *R_th, stress.current.value, loss))
+    return np.asarray(steady_winding(motor, ambient, stress.current.value, loss))
 
 
 def volts_of(demands: Demands, k_t: Array, resistance: Array) -> Array:

@@ -19,7 +19,7 @@ from drivesizer.physics.figures import Figures, once_per_part
 __all__ = [
     "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",
     "data_temperature", "derating_at_most", "nominal_current", "rated_ambient", "resistance_25", "resistance_at",
-    "settled", "steady_winding_temperature", "two_bodies", "with_plate",
+    "settled", "steady_winding", "steady_winding_temperature", "two_bodies", "with_plate",
 ]  # fmt: skip
 
 Value = float | NDArray[np.float64]
@@ -211,6 +211,20 @@ def steady_winding_temperature(
     with np.errstate(invalid="ignore", over="ignore"):
         heating = (R_th1 + R_th2) * R_25 * I_rms * I_rms
         return settled(ambient, heating, R_th2 * np.asarray(P_h))
+
+
+def steady_winding(motor: Figures, ambient: Value, I_rms: Value, P_h: Value = 0.0) -> Value:
+    """The same of motors by the names of their catalogue figures [K].
+
+    Parameters
+    ----------
+    motor
+        Figures by field name, one motor's or columns.
+    ambient, I_rms, P_h
+        As for ``steady_winding_temperature``.
+    """
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    return steady_winding_temperature(ambient, resistance_25(motor), *R_th, I_rms, P_h)
 
 
 def current_derating(ambient: Value, T_max: Value, rated: Value = DATA_TEMPERATURE) -> Value:

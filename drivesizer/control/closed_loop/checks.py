@@ -22,6 +22,7 @@ from drivesizer.load_cases.platform_wheels import held_by_the_floor
 from drivesizer.loads.course import Profile, course
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.lasting_speed import lasting_speeds
 from drivesizer.physics.load_cycle import rms
 from drivesizer.physics.thermal import (
@@ -29,7 +30,7 @@ from drivesizer.physics.thermal import (
     rated_ambient,
     resistance_25,
     resistance_at,
-    steady_winding_temperature,
+    steady_winding,
     two_bodies,
 )
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
@@ -97,9 +98,10 @@ def _resisted(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn]
     if two_bodies(motor).known or not case.spec.plant.warming:
         return _allowed(check, value, more)
     current = read("current")
-    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
-    R_25 = resistance_25(motor)
-    hottest = np.fmin(steady_winding_temperature(ambient, R_25, *R_th, current), motor["max_winding_temperature"])
+    R_25, hottest = (
+        resistance_25(motor),
+        np.fmin(steady_winding(motor, ambient, current), motor.max_winding_temperature),
+    )
     cooler, warmer = (float(resistance_at(R_25, T) - R_25) for T in (min(ambient, DATA_TEMPERATURE), hottest))
     more_of = _bus_current if power else _volts
     return between(check(more_of(case, value, cooler, current)), check(more_of(case, more * value, warmer, current)))
@@ -115,8 +117,7 @@ def _bus_current(case: ClosedLoop, current: float, ohms: float, largest: float) 
     supply = case.spec.supply
     ohm = supply.resistance or 0.0
     power = current * (supply.lowest - ohm * current) + case.spec.load.motors * ohms * largest**2
-    root = supply.lowest**2 - 4.0 * ohm * power
-    return 2.0 * power / (supply.lowest + math.sqrt(root)) if root >= 0.0 else math.nan
+    return float(current_of_power(power, supply.lowest, ohm))
 
 
 def _controller(case: ClosedLoop) -> Controller:
@@ -248,9 +249,7 @@ def _winding(case: ClosedLoop) -> tuple[float, str]:
     if case.periodic:
         return case.periodic["winding"], "highest in the periodic steady state"
     motor, rms = case.drive_set.motor, case.figure("rms_current")
-    R_th = motor.thermal_resistance_winding, motor.thermal_resistance_housing
-    steady = steady_winding_temperature(case.spec.environment.ambient, resistance_25(motor), *R_th, rms)
-    return float(steady), "steady mean, copper loss"
+    return float(steady_winding(motor, case.spec.environment.ambient, rms)), "steady mean, copper loss"
 
 
 def _gearhead(case: ClosedLoop) -> Iterator[Check]:

@@ -14,13 +14,14 @@ from typing import NamedTuple
 
 from drivesizer.catalog import DIRECT
 from drivesizer.control.drive_train import DriveTrain
+from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.ratings import controller_current
 from drivesizer.spec.altitude import rise_left
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Limit", "Limits", "behind_gearhead", "least", "limits"]
+__all__ = ["Limit", "Limits", "behind_gearhead", "least", "limits", "speed_at"]
 
 
 class Limit(NamedTuple):
@@ -92,12 +93,27 @@ def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
     }
 
 
+def speed_at(train: DriveTrain, voltage: float, torque: float) -> float:
+    """Steady speed of the motor at a voltage, winding at 25 degC, under a torque, friction included [rad/s].
+
+    Parameters
+    ----------
+    train
+        The drive train.
+    voltage
+        At the motor [V].
+    torque
+        At the motor, friction included [N*m].
+    """
+    winding = Winding(train.resistance, train.inductance, train.torque_constant, train.back_emf_constant)
+    return float(operating_point(winding, voltage, torque, train.viscous)[0])
+
+
 def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
     """Highest speeds of the motor [rad/s]; that at no load includes the gears' idle friction."""
-    k, k_e, R = train.torque_constant, train.back_emf_constant, train.resistance
     motor, controller = found.motor, found.controller
     named = {
-        "motor at no load": (k * voltage - R * train.friction) / (k * k_e + R * train.viscous),
+        "motor at no load": speed_at(train, voltage, train.friction),
         "motor, permissible speed": motor.max_speed,
         "gearhead, intermittent input speed": found.gearhead.intermittent_input_speed,
         "encoder, permissible speed": found.encoder.max_speed if found.encoder else nan,

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances.distributions import lognormal
-from drivesizer.physics.thermal import rated_ambient, resistance_25, steady_winding_temperature
+from drivesizer.physics.thermal import rated_ambient, steady_winding
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import is_listed
 from drivesizer.search.columns.candidates import Candidates
@@ -278,10 +278,7 @@ def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapp
 def _with_rated_temperature(catalog: Catalog, rows: NDArray[np.int64], columns: dict[str, NDArray[Any]]) -> None:
     """Put in the permitted temperature that is that of the nominal current: it follows the thermal resistances."""
     easy, hard = (end.motors[_RATED][rows] for end in catalog.ends)
-    R_th = columns["thermal_resistance_winding"], columns["thermal_resistance_housing"]
-    reached = steady_winding_temperature(
-        rated_ambient(columns), resistance_25(columns), *R_th, columns["nominal_current"]
-    )
+    reached = steady_winding(columns, rated_ambient(columns), columns["nominal_current"])
     follows = (columns["kind"] != "brushed") & (easy != hard) & ~np.isnan(easy + reached)
     columns[_RATED] = np.where(follows, reached, columns[_RATED])
 

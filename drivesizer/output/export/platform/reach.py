@@ -18,6 +18,7 @@ import numpy as np
 
 from drivesizer.joints.record import Array
 from drivesizer.output.export.common import Export
+from drivesizer.output.export.limits import speed_at
 from drivesizer.platform.kinematics import Kinematics
 from drivesizer.spec.platform import Limits
 
@@ -54,9 +55,7 @@ def wheel_speed(of: Export, rolling: float) -> float:
     permitted, train = of.limits.peak_speed, of.train
     most = permitted.value if permitted.by else inf
     if not of.stepper:
-        k, R = train.torque_constant, train.resistance
-        lost = R * (train.friction + rolling / (train.ratio * train.efficiency))
-        driven = (k * of.voltage - lost) / (k * train.back_emf_constant + R * train.viscous)
+        driven = speed_at(train, of.voltage, train.friction + rolling / (train.ratio * train.efficiency))
         most = min(most, max(driven, 0.0) / train.ratio)
     return most if most < inf else nan
 
