@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases import load_cycle, shift
 from drivesizer.load_cases.shift import counts, cycle_of_shift
 from drivesizer.machine.problem import problem
-from drivesizer.physics.load_cycle import rms
+from drivesizer.physics.load_cycle import LoadCycle, rms
 from drivesizer.simulate import hardest_case, validate
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import RobotSpec, load_spec
@@ -52,6 +54,19 @@ def test_the_mean_square_of_a_shift_is_that_of_its_shares(share: str, lasting: s
     assert np.abs(whole.torque).max() == np.abs(ramp.torque).max()
     if lasting:
         assert whole.total >= 5 * 60 / s * 0.95
+
+
+@pytest.mark.parametrize("unknown", ["as specified", "up the ramp"])
+def test_an_unknown_inertia_of_any_case_is_that_of_the_shift(unknown: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = robot(RAMP | {"share": "10 %"})
+    specs = [one for _, one in spec.load_cases]
+
+    def cycle(one: RobotSpec) -> LoadCycle:
+        made = load_cycle(one)
+        return replace(made, inertia=nan) if (one is specs[0]) == (unknown == "as specified") else made
+
+    monkeypatch.setattr(shift, "load_cycle", cycle)
+    assert isnan(cycle_of_shift(spec).inertia)
 
 
 def test_heat_and_battery_count_a_ramp_by_its_share() -> None:

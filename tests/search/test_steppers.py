@@ -15,13 +15,14 @@ import pytest
 from stepper_catalog import TEXT, ideal_torque, printed_torque, worst_share, written
 
 from drivesizer import load_spec, size
-from drivesizer.catalog import Catalog, load
+from drivesizer.catalog import Brake, Catalog, load
 from drivesizer.catalog.view.stepper_view import stepper_view
 from drivesizer.control.drive_train import NoLoopError, drive_train
 from drivesizer.errors import InputError
 from drivesizer.machine.energy_flow import energy_flow
 from drivesizer.machine.operating_field import field, with_pull_out
 from drivesizer.machine.set_cycle import set_cycle
+from drivesizer.machine.supply_power import drive_power
 from drivesizer.output.json.documents import as_text, sizing
 from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
 from drivesizer.results.drive_set import DriveSet
@@ -340,6 +341,18 @@ def test_idle_current_wherever_energy_is_counted(path: Path) -> None:
     assert (flow.drawn, flow.copper) == (pytest.approx(1.1 * mean, rel=1e-6), pytest.approx(1.1 * mean))
     assert drive.energy is not None
     assert drive.energy.mean_power == pytest.approx(mean, rel=1e-6)
+
+
+def test_a_brake_that_is_kept_released_draws_of_a_steppers_supply(path: Path) -> None:
+    """8 W at any moment of the cycle, beside what the windings take."""
+    found = sized(path, select={"motor": {"kind": "stepper", "part": "A2"}})
+    drive, spec = found.sets[0], found.problem.spec
+    braked = replace(drive, brake=Brake(part="B8", power=8.0, inertia=0.0))
+    alone, both = (drive_power(spec, one) for one in (drive, braked))
+    assert both.mean(both.drawn) - alone.mean(alone.drawn) == pytest.approx(8.0)
+    flow = energy_flow(set_cycle(spec, braked))
+    assert flow.brake == pytest.approx(8.0 * alone.total)
+    assert flow.drawn == pytest.approx(both.mean(both.drawn) * both.total)
 
 
 def test_energy_of_a_cycle_is_all_accounted_for(path: Path) -> None:

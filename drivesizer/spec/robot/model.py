@@ -16,7 +16,7 @@ from drivesizer.catalog import Brake, Controller
 from drivesizer.files.fields import at_defaults, default, no_entries
 from drivesizer.loads.kinds import Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.physics.figures import once_per_part
+from drivesizer.physics.figures import Figures, once_per_part
 from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.brake import OwnBrake
@@ -28,7 +28,7 @@ from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.requirements import Requirements
 from drivesizer.spec.robot.contradictions import refuse_contradictions
 from drivesizer.spec.robot.of_file import OfFile
-from drivesizer.spec.robot.stages import fed, figures_of, stage_of
+from drivesizer.spec.robot.stages import fed, stage_of
 from drivesizer.spec.sections import (
     Case,
     Environment,
@@ -183,7 +183,7 @@ class RobotSpec(OfFile):
         peaks = supply.peak_current is not None or supply.overvoltage_trip is not None
         return self.brake_resistor is not None or peaks or supply.part is not None
 
-    def feed(self, controller: Any, brake: Any = None) -> Feed:
+    def feed(self, controller: Figures, brake: Figures | None = None) -> Feed:
         """The power stages of controllers, columns by field name, and what feeds as many as there are drives.
 
         A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
@@ -195,9 +195,7 @@ class RobotSpec(OfFile):
     def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
         """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""
         stage = stage_of(controller, self.supply.nominal, self.power_stage, self.select.estimates == "on")
-        return fed(
-            stage, self.supply, self.load.motors, None if brake is None else figures_of(brake), self._brake_released
-        )
+        return fed(stage, self.supply, self.load.motors, brake, self._brake_released)
 
     @property
     def resists(self) -> bool:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from functools import lru_cache
-from typing import Any
 
-from drivesizer.catalog import Brake, Controller
+from drivesizer.catalog import Controller
 from drivesizer.physics.elements.braking import released_power
+from drivesizer.physics.figures import Figures
 from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.physics.power_stage import PowerStage as StageFigures
 from drivesizer.spec.sections import PowerStage, Supply
 
-__all__ = ["fed", "figures_of", "stage_of"]
+__all__ = ["fed", "stage_of"]
 
 
 @lru_cache(maxsize=64)
@@ -35,15 +34,10 @@ def stage_of(controller: Controller | None, volts: float, given: PowerStage, ass
     PowerStage
         Its losses.
     """
-    return power_stage(figures_of(controller or Controller()), volts, given, assume=assume)
+    return power_stage(controller or Controller(), volts, given, assume=assume)
 
 
-def figures_of(part: Controller | Brake) -> dict[str, Any]:
-    """Figures of a part by name."""
-    return {one.name: getattr(part, one.name) for one in fields(part)}
-
-
-def fed(stage: StageFigures, supply: Supply, motors: int, brake: Any, released: float = 1.0) -> Feed:
+def fed(stage: StageFigures, supply: Supply, motors: int, brake: Figures | None, released: float = 1.0) -> Feed:
     """Power stages and what feeds as many as there are motors.
 
     Parameters
