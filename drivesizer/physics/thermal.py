@@ -222,6 +222,11 @@ def steady_winding(motor: Figures, ambient: Value, I_rms: Value, P_h: Value = 0.
         Figures by field name, one motor's or columns.
     ambient, I_rms, P_h
         As for ``steady_winding_temperature``.
+
+    Returns
+    -------
+    float or array
+        As ``steady_winding_temperature``.
     """
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     return steady_winding_temperature(ambient, resistance_25(motor), *R_th, I_rms, P_h)

@@ -15,8 +15,16 @@ from drivesizer.physics.drive_train import friction
 from drivesizer.physics.overload import State, cold
 from drivesizer.physics.thermal import resistance_at
 from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts
-from drivesizer.prediction.set_at_voltage import SetAtVoltage, at_rest, hottest_phase, set_at_voltage
-from drivesizer.prediction.warming import Heating, in_the_long_run, over_time, time_to_limit
+from drivesizer.prediction.set_at_voltage import (
+    Heating,
+    SetAtVoltage,
+    at_rest,
+    hottest_phase,
+    in_the_long_run,
+    over_time,
+    set_at_voltage,
+    time_to_limit,
+)
 from drivesizer.results.figures_behind_checks import in_words
 from drivesizer.results.prediction import Band, Conditions, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show

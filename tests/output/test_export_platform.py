@@ -24,7 +24,7 @@ from drivesizer.output.export import files as exported
 from drivesizer.output.export.gains import torque_law
 from drivesizer.output.export.machine.joint_motor import lossless
 from drivesizer.output.export.platform import PlatformExport, platform_export, write_platform
-from drivesizer.output.export.platform.bodies import split
+from drivesizer.output.export.platform.record import split
 from drivesizer.platform.dynamics import acceleration, wheel_torques
 from drivesizer.platform.motion import motion
 from drivesizer.sizing import explain

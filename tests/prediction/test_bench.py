@@ -14,7 +14,7 @@ from drivesizer.catalog.query import Hit
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import TwoBodies
 from drivesizer.prediction.predict import completed, predict
-from drivesizer.prediction.warming import Heating, in_the_long_run, over_time, time_to_limit
+from drivesizer.prediction.set_at_voltage import Heating, in_the_long_run, over_time, time_to_limit
 from drivesizer.results.prediction import Conditions
 
 ROOM = 298.15

@@ -8,39 +8,266 @@ A gear's efficiency is in no format. Seen at the driven shaft with gears that dr
 .. math:: K e M = (J_l + K^2 e J_m)\, \dot w + (T_f + K e M_f)\, \mathrm{sgn}\, w + K^2 e b_m w + T_0
 
 J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, dry and viscous friction of the motor.
+
+Limits of a drive at the driven shaft: peak and continuous torque and speed, with the limiting part.
+
+.. math:: T = K e\, k_t I \;\text{(motor, controller)}, \qquad T = i_b e_b\, T_g \;\text{(gearhead)}, \qquad w = w_m / K
+
+A torque is that of the motor's magnets behind gears that drive, without friction, since every simulator subtracts
+the friction of a joint by itself. K total ratio, e efficiency of gearhead and belt, b of the belt alone.
+
+A stepper as exports have it: its model in open loop, and its limits at the driven shaft.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import cos, isfinite, isnan, nan
-from typing import Any
+from math import cos, inf, isfinite, isnan, nan, sqrt
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from drivesizer.catalog import DIRECT
 from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, drive_train, within_reach
 from drivesizer.control.loop_design import designed
+from drivesizer.control.open_loop.run import prepared
+from drivesizer.control.open_loop.simulation import Stepper
 from drivesizer.control.validation import Gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases.at_shaft import at_shaft, motion_of, remaining_torque
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.lever import Lever
+from drivesizer.machine.pull_out import torque_of_drive
 from drivesizer.machine.set_cycle import set_cycle, warming
-from drivesizer.output.export.limits import Limits, limits
-from drivesizer.output.export.stepper import OpenLoopStepper, limits_of, stepper_of
+from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.stress import housing_loss
-from drivesizer.physics.thermal import TwoBodies, two_bodies
+from drivesizer.physics.thermal import TwoBodies, current_derating, rated_ambient, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.ratings import controller_current
 from drivesizer.results.screws import for_drive
+from drivesizer.spec.altitude import rise_left
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
-__all__ = ["Cycle", "Export", "behind_gear", "check_wheel", "export_of", "whose"]
+__all__ = [
+    "Cycle", "Export", "Limit", "Limits", "OpenLoopStepper", "behind_gear", "behind_gearhead", "check_wheel",
+    "export_of", "least", "limits", "limits_of", "speed_at", "stepper_of", "whose",
+]  # fmt: skip
+
+
+class Limit(NamedTuple):
+    """The least of several limits."""
+
+    value: float  # SI; NaN where none is known
+    by: str  # the limiting part and figure
+    unknown: tuple[str, ...]  # limits that are not in the catalogue
+
+
+class Limits(NamedTuple):
+    """Limits of one drive at its driven shaft."""
+
+    peak_torque: Limit  # N*m
+    continuous_torque: Limit  # N*m
+    peak_speed: Limit  # rad/s
+    continuous_speed: Limit  # rad/s
+
+
+def limits(spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float) -> Limits:
+    """Peak and continuous torque and speed at the driven shaft.
+
+    Parameters
+    ----------
+    spec, found, train
+        The machine, the drive, and the drive train of both.
+    voltage
+        Available to the motor [V].
+
+    Returns
+    -------
+    Limits
+        SI.
+    """
+    per_ampere = train.torque_constant * train.ratio * train.efficiency
+    currents = _peak_currents(found, train, voltage), _continuous_currents(spec, found)
+    torques = ({name: current * per_ampere for name, current in of.items()} for of in currents)
+    peak, continuous = (own | more for own, more in zip(torques, behind_gearhead(found, train), strict=True))
+    fastest = _speeds(found, train, voltage)
+    continuous_speeds = fastest | {"gearhead, continuous input speed": found.gearhead.continuous_input_speed}
+    return Limits(
+        least(peak),
+        least(continuous),
+        *(least({n: w / train.ratio for n, w in of.items()}) for of in (fastest, continuous_speeds)),
+    )
+
+
+def _peak_currents(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
+    controller, motor = found.controller, found.motor
+    named = {
+        "motor at stall": voltage / train.resistance,
+        "controller, peak current": controller.peak_current if controller else nan,
+    }
+    if isfinite(motor.peak_torque):  # most makers limit none
+        named["motor, peak torque"] = motor.peak_torque / train.torque_constant
+    return named
+
+
+def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
+    controller, motor = found.controller, found.motor
+    rated = rated_ambient(motor)
+    derating = float(current_derating(spec.environment.ambient, motor.max_winding_temperature, rated))
+    left = rise_left(spec.environment)
+    derating *= sqrt(left)
+    lasting = float(controller_current(controller, spec.environment.ambient)) if controller else nan
+    return {
+        "motor, nominal current": motor.nominal_current * derating,
+        "controller, continuous current": lasting * left,
+    }
+
+
+def speed_at(train: DriveTrain, voltage: float, torque: float) -> float:
+    """Steady speed of the motor at a voltage, winding at 25 degC, under a torque, friction included [rad/s].
+
+    Parameters
+    ----------
+    train
+        The drive train.
+    voltage
+        At the motor [V].
+    torque
+        At the motor, friction included [N*m].
+
+    Returns
+    -------
+    float
+        [rad/s]
+    """
+    winding = Winding(train.resistance, train.inductance, train.torque_constant, train.back_emf_constant)
+    return float(operating_point(winding, voltage, torque, train.viscous)[0])
+
+
+def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
+    """Highest speeds of the motor [rad/s]; that at no load includes the gears' idle friction."""
+    motor, controller = found.motor, found.controller
+    named = {
+        "motor at no load": speed_at(train, voltage, train.friction),
+        "motor, permissible speed": motor.max_speed,
+        "gearhead, intermittent input speed": found.gearhead.intermittent_input_speed,
+        "encoder, permissible speed": found.encoder.max_speed if found.encoder else nan,
+    }
+    if found.brake and not isnan(found.brake.max_speed):
+        turns = found.total_ratio if found.brake.shaft == "load" else 1.0
+        named["brake, permissible speed"] = found.brake.max_speed * turns
+    if motor.kind == "brushless":
+        named["controller, electrical speed"] = controller.max_speed_sine / motor.pole_pairs if controller else nan
+    return named
+
+
+def behind_gearhead(found: DriveSet, train: DriveTrain) -> tuple[dict[str, float], dict[str, float]]:
+    """Torque of the gearhead at the driven shaft, for a short time and continuous [N*m]; none without one.
+
+    Parameters
+    ----------
+    found, train
+        The drive, and its drive train.
+
+    Returns
+    -------
+    tuple of dict
+        By name.
+    """
+    if found.gearhead.part == DIRECT:
+        return {}, {}
+    behind = train.belt_ratio * train.belt_efficiency
+    return (
+        {"gearhead, intermittent torque": found.gearhead.intermittent_torque * behind},
+        {"gearhead, continuous torque": found.gearhead.continuous_torque * behind},
+    )
+
+
+def least(named: Mapping[str, float]) -> Limit:
+    """The least of some limits, by name; NaN where none is known."""
+    known = {name: value for name, value in named.items() if value == value and value < inf}
+    unknown = tuple(name for name, value in named.items() if value != value)
+    by = min(known, key=lambda name: known[name], default="")
+    return Limit(known.get(by, nan), by, unknown)
+
+
+class OpenLoopStepper(NamedTuple):
+    """A stepper with its driver, as the simulation of ``validate`` has it."""
+
+    model: Stepper
+    microsteps: float  # per full step
+    speed: NDArray[np.float64]  # rad/s at the motor, of the points of its torque
+
+    @property
+    def stiffness(self) -> float:
+        """Torque per angle about a held position, at the driven shaft with gears that drive [N*m/rad]."""
+        one = self.model
+        return float(one.teeth * one.torque[0] * one.ratio**2 * one.efficiency)
+
+    @property
+    def damping(self) -> float:
+        """Torque per speed of small swings about the field, at the driven shaft [N*m*s/rad]."""
+        one = self.model
+        at_motor = 2.0 * one.damping_ratio * float(np.sqrt(one.teeth * one.torque[0] * one.inertia))
+        return at_motor * one.ratio**2 * one.efficiency
+
+
+def stepper_of(spec: RobotSpec, found: DriveSet) -> tuple[OpenLoopStepper, DriveTrain, list[str]]:
+    """The stepper of a drive, its drive train without electrical figures, and assumptions.
+
+    Parameters
+    ----------
+    spec, found
+        The machine and the drive.
+
+    Returns
+    -------
+    tuple
+        As said.
+
+    Raises
+    ------
+    NoLoopError
+        When a figure is unknown without which nothing moves.
+    """
+    lowest = spec.supply.lowest
+    ready = prepared(spec, found, motion_of(spec), lambda speed: torque_of_drive(found, speed, lowest))
+    one, shaft, gearhead = ready.stepper, at_shaft(spec), found.gearhead
+    train = DriveTrain(
+        resistance=nan, inductance=nan, torque_constant=nan, back_emf_constant=nan, friction=one.friction,
+        motor_inertia=one.motor_inertia, gear_ratio=gearhead.ratio,
+        gear_efficiency=one.efficiency / found.belt_efficiency, belt_ratio=found.belt_ratio,
+        belt_efficiency=found.belt_efficiency, load_inertia=one.load_inertia, radius=shaft.radius,
+        forward_torque=one.forward_torque, backward_torque=one.backward_torque, rest_torque=one.rest_torque,
+    )  # fmt: skip
+    speed = np.linspace(0.0, one.top_speed, len(one.torque))
+    return OpenLoopStepper(one, ready.microsteps, speed), train, list(ready.assumptions)
+
+
+def limits_of(found: DriveSet, one: OpenLoopStepper, train: DriveTrain) -> Limits:
+    """Limits at the driven shaft: the pull-out torque at rest, and the speed up to which it was looked up.
+
+    Parameters
+    ----------
+    found, one, train
+        The drive and what ``stepper_of`` makes of it.
+
+    Returns
+    -------
+    Limits
+        SI; what flows at any time is continuous too.
+    """
+    pull_out = {"stepper, pull-out torque at rest": float(one.model.torque[0] * train.ratio * train.efficiency)}
+    peak, lasting = (pull_out | more for more in behind_gearhead(found, train))
+    fastest = {"stepper, highest speed of the motion": one.model.top_speed / train.ratio}
+    return Limits(*(least(named) for named in (peak, lasting, fastest, fastest)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,8 +25,7 @@ from xml.etree.ElementTree import Element, SubElement
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.output.export.common import Export
 from drivesizer.output.export.gains import TorqueLaw, lacking, torque_law
-from drivesizer.output.export.joint import one_of
-from drivesizer.output.export.link import LEAST_INERTIA, Link, Vector, far_above, link_of
+from drivesizer.output.export.joint import LEAST_INERTIA, Link, Vector, far_above, link_of, one_of
 from drivesizer.output.export.markup import brief, document, number, remark, text, vector
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 

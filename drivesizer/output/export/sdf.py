@@ -5,8 +5,7 @@ from __future__ import annotations
 from xml.etree.ElementTree import Element, SubElement
 
 from drivesizer.output.export.common import Export
-from drivesizer.output.export.joint import BASE, JOINT, LINK, inertial, limited, remarks
-from drivesizer.output.export.link import Link, link_of
+from drivesizer.output.export.joint import BASE, JOINT, LINK, Link, inertial, limited, link_of, remarks
 from drivesizer.output.export.markup import document, identifier, number, remark, vector
 
 __all__ = ["VERSION", "render"]

@@ -9,8 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from drivesizer.errors import InputError
 from drivesizer.output.export.common import Export
-from drivesizer.output.export.joint import BASE, JOINT, LINK, inertial, limited, remarks
-from drivesizer.output.export.link import link_of
+from drivesizer.output.export.joint import BASE, JOINT, LINK, inertial, limited, link_of, remarks
 from drivesizer.output.export.markup import document, identifier, number, remark, vector
 
 __all__ = ["both", "render", "robot", "transmission", "tree"]

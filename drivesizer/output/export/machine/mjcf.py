@@ -14,11 +14,17 @@ import numpy as np
 from drivesizer.errors import InputError
 from drivesizer.joints.record import Array
 from drivesizer.output.export.common import Export
-from drivesizer.output.export.link import LEAST_INERTIA
-from drivesizer.output.export.machine.beside import Adding, free_name
+from drivesizer.output.export.joint import LEAST_INERTIA
 from drivesizer.output.export.machine.joint_motor import add_motor, armature, effort, motor_remark
-from drivesizer.output.export.machine.record import JointDrive, MachineExport, RobotExport
-from drivesizer.output.export.machine.remarks import head, of_drive
+from drivesizer.output.export.machine.record import (
+    Adding,
+    JointDrive,
+    MachineExport,
+    RobotExport,
+    free_name,
+    head,
+    of_drive,
+)
 from drivesizer.output.export.markup import brief, document, number, remark, text, vector
 from drivesizer.output.export.mjcf import MOST_POINTS, PER_PERIOD, add_rows, hard
 from drivesizer.output.export.mjcf import tree as of_one

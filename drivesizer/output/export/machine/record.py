@@ -13,17 +13,29 @@ is the joint's travel per angle of the shaft, e that of both. Of what turns with
 .. math:: J_b = e_g (J + J_p) + \frac{J_w}{i^2}, \qquad M_b = e_g (M + T_p) + \frac{T_w}{i}
 
 J and M of the belt before it; those of a belt behind it are parts of J_w and T_w.
+
+A description in the convention of URDF: each child's frame on the axis of its joint, which is there at 0.
+
+MJCF has axes beside the child's origin, at the anchor a of the child's frame, and joints whose frames are those of a
+reference position q0. The child's frame moves to the anchor, and is turned back by q0:
+
+.. math:: p' = p + R a, \quad R' = R\, R(z, -q_0) \text{ (turning)}, \qquad p' = p - R z q_0 \text{ (sliding)}
+
+Remarks at the head of a machine's file, as sentences.
+
+Files of single axes joined to one: names with the axis before them, so that none is there twice.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isnan
+from xml.etree.ElementTree import Comment, Element
 
 import numpy as np
 
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, quoted
 from drivesizer.files.csv_columns import beside
 from drivesizer.joints.coupling import coupling
 from drivesizer.joints.inverse_dynamics import Attached
@@ -35,16 +47,213 @@ from drivesizer.joints.trajectory import motion_of
 from drivesizer.loads.fixed_gear import FixedGear
 from drivesizer.machine.budgets import riding_mass, riding_rows
 from drivesizer.output.export.common import Export, behind_gear, export_of
-from drivesizer.output.export.markup import number
+from drivesizer.output.export.markup import brief, identifier, number
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.spec.description import read_description
-from drivesizer.spec.description.record import Robot
+from drivesizer.spec.description.record import Joint, Link, Robot, about
 from drivesizer.spec.description.urdf import rotation
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 from drivesizer.version import __version__
 
-__all__ = ["JointDrive", "MachineExport", "RobotExport", "machine_export"]
+__all__ = [
+    "Adding", "JointDrive", "MachineExport", "RobotExport", "free_name", "head", "in_urdf", "machine_export",
+    "of_drive",
+]  # fmt: skip
+
+
+def in_urdf(robot: RobotExport) -> RobotExport:
+    """The robot with frames as URDF has them, points of drives and payload in these.
+
+    Parameters
+    ----------
+    robot
+        In the frames of its description.
+
+    Returns
+    -------
+    RobotExport
+        The same machine.
+    """
+    above = robot.robot.above
+    moved = {name: above[name].anchor if name in above else np.zeros(3) for name in robot.robot.links}
+    described = replace(
+        robot.robot,
+        links={name: _link(link, moved[name]) for name, link in robot.robot.links.items()},
+        joints={name: _joint(joint, moved[joint.parent]) for name, joint in robot.robot.joints.items()},
+    )
+    drives = tuple(replace(drive, place=_point(drive.place, moved[drive.place.link])) for drive in robot.drives)
+    payload = robot.payload and _point(robot.payload, moved[robot.payload.link])
+    return replace(robot, robot=described, drives=drives, payload=payload)
+
+
+def _link(link: Link, moved: Array) -> Link:
+    return replace(link, centre=link.centre - moved)
+
+
+def _point(point: Attached, moved: Array) -> Attached:
+    return Attached(point.link, point.at - moved)
+
+
+def _joint(joint: Joint, moved: Array) -> Joint:
+    """A joint whose parent's frame has moved too."""
+    place, turn = joint.place + joint.turn @ joint.anchor - moved, joint.turn
+    if joint.kind == "prismatic":
+        place = place - turn @ joint.axis * joint.reference
+    elif joint.turns:
+        turn = turn @ about(joint.axis, -joint.reference)
+    return replace(joint, place=place, turn=turn, anchor=np.zeros(3), reference=0.0)
+
+
+def head(of: MachineExport) -> list[str]:
+    """Remarks on the whole file.
+
+    Parameters
+    ----------
+    of
+        The machine.
+
+    Returns
+    -------
+    list of str
+        What it has, what is left out.
+    """
+    said = [f"{of.program}. SI: kg, m, s, N, N*m, rad."]
+    if of.robot:
+        said += _of_robot(of.robot)
+    if of.axes:
+        beside = "beside the robot " if of.robot else ""
+        said.append(
+            f"Axes {beside}({', '.join(name for name, _ in of.axes)}): each a joint of its own at the origin, its load "
+            "with all drives that ride on it; names begin with the axis."
+        )
+    return [*said, *(f"Assumed: {line}." for line in (*of.said, *of.notes))]
+
+
+def _of_robot(robot: RobotExport) -> list[str]:
+    said = [
+        "Links, joints and position limits are those of the description, without its shapes; effort, velocity and "
+        "friction of a joint are those of its drive, whose mass is at its place."
+    ]
+    if any(drive.slides for drive in robot.drives):
+        said.append("Joints that slide: N, N*s/m and kg in the place of N*m, N*m*s/rad and kg*m^2.")
+    if robot.section.friction == "keep" and any(_bearings(robot, drive) for drive in robot.drives):
+        said.append("The friction in the description is that of bearings, and is added to that of the drives.")
+    if robot.held:
+        places = ", ".join(f"{name} {brief(value)}" for name, value in robot.held.items())
+        said.append(f"Joints without a drive, as they are held [rad or m]: {places}.")
+    return [*said, *robot.robot.notes]
+
+
+def _bearings(robot: RobotExport, drive: JointDrive) -> bool:
+    joint = robot.robot.joints[drive.joint]
+    return bool(joint.damping or joint.friction)
+
+
+def of_drive(drive: JointDrive) -> list[str]:
+    """Remarks on the drive of a joint.
+
+    Parameters
+    ----------
+    drive
+        With its limits.
+
+    Returns
+    -------
+    list of str
+        Its parts, what limits it, its inertia and efficiency.
+    """
+    limits, e = drive.of.limits, drive.efficiency
+    lacking = f", without {', '.join(drive.lacking)}, of unknown mass" if drive.lacking else ""
+    rotor = brief(drive.armature) if drive.armature == drive.armature else "UNKNOWN"
+    lasting = limits.continuous_torque.value * drive.gear_efficiency / drive.travel
+    effort, velocity = (one.by or "nothing known" for one in (limits.peak_torque, limits.peak_speed))
+    said = [
+        f"{drive.of.label}: {brief(drive.mass)} kg{lacking}; total ratio {brief(drive.ratio)}; effort by "
+        f"{effort}, continuous {brief(lasting)}; velocity by {velocity}; "
+        f"armature {rotor}, rotor and gearhead input by ratio squared, gears driving at an efficiency of {brief(e)}."
+    ]
+    if drive.back_efficiency != drive.gear_efficiency:
+        back = drive.of.train.efficiency * drive.back_efficiency
+        said.append(f"Where the load drives the motor, the gears have an efficiency f of {brief(back)}.")
+    if drive.coupled:
+        others = ", ".join(
+            f"{'' if share > 0 else '-'}{name}" for name, share in drive.turns_by.items() if name != drive.joint
+        )
+        said.append(f"Its belt passes other joints: the drive turns by the sum of this joint and {others}.")
+    return said
+
+
+_NAMES = ("name", "joint", "link", "actuator", "site", "tendon")  # attributes that name something
+
+
+def free_name(wanted: str, taken: Collection[str]) -> str:
+    """A name that is not taken, with underscores behind it where it is.
+
+    Parameters
+    ----------
+    wanted, taken
+        A name, and those that are there.
+
+    Returns
+    -------
+    str
+        The name.
+
+    Examples
+    --------
+    >>> free_name("payload", {"payload"})
+    'payload_'
+    """
+    while wanted in taken:
+        wanted += "_"
+    return wanted
+
+
+class Adding:
+    """A document to which those of single axes are added."""
+
+    def __init__(self, root: Element, tags: Collection[str]) -> None:
+        self.tags = tags
+        self.taken = set(self._names(root))
+
+    def _names(self, root: Element) -> list[tuple[str, str]]:
+        return [
+            (str(one.tag), one.attrib["name"]) for one in root.iter() if one.tag in self.tags and "name" in one.attrib
+        ]
+
+    def add(self, axis: str, tree: Element, target: Element, *, kept: str = "", instead: str = "") -> None:
+        """Add what is in the document of one axis.
+
+        Parameters
+        ----------
+        axis
+            Its name.
+        tree
+            The document, or a part of it.
+        target
+            Element that gets its children.
+        kept, instead
+            A name that all axes share, and the one in its place.
+
+        Raises
+        ------
+        InputError
+            When a name is there already.
+        """
+        before = identifier(axis)
+        for element in tree.iter():
+            for attribute in _NAMES:
+                name = element.attrib.get(attribute)
+                if name is not None:
+                    element.attrib[attribute] = instead if name == kept else f"{before}_{name}"
+        children = [one for one in tree if not (kept and one.attrib.get("name") == instead)]
+        for key in [name for one in children for name in self._names(one)]:
+            if key in self.taken:
+                raise InputError(f"axis {quoted(axis)}: a {key[0]} {quoted(key[1])} is there already; rename the axis")
+            self.taken.add(key)
+        target.append(Comment(f" Axis {before}. "))
+        target.extend(children)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,12 +16,17 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from drivesizer.joints.record import Array
-from drivesizer.output.export.joint import BASE, limited
-from drivesizer.output.export.link import LEAST_INERTIA
-from drivesizer.output.export.machine.beside import Adding, free_name
-from drivesizer.output.export.machine.convention import in_urdf
-from drivesizer.output.export.machine.record import JointDrive, MachineExport, RobotExport
-from drivesizer.output.export.machine.remarks import head, of_drive
+from drivesizer.output.export.joint import BASE, LEAST_INERTIA, limited
+from drivesizer.output.export.machine.record import (
+    Adding,
+    JointDrive,
+    MachineExport,
+    RobotExport,
+    free_name,
+    head,
+    in_urdf,
+    of_drive,
+)
 from drivesizer.output.export.markup import brief, document, identifier, number, remark, vector
 from drivesizer.output.export.urdf import both, transmission
 from drivesizer.output.export.urdf import robot as of_one

@@ -30,8 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.joints.record import Array
-from drivesizer.output.export.platform.reach import Reach
-from drivesizer.output.export.platform.record import PlatformExport, wheel_name
+from drivesizer.output.export.platform.record import PlatformExport, Reach, wheel_name
 from drivesizer.output.export.platform.urdf import FOOTPRINT
 from drivesizer.output.export.ros2_control import float_text
 

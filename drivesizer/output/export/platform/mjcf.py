@@ -26,8 +26,7 @@ from drivesizer.output.export.machine.joint_motor import add_motor, armature, ef
 from drivesizer.output.export.machine.record import JointDrive
 from drivesizer.output.export.markup import document, number, remark, text, vector
 from drivesizer.output.export.mjcf import MOST_POINTS, PER_PERIOD, add_rows, hard
-from drivesizer.output.export.platform.record import BASE, PlatformExport, wheel_name
-from drivesizer.output.export.platform.remarks import head, of_wheel, rollers
+from drivesizer.output.export.platform.record import BASE, PlatformExport, head, of_wheel, rollers, wheel_name
 
 __all__ = ["render"]
 

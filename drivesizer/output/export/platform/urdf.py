@@ -14,8 +14,7 @@ import numpy as np
 
 from drivesizer.output.export.machine.urdf import add_inertial
 from drivesizer.output.export.markup import document, identifier, number, remark, vector
-from drivesizer.output.export.platform.record import BASE, PlatformExport, wheel_name
-from drivesizer.output.export.platform.remarks import head, of_wheel, rollers
+from drivesizer.output.export.platform.record import BASE, PlatformExport, head, of_wheel, rollers, wheel_name
 from drivesizer.output.export.urdf import both, transmission
 
 __all__ = ["FOOTPRINT", "render", "robot"]
