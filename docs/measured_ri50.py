@@ -10,8 +10,7 @@ from measured_data import Array, Held, course, held, record
 
 from drivesizer.physics.overload import State
 from drivesizer.physics.thermal import resistance_at
-from drivesizer.prediction.set_at_voltage import SetAtVoltage, hottest_phase
-from drivesizer.prediction.set_at_voltage import Heating, over_time
+from drivesizer.prediction.set_at_voltage import Heating, SetAtVoltage, hottest_phase, over_time
 from drivesizer.results.prediction import Band
 
 _SUPPLY = 36.0  # V
