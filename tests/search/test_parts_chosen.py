@@ -295,3 +295,13 @@ def test_a_model_is_found_with_all_its_rows():
         assert [hit.part for hit in find(shelf, name)] == rows
     assert [hit.part for hit in find(shelf, rows[1])] == rows[1:2]
     assert [hit.part for hit in look(shelf, "st3215")[1]] == ["ST-3215-C001", "ST-3215-C018"]
+
+
+def test_a_servo_at_12_v_has_its_figures_of_12_v(tmp_path):
+    """0.9 kg at 0.27 m: 2.38 N*m at its most; a fifth of the stall is 10.6 / 5 at 12 V and 12.9 / 5 at 14.8 V."""
+    text = ELBOW.replace("0.8 kg, length: 0.25 m", "0.9 kg, length: 0.27 m, start_angle: -45 deg") % ("12", "")
+    spec = read_spec(YamlSource(text.replace("servo.yaml", "robotis").replace(", estimates: off", ""), "robot.yaml"))
+    best = size(spec, top=1).sets[0]
+    limit = next(c for c in best.checks if c.name == "gearhead_continuous_torque")
+    assert (best.motor.part, best.motor.order_number) == ("XM540-W270 12 V", "XM540-W270")
+    assert limit.limit == pytest.approx(2.12) and 0.0 < limit.margin < 0.02
