@@ -125,7 +125,7 @@ def segment_of(d: Drive, c: Course, k: int, cycle: int) -> tuple[Segment, bool]:
 
 def pieces_of(d: Drive, s: Segment, steady: bool) -> int:
     """In how many pieces a segment is cut, so that the winding follows the mean of each."""
-    return 1 if steady or s.t <= d.finest else int(min(math.ceil(math.sqrt(s.t / d.finest)), FINEST))
+    return 1 if steady or not s.t > d.finest else int(min(math.ceil(math.sqrt(s.t / d.finest)), FINEST))
 
 
 def part(s: Segment, n: int, count: int) -> Segment:
@@ -385,15 +385,15 @@ def drive_of(x: Array) -> Drive:
 
 def evaluate_rows(
     drives: Array, found: Array, duration: Array, speed: Array, acceleration: Array, torque: Array,
-    steps: NDArray[np.int64], sizes: NDArray[np.int64], rows: Array,
+    steps: NDArray[np.int64], cycles: NDArray[np.int64], sizes: NDArray[np.int64], rows: Array,
 ) -> int:  # fmt: skip
-    """Drives one after the other; ``sizes``: segments, cycles, number of the first row, level, cuts of a piece."""
+    """Drives one after the other, each over one of the cycles; ``sizes``: segments, level, cuts of a piece."""
     c = Course(duration, speed, acceleration, torque, steps)
-    count, cycles, first, level, cuts = int(sizes[0]), sizes[1], sizes[2], sizes[3], int(sizes[4])
+    count, level, cuts = int(sizes[0]), sizes[1], int(sizes[2])
     if level < 0:
         return count_pieces(drive_of(drives[0]), c, count) * max(cuts, 1)
     for r in range(len(drives)):
-        figures = one_drive(drive_of(drives[r]), c, count, (first + r) % cycles, level, cuts, rows)
+        figures = one_drive(drive_of(drives[r]), c, count, cycles[r], level, cuts, rows)
         for k in range(len(figures)):
             found[r, k] = figures[k]
     return 0

@@ -52,7 +52,8 @@ def drives_of(
     limit
         Current of which the time above counts [A].
     error
-        Permitted at the end of a segment, as a share of what the change within it does to the winding [1].
+        Permitted at the end of a segment, as a share of what the change within it does to the winding [1]; a cycle of
+        several samples is cut by the time constant of each, another by the shortest.
 
     Returns
     -------
@@ -60,6 +61,7 @@ def drives_of(
         Columns.
     """
     bodies, k_t, belt, e = two_bodies(motor), motor["torque_constant"], np.asarray(cycle.belt), cycle.base.efficiency
+    several = cycle.base.load_cycle.speed.shape[2:]
     c, stage = demand.coefficients / np.reshape(k_t, (-1, 1)), feed.stage
     with np.errstate(divide="ignore", invalid="ignore"):  # of unknown figures
         C_w, C_h = bodies.capacity_w, bodies.capacity_h
@@ -84,7 +86,7 @@ def drives_of(
         course=1.0,
         held=np.nan,
         held_mean=np.nan,
-        finest=12.0 * error * cycle.base.quickest,
+        finest=12.0 * error * np.asarray(bodies.tau_w if several else cycle.base.quickest),
         leads=leads,
         loss=stage.loss,
         least_loss=stage.least_loss,
@@ -98,11 +100,12 @@ def drives_of(
     )
     current = sum(drive[:6])
     known = bodies.known & ~np.isnan(current + heating.friction + heating.iron + ambient)
-    return drive._replace(course=np.broadcast_to(known, np.shape(current)).astype(float))
+    shape = np.broadcast_shapes(np.shape(current), several)
+    return drive._replace(course=np.broadcast_to(known, shape).astype(float))
 
 
-def held(drives: Drive, rise: Any, mean: Any, rows: Any = slice(None)) -> Drive:
-    """Some drives with windings at given rises.
+def held(drives: Drive, rise: Any, mean: Any) -> Drive:
+    """Drives with windings at given rises.
 
     Parameters
     ----------
@@ -110,13 +113,10 @@ def held(drives: Drive, rise: Any, mean: Any, rows: Any = slice(None)) -> Drive:
         Columns over drives.
     rise, mean
         At the ends of pieces, and over them [K].
-    rows
-        Which of the drives.
 
     Returns
     -------
     Drive
         Columns over those.
     """
-    some = Drive(*(np.broadcast_to(x, np.shape(drives.course))[rows] for x in drives))
-    return some._replace(course=0.0, held=rise, held_mean=mean)
+    return drives._replace(course=np.zeros_like(drives.course), held=rise, held_mean=mean)

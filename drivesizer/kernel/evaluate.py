@@ -16,10 +16,11 @@ from drivesizer.kernel.records import Drive, Figures, Piece
 __all__ = ["ACCOUNT", "ENERGY", "HEAT", "POWER", "evaluate", "pieces"]
 
 Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
 _A_THREAD = 20_000  # drives times segments that are worth a thread
 
 
-def evaluate(drives: Drive, cycle: Any, level: int) -> Figures:
+def evaluate(drives: Drive, cycle: Any, level: int, rows: NDArray[np.int64] | None = None) -> Figures:
     """Figures of drives over a load cycle that repeats.
 
     Parameters
@@ -30,18 +31,22 @@ def evaluate(drives: Drive, cycle: Any, level: int) -> Figures:
         ``duration``, ``speed``, ``acceleration`` and ``torque`` of the load, with a last axis of samples or none.
     level
         ``HEAT``: current, winding and voltage; ``POWER`` too; ``ENERGY`` too; ``ACCOUNT``: what motors take too.
+    rows
+        Of drives or samples along one axis those that are computed; all, where there are none.
 
     Returns
     -------
     Figures
-        Columns of that shape.
+        Columns of that shape, or of these rows.
     """
     columns = np.broadcast_arrays(*drives)
+    if rows is not None:
+        columns = [column[rows] for column in columns]
     shape, table = columns[0].shape, np.stack(columns, axis=-1, dtype=float).reshape(-1, len(drives))
     found = np.empty((len(table), len(Figures._fields)))
-    arrays, steps, sizes = _laid_out(cycle)
-    size = max(-(-len(table) // _threads()), _A_THREAD // sizes[0], 1)
-    run = partial(_rows, table, found, arrays, steps, (*sizes, level), size)
+    (arrays, steps, segments, cycles), samples = _laid_out(cycle), np.arange(len(table)) if rows is None else rows
+    size = max(-(-len(table) // _threads()), _A_THREAD // segments, 1)
+    run = partial(_rows, table, found, arrays, steps, samples % cycles, (segments, level), size)
     if len(table) > size:
         from concurrent.futures import ThreadPoolExecutor  # only many drives need it
 
@@ -70,36 +75,31 @@ def pieces(drive: Drive, cycle: Any, cuts: int = 1) -> tuple[Figures, Piece]:
         Columns of length one, and columns over pieces.
     """
     table, found = np.array([float(np.squeeze(x)) for x in drive])[None], np.empty((1, len(Figures._fields)))
-    arrays, steps, sizes = _laid_out(cycle)
-    call = compiled()
+    arrays, steps, segments, _ = _laid_out(cycle)
+    call, one = compiled(), np.zeros(1, np.int64)
     nothing = np.empty((0, len(Piece._fields)))
-    count = call(table, found, *arrays, steps, np.array([*sizes, 0, -1, cuts]), nothing)
+    count = call(table, found, *arrays, steps, one, np.array([segments, -1, cuts]), nothing)
     rows = np.empty((count, len(Piece._fields)))  # what is not written takes no memory
-    call(table, found, *arrays, steps, np.array([*sizes, 0, ACCOUNT, cuts]), rows)
+    call(table, found, *arrays, steps, one, np.array([segments, ACCOUNT, cuts]), rows)
     figures = Figures(*found.T)
     return figures, Piece(*rows[: int(figures.pieces[0])].T)
 
 
 def _rows(
-    table: Array,
-    found: Array,
-    arrays: list[Array],
-    steps: NDArray[np.int64],
-    sizes: tuple[int, ...],
-    size: int,
+    table: Array, found: Array, arrays: list[Array], steps: Whole, samples: Whole, sizes: tuple[int, int], size: int,
     first: int,
-) -> None:
-    segments, cycles, level = sizes
+) -> None:  # fmt: skip
+    """Some drives in one thread."""
     rows, nothing = slice(first, first + size), np.empty((0, len(Piece._fields)))
-    compiled()(table[rows], found[rows], *arrays, steps, np.array([segments, cycles, first, level, 1]), nothing)
+    compiled()(table[rows], found[rows], *arrays, steps, samples[rows], np.array([*sizes, 1]), nothing)
 
 
-def _laid_out(cycle: Any) -> tuple[list[Array], NDArray[np.int64], tuple[int, int]]:
+def _laid_out(cycle: Any) -> tuple[list[Array], Whole, int, int]:
     """Columns as they lie in memory, steps from segment to segment, end to end and cycle to cycle, and both numbers."""
     columns = [cycle.duration, cycle.speed, cycle.acceleration, cycle.torque]
     several = max(x.shape[-1] for x in columns[1:]) if cycle.speed.ndim == 3 else 1
     laid = [_flat(x, n == 0) for n, x in enumerate(columns)]
-    return [x for x, _ in laid], np.array([steps for _, steps in laid]), (len(cycle.duration), several)
+    return [x for x, _ in laid], np.array([steps for _, steps in laid]), len(cycle.duration), several
 
 
 def _flat(x: Array, single: bool) -> tuple[Array, list[int]]:

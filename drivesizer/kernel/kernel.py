@@ -15,7 +15,7 @@ KERNEL = Kernel(
     modules=(records, heat, supply, cycle),
     inline=True,
     slow="sizing takes some hundred times longer",
-    arguments="d2 d2 d1 d1 d1 d1 q2 q1 d2",
+    arguments="d2 d2 d1 d1 d1 d1 q2 q1 q1 d2",
 )
 
 

@@ -6,6 +6,7 @@ Where no more is wanted than which limits are met, of candidates that bounds lea
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from drivesizer.kernel.drives import drives_of, held
 from drivesizer.kernel.evaluate import ENERGY, POWER, evaluate
 from drivesizer.kernel.records import Drive
-from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.stress import Heat, Parts, Stress, on, replaced, temperature_at_most
@@ -43,8 +44,9 @@ def exact(
     stresses: Stress,
     parts: Parts,
     what: Wanted = "all",
+    error: float = 1e-3,
 ) -> Pair:
-    """Peaks and heat over the waveform, of candidates or of samples.
+    """Peaks and heat over the waveform, of candidates over one cycle or of samples each over its own.
 
     Parameters
     ----------
@@ -52,6 +54,8 @@ def exact(
         The spec, its load cycle at the gearhead, and columns over candidates.
     what
         What to compute: whatever has ``limits``, or ``all``, energy too.
+    error
+        As ``drives_of`` takes it.
 
     Returns
     -------
@@ -63,23 +67,25 @@ def exact(
     level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
     drives = drives_of(
         ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=kept,
-        limit=controller_current(parts.controller, ambient),
+        limit=controller_current(parts.controller, ambient), error=error,
     )  # fmt: skip
     rows = np.flatnonzero(drives.course == 0.0)
     if len(rows):
         mean = np.where(np.isfinite(heating.winding), heating.winding, np.nan) - ambient
         drives = drives._replace(held=hottest(spec, cycle, heating, stresses, motor) - ambient, held_mean=mean)
-    high = _moments(ambient, cycle, drives, feed, stresses, level)
+    every = np.arange(len(drives.course))
+    high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
     if level == POWER:
         high = high._replace(stored=np.zeros_like(high.power))
     if not len(rows):
         return high, high
-    few = feed.broadcast(len(high.power)).on(rows)
-    cold = _moments(ambient, cycle.on(rows), held(drives, 0.0, 0.0, rows), few, on(stresses, rows), level)
+    low = held(drives, 0.0, 0.0)
+    cold = _moments(ambient, cycle, low, feed, stresses.cold_voltage, level, rows)
     if level == POWER:
         cold = cold._replace(stored=high.stored[rows])
     steady = temperature_at_most(ambient, cycle, heating, stresses, motor)
-    return between_bounds(high, cold, rows, heating.winding, steady)
+    mean, steady = (np.broadcast_to(x, every.shape) for x in (heating.winding, steady))
+    return between_bounds(high, cold, rows, mean, steady)
 
 
 def decided(
@@ -145,20 +151,23 @@ def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:
 
 
 def _moments(
-    ambient: Array | float, cycle: AtGearhead, drives: Drive, feed: Feed, stresses: Stress, level: int
+    ambient: Any, cycle: AtGearhead, drives: Drive, feed: Feed, cold: Peak, level: int, rows: NDArray[np.int64]
 ) -> Moments:
-    """Figures of the kernel with the voltage of a cold start, standby power and what the source adds."""
-    found, cold, standby = evaluate(drives, cycle.load_cycle, level), stresses.cold_voltage, feed.stage.standby
-    colder = cold.value > found.voltage
+    """Figures of some rows, with the voltage of a cold start, standby power and what the source adds."""
+    count, total = len(drives.course), cycle.load_cycle.total
+    feed = feed.broadcast(count).on(rows)
+    ambient, total, *cold = (np.broadcast_to(x, count)[rows] for x in (ambient, total, *cold))
+    found, standby = evaluate(drives, cycle.load_cycle, level, rows), feed.stage.standby
+    colder = cold[0] > found.voltage
     return Moments(
         winding=found.winding + ambient,
         winding_time=found.winding_time,
-        voltage=np.where(colder, cold.value, found.voltage),
-        voltage_time=np.where(colder, cold.time, found.voltage_time),
+        voltage=np.where(colder, cold[0], found.voltage),
+        voltage_time=np.where(colder, cold[1], found.voltage_time),
         copper=found.copper,
         power=of_the_source(found.power + standby, feed),
         power_time=found.power_time,
-        drawn=found.drawn + found.source_heat + standby * cycle.load_cycle.total,
+        drawn=found.drawn + found.source_heat + standby * total,
         returned=found.returned,
         stored=found.stored,
         above=found.above,

@@ -21,6 +21,7 @@ from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.stress import Heat, Parts, Stress, heat, housing_loss, stress
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
 from drivesizer.search.columns.brakes import brake_limits, is_listed
+from drivesizer.search.columns.exactly import exact
 from drivesizer.search.columns.limits import (
     electrical_limits,
     gearhead_limits,
@@ -37,7 +38,6 @@ from drivesizer.search.uncertainty.sampled_battery import Draw, battery_limits
 from drivesizer.search.uncertainty.sampled_cycle import AtSamples
 from drivesizer.search.uncertainty.sampled_parts import Block, SetRows, parts_of, with_dry_share
 from drivesizer.search.uncertainty.sampled_steppers import SampledStepper, stepper_checks
-from drivesizer.search.uncertainty.sampled_waveform import moments
 from drivesizer.spec.mounting import loss_at_flange
 
 __all__ = [
@@ -51,6 +51,7 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+_ERROR = 1e-2  # of what a change within a segment does to the winding; the search has 0.1 %
 
 
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
@@ -187,7 +188,7 @@ def loaded(spec: Any, at: AtSamples, parts: Parts, factors: Mapping[str, Array],
     required, warmth = _moved(spec, at, parts, factors)
     feed = spec.feed(parts.controller, parts.brake)
     peaks = stress(spec.environment.ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)
-    figures = moments(spec, at, required, warmth, peaks, parts, feed, energies=energies)
+    figures = exact(spec, at, required, warmth, peaks, parts, "all" if energies else "limits", error=_ERROR)
     return Loaded(required, warmth, peaks, least(figures, required, warmth, peaks))
 
 

@@ -1,6 +1,6 @@
 r"""Bounds of peaks and energy of one drive over many samples, without the winding's course.
 
-They decide whether a check passes in most samples; ``sampled_waveform`` has the figures themselves. What a motor takes
+They decide whether a check passes in most samples; the kernel has the figures themselves. What a motor takes
 in the mean is
 
 .. math:: P = \overline{R I^2} + \overline{k_t w I} + |k_e - k_t|\,\overline{|w I|} + V_l \overline{|I|}
