@@ -51,6 +51,7 @@ Array = NDArray[np.float64]
 HEAT, POWER, ENERGY, ACCOUNT = 0, 1, 2, 3  # levels: each computes what those before it do, too
 FINEST = 200  # pieces of a segment at most
 FORGOTTEN = 1e-15  # share of a rise that is left when what was before is of no effect
+LEVEL = 1e-9  # share of a slope that is 0 but for rounding
 BEYOND = 1e9  # K: a winding that is warmer has run away
 
 
@@ -267,7 +268,7 @@ def over_cycle(
                 more_w, more_h, mean = added(law, spread(law, p.t), p.t, w, h)
                 rises = Rises(w, w + more_w, w + mean)
                 rising, later = slopes(law, w, h)[0], slopes(law, w + more_w, h + more_h)[0]
-                if rising > 0.0 and later < 0.0 and (steady or w + p.t * rising > winding.value):
+                if rising > 0.0 and later < LEVEL * rising and (steady or w + p.t * rising > winding.value):
                     top, when = top_within(law, p.t, w, h)
                     winding = larger(winding, top, time + when)
                     if steady:  # nothing else changes: its warmest moment stands at its warmer end

@@ -39,9 +39,7 @@ def evaluate(drives: Drive, cycle: Any, level: int, rows: NDArray[np.int64] | No
     Figures
         Columns of that shape, or of these rows.
     """
-    columns = np.broadcast_arrays(*drives)
-    if rows is not None:
-        columns = [column[rows] for column in columns]
+    columns = [column if rows is None else column[rows] for column in np.broadcast_arrays(*drives)]
     shape, table = columns[0].shape, np.stack(columns, axis=-1, dtype=float).reshape(-1, len(drives))
     found = np.empty((len(table), len(Figures._fields)))
     (arrays, steps, segments, cycles), samples = _laid_out(cycle), np.arange(len(table)) if rows is None else rows

@@ -19,6 +19,7 @@ __all__: list[str] = []  # compiled into ``kernel``
 
 BRIEF, BRIEFER = 0.06, 4e-3  # exponents up to which eight and six terms of a series do
 SMALL = 0.5  # and up to which fourteen do
+COOLER = -1e-3  # K: what losses heat is no cooler but by rounding; a stretch in which it grows beyond all figures
 LARGEST = 700.0  # whose function is a number
 
 
@@ -129,12 +130,16 @@ def added(law: Law, s: Spread, t: float, w: float, h: float) -> tuple[float, flo
 
 
 def top_within(law: Law, t: float, w: float, h: float) -> tuple[float, float]:
-    """Highest rise of a winding that rises at a piece's start and falls at its end [K], and after which time [s]."""
+    """Highest rise from where a winding turns within a piece at whose start it rises [K], and after which time [s].
+
+    At the end where it does not. The slope is a sum of two exponentials, so that it is zero once.
+    """
     slow, fast = exponents(law)
     slope_w, slope_h = slopes(law, w, h)
     pull = law.ww * slope_w + law.wh * slope_h
-    when = math.log1p((fast - slow) * slope_w / (pull - fast * slope_w)) / (slow - fast)
-    when = when if 0.0 < when < t else t  # but for rounding it is
+    lasting = pull - fast * slope_w  # below 0: it falls in the end
+    when = math.log1p((fast - slow) * slope_w / lasting) / (slow - fast) if lasting < 0.0 else t
+    when = min(when, t)
     return w + added(law, spread(law, when), when, w, h)[0], when
 
 
@@ -171,4 +176,5 @@ def periodic(c: Change) -> tuple[float, float]:
     determinant = c.ww * c.hh - c.wh * c.hw
     if not (determinant > 0.0 and c.ww < 0.0 and math.isfinite(determinant + c.h)):
         return math.inf, math.inf
-    return (c.wh * c.h - c.hh * c.w) / determinant, (c.hw * c.w - c.ww * c.h) / determinant
+    w, h = (c.wh * c.h - c.hh * c.w) / determinant, (c.hw * c.w - c.ww * c.h) / determinant
+    return (w, h) if min(w, h) > COOLER else (math.inf, math.inf)

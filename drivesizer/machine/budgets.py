@@ -168,15 +168,15 @@ def _checks_of_the_battery(problem: Problem, battery: Battery, one: DriveParts) 
     equipment, catalog = problem.spec.equipment, problem.catalog
     return [
         (name, checks_of_battery(spec, battery, equipment, catalog, power))
-        for name, spec, power in _powers(problem, one, motors=False)
+        for name, spec, power in _powers(problem, one)
     ]
 
 
-def _powers(problem: Problem, one: DriveParts, *, motors: bool = True) -> Iterator[tuple[str, RobotSpec, DrivePower]]:
+def _powers(problem: Problem, one: DriveParts) -> Iterator[tuple[str, RobotSpec, DrivePower]]:
     """Each load case of the machine: its name, its spec, and the power that all drives draw in it."""
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
-        power = together([drive_power(case.spec, one, case.at_belt, motors=motors) for case in some])
+        power = together([drive_power(case.spec, one, case.at_belt) for case in some])
         platform = some[0].spec.platform
         yield problem.name_of(numbers), some[0].spec, power.slipping(platform.slip) if platform else power
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.machine.set_cycle import SetCycle, lost_in_winding
+from drivesizer.machine.set_cycle import SetCycle
 from drivesizer.machine.supply_power import power_of, stepper_loss
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.drive_train import friction
@@ -78,7 +78,7 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
         "brake": found.released,
         "returned": returned,
         "stored": returned * found.spec.supply.regeneration,
-        "copper": _stepper_copper(found) if stepper else found.copper,
+        "copper": _stepper_copper(found) if stepper else float(found.figures.copper[0]),
     }
     sets = found.spec.load.motors * found.cycle.load_cycle.total
     known = bool(found.demands.complete.all()) if stepper else found.known
@@ -105,7 +105,7 @@ def _at_the_shaft(found: SetCycle, stepper: bool) -> dict[str, float]:
     work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total
     return {
         "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED])
-        + (0.0 if stepper else lost_in_winding(found) / cycle.total),
+        + (0.0 if stepper else float(found.figures.unlike[0]) / cycle.total),
         "gearhead": float(mean_gear_loss(found.cycle, found.gearhead)[0]),
         "belt": float(driving + braking - work),
         "load": work,

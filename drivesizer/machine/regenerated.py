@@ -5,19 +5,16 @@ What one drive regenerates while another draws is not burnt. Symbols: E energy [
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import inf, isnan, nan
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import one_row
-from drivesizer.machine.set_cycle import heated
-from drivesizer.machine.supply_power import DrivePower, drive_power, drive_power_in_parts, together
+from drivesizer.machine.supply_power import DrivePower, drive_power, together
 from drivesizer.physics.elements.brake_resistor import burning, burnt_energy, largest_mean, largest_pulse
-from drivesizer.physics.one_pass.drives import Kept, figures, is_long, piece_by_piece
-from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
+from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.waveform import most_stored
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
@@ -145,9 +142,6 @@ class Regenerated(NamedTuple):
         return largest_pulse(self.duration, np.where(self.drawn_peak > power, self.duration, 0.0))
 
 
-_COLUMNS = ("duration", "drawn", "returned", "returned_peak", "drawn_peak")
-
-
 def raised_voltage(spec: RobotSpec, stored: float, more: float = 0.0) -> float:
     """Voltage to which a bus rises by an energy.
 
@@ -191,55 +185,11 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
         some = [problem.cases[number] for number in numbers]
         name, spec = problem.name_of(numbers), some[0].spec
         if len(some) == 1:
-            passed = _in_one_pass(name, spec, one, some[0].at_belt)
-            found.append(passed or _of_parts(name, spec, drive_power_in_parts(spec, one, some[0].at_belt)))
+            timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
+            found.append(regenerated_of(name, spec, drive_power(spec, one, some[0].at_belt, merged=not timed)))
         else:
             found.append(_of_several(name, spec, [drive_power(case.spec, one, case.at_belt) for case in some]))
     return found
-
-
-def _in_one_pass(case: str, spec: RobotSpec, one: DriveParts, base: Any) -> Regenerated | None:
-    """Of one drive over a long cycle, where that is at hand as machine code; None elsewhere, and of unknown heat."""
-    if one.steps or not is_long(base.behind(one.belt_ratio)):
-        return None
-    feed, (cycle, demand, heating) = spec.feed_of(one.controller, one.brake), heated(spec, one, base)
-    beside = {"leads": 0.0, "kept": 0.0, "limit": nan, "wanted": 3}
-    drive = figures(spec.environment.ambient, cycle, demand, heating, one_row(one.motor), feed, **beside)
-    timed = spec.supply.peak_current is not None and spec.supply.current is not None  # what is drawn each moment counts
-    found = piece_by_piece(cycle, drive, each=timed)
-    sets = spec.load.alike if demand.complete.all() else nan
-    return None if found is None else _of_kept(case, spec, found, feed, sets)
-
-
-def _of_kept(case: str, spec: RobotSpec, found: Kept, feed: Feed, sets: float) -> Regenerated:
-    """Of the pieces that one pass kept of a drive, and so many drives alike."""
-    standby, share = float(np.asarray(feed.stage.standby).item()), 1.0 - spec.supply.regeneration
-    drawn = found.drawn + standby * found.duration
-    return Regenerated(
-        case=case,
-        spec=spec,
-        duration=found.duration,
-        drawn=sets * drawn,
-        returned=share * sets * found.returned,
-        returned_peak=share * sets * found.back,
-        drawn_peak=sets * of_the_source(found.out + standby, feed),
-        mean_drawn=sets * float(drawn.sum() + found.resisted) / float(found.duration.sum()),
-    )
-
-
-def _of_parts(case: str, spec: RobotSpec, parts: Iterable[DrivePower]) -> Regenerated:
-    """Of one drive, some pieces at a time, and no more kept of them than counts."""
-    kept: dict[str, list[Array]] = {name: [] for name in _COLUMNS}
-    from_source = list[Array]()
-    for part in parts:
-        found = regenerated_of(case, spec, part)
-        from_source.append(part.drawn.copy())  # a view keeps all columns in memory
-        for name, column in kept.items():
-            column.append(getattr(found, name))
-    columns: Any = {name: np.concatenate(kept.pop(name)) for name in _COLUMNS}  # no column is there twice for long
-    duration = columns["duration"]
-    mean_drawn = float(duration @ np.concatenate(from_source)) / float(duration.sum())
-    return found._replace(**columns, mean_drawn=mean_drawn)
 
 
 def _of_several(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
@@ -274,6 +224,6 @@ def regenerated_of(case: str, spec: RobotSpec, power: DrivePower) -> Regenerated
         drawn=power.bus_drawn * power.duration,
         returned=share * power.returned * power.duration,
         returned_peak=share * power.returned_peak,
-        drawn_peak=power.peak.copy(),  # a view keeps all columns in memory
+        drawn_peak=power.peak,
         mean_drawn=power.mean(power.drawn),
     )

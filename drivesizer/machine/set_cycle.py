@@ -1,13 +1,12 @@
 """One drive over one load cycle: current, voltage and heat over time, for figures and the energy balance.
 
-The same functions that judge candidates by columns, called with columns of one. The winding is as warm as it is at each
-moment of the cycle in periodic steady state; where that is unknown, so is the voltage.
+The kernel that judges candidates, called with one. The winding is as warm as it is at each moment of the cycle in
+periodic steady state, one of unknown time constants as in the long run; where that is unknown, so is the voltage.
 Symbols: I current [A], V voltage [V], w speed [rad/s], P_h loss at the housing [W].
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -15,22 +14,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import OneRow, one_row
+from drivesizer.kernel.drives import drives_of
+from drivesizer.kernel.evaluate import pieces
+from drivesizer.kernel.records import Drive, Figures, Piece
+from drivesizer.kernel.supply import mean_square
 from drivesizer.load_cases import load_cycle
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, at_gearhead
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.stress import Heat, Stress, heat, stress, volts_of
 from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.physics.waveform import Wave, balanced, lost, mean_square
-from drivesizer.physics.winding_course import WindingCourse, current_and_winding
+from drivesizer.physics.waveform import Wave
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "SetCycle", "Warming", "heated", "lost_in_winding", "set_cycle", "supplied", "supplied_in_parts", "turned",
-    "warming", "waveform",
-]  # fmt: skip
+__all__ = ["SetCycle", "Warming", "driven", "set_cycle", "turned", "warming", "waveform"]
 
 Array = NDArray[np.float64]
 
@@ -45,8 +44,9 @@ class SetCycle(NamedTuple):
     cycle: AtGearhead
     demands: Demands
     heat: Heat
-    flows: Wave  # current, and the voltage that the motion induces, over the pieces that a winding feels
-    course: WindingCourse  # how warm the winding is over these
+    drive: Drive  # as the kernel takes it
+    figures: Figures  # columns of one
+    pieces: Piece  # the cycle in pieces of which a winding follows the mean
     released: float = 0.0  # W, that keeps its brake released
 
     @property
@@ -60,21 +60,20 @@ class SetCycle(NamedTuple):
         return stress(self.spec.environment.ambient, self.cycle, self.demands, self.motor, self.feed.leads)
 
     @property
+    def winding(self) -> Array:
+        """Mean temperature of the winding [K]; NaN unknown."""
+        return np.asarray(self.spec.environment.ambient + self.figures.winding_mean)
+
+    @property
     def hot(self) -> Array:
         """Resistance of the winding at its mean temperature [ohm]; cold, where that is unknown."""
-        T = np.where(np.isfinite(self.course.mean), self.course.mean, self.spec.environment.ambient)
+        T = np.where(np.isfinite(self.winding), self.winding, self.spec.environment.ambient)
         return np.asarray(resistance_at(resistance_25(self.motor), T))
 
     @property
     def volts(self) -> Array:
         """Coefficients of the voltage from the six functions, winding hot."""
         return volts_of(self.demands, self.motor["torque_constant"], self.hot)
-
-    @property
-    def copper(self) -> float:
-        """Mean heat of the winding [W], its resistance that of each moment; NaN unknown."""
-        resistance = np.asarray(resistance_at(resistance_25(self.motor), self.course.means[0]))
-        return float((resistance * mean_square(self.flows)[0]) @ self.flows.duration / self.flows.duration.sum())
 
 
 class Warming(NamedTuple):
@@ -107,26 +106,23 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    cycle, demand, heating = heated(spec, drive_set, base)
-    motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
-    flows, course = current_and_winding(spec.environment.ambient, cycle, demand, heating, motor)
-    feed = spec.feed_of(drive_set.controller, drive_set.brake)
+    drive, cycle, demand, heating = driven(spec, drive_set, base)
     return SetCycle(
         spec,
-        feed,
-        motor,
-        gearhead,
+        spec.feed_of(drive_set.controller, drive_set.brake),
+        one_row(drive_set.motor),
+        one_row(drive_set.gearhead),
         cycle,
         demand,
         heating,
-        flows,
-        course,
+        drive,
+        *pieces(drive, cycle.load_cycle),
         drive_set.released_power * spec.brake_released,
     )
 
 
-def heated(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands, Heat]:
-    """Torque and speed of a drive over the load cycle of a spec, and its losses.
+def driven(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[Drive, AtGearhead, Demands, Heat]:
+    """A drive as the kernel takes it, torque and speed over the load cycle of a spec, and its losses.
 
     Parameters
     ----------
@@ -136,12 +132,16 @@ def heated(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[At
     Returns
     -------
     tuple
-        The load cycle at the gearhead's output, the demand and the heat, of one row.
+        The drive, the load cycle at the gearhead's output, the demand and the heat, of one row.
     """
     motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
     cycle, demand = turned(spec, drive_set, base)
     at_flange = loss_at_flange(spec, cycle, gearhead)
-    return cycle, demand, heat(spec.environment.ambient, cycle, demand, motor, from_gearhead=at_flange)
+    ambient, feed = spec.environment.ambient, spec.feed_of(drive_set.controller, drive_set.brake)
+    heating = heat(ambient, cycle, demand, motor, from_gearhead=at_flange)
+    rise = np.where(np.isfinite(heating.winding), heating.winding, np.nan) - ambient
+    drive = drives_of(ambient, cycle, demand, heating, motor, feed)._replace(held=rise, held_mean=rise)
+    return drive, cycle, demand, heating
 
 
 def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands]:
@@ -167,86 +167,27 @@ def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[At
     return cycle, demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia)
 
 
-def waveform(found: SetCycle, *, mean: bool = False) -> Wave:
-    """Current and voltage over the pieces of the cycle, of one candidate.
+def waveform(found: SetCycle) -> Wave:
+    """Current and voltage over the pieces of the cycle, of one candidate, the winding as warm as it is at their ends.
 
     Parameters
     ----------
     found
         The drive over its cycle.
-    mean
-        Take the winding in each piece at its mean temperature, which makes its energy; else as it is at its ends.
 
     Returns
     -------
     Wave
         Voltage [V] and current [A] of one candidate, piece by piece.
     """
-    T = found.course.means[:, :, None] if mean else found.course.ends
-    resistance = resistance_at(resistance_25(found.motor), T)
-    return found.flows._replace(voltage=found.flows.voltage + resistance * found.flows.current)
-
-
-def supplied(found: SetCycle, *, mean: bool = True) -> Wave:
-    """Current, and the voltage that gives with it the electrical power of the motor, over the cycle's pieces.
-
-    Parameters
-    ----------
-    found
-        The drive over its cycle.
-    mean
-        As ``waveform`` takes it.
-
-    Returns
-    -------
-    Wave
-        Its product of current and voltage is the power drawn [W].
-    """
-    return _of_one(balanced(waveform(found, mean=mean), *_surplus(found)))
-
-
-def _of_one(taken: Wave) -> Wave:
-    return taken if taken.duration.ndim == 1 else taken._replace(duration=taken.duration[0])
-
-
-def supplied_in_parts(found: SetCycle, most: int) -> Iterator[tuple[Wave, Wave]]:
-    """Results of ``supplied`` with mean temperatures and with those at the ends, some pieces of the cycle at a time.
-
-    Parameters
-    ----------
-    found
-        The drive over its cycle.
-    most
-        Pieces at a time.
-
-    Yields
-    ------
-    tuple of Wave
-        Of consecutive pieces.
-    """
-    differ, speed = _surplus(found)
-    for k in (slice(first, first + most) for first in range(0, len(found.flows.duration), most)):
-        flows = Wave(found.flows.duration[k], found.flows.current[:, k], found.flows.voltage[:, k])
-        course = found.course._replace(ends=found.course.ends[:, k], means=found.course.means[:, k])
-        part = found._replace(flows=flows, course=course)
-        mean, as_warm = (_of_one(balanced(waveform(part, mean=x), differ, speed[k])) for x in (True, False))
-        yield mean, as_warm
-
-
-def lost_in_winding(found: SetCycle) -> float:
-    """Energy lost over the cycle as the winding's two constants differ [J]."""
-    return float(lost(waveform(found, mean=True), *_surplus(found))[0])
-
-
-def _surplus(found: SetCycle) -> tuple[Array, Array]:
-    differ, count = found.demands.surplus(found.motor["torque_constant"]), len(found.flows.duration)
-    if not (np.abs(differ) > 0.0).any():  # no speed counts: that of a long cycle takes time and room
-        return differ, np.broadcast_to(0.0, (count, 2))
-    return differ, found.cycle.turning.speed
+    d, p = found.drive, found.pieces
+    current, speed, rises = (np.stack(x, axis=-1) for x in ((p.I_0, p.I_1), (p.w_0, p.w_1), (p.rise_0, p.rise_1)))
+    return Wave(p.duration, current[None], (d.emf * speed + (d.R + d.R_rise * rises) * current)[None])
 
 
 def warming(found: SetCycle) -> Warming:
     """Mean square current and loss at the housing over the pieces of which a winding feels the mean."""
-    turning, square = found.cycle.turning, mean_square(found.flows)[0]
-    loss = found.heat.friction[0] * turning.mean + found.heat.iron[0] * turning.square
-    return Warming(found.flows.duration, square, loss)
+    d, p = found.drive, found.pieces
+    loss = d.friction * (np.abs(p.w_0) + np.abs(p.w_1)) / 2.0 + d.iron * mean_square(p.w_0, p.w_1)
+    square: Array = np.asarray(mean_square(p.I_0, p.I_1))
+    return Warming(p.duration, square, loss)

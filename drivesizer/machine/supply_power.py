@@ -1,39 +1,37 @@
 """Power that the drives of a machine draw from their supply and regenerate over one cycle: columns over time.
 
 Current and voltage of the drive model are straight lines within a segment; each segment is cut into pieces, and of
-every piece the energy is exact (``waveform``). Summed up they are the energies of the drive's own record. Of wheels
+every piece the energy is exact (``kernel``). Summed up they are the energies of the drive's own record. Of wheels
 with different loads each counts in the supply's resistance as if all were like it: no less than they lose together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from math import nan
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import one_row
+from drivesizer.kernel.evaluate import pieces
+from drivesizer.kernel.records import Drive
 from drivesizer.load_cases.trip import distance_of
-from drivesizer.machine.set_cycle import SetCycle, set_cycle, supplied_in_parts, turned
+from drivesizer.machine.set_cycle import SetCycle, driven, turned
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.power_stage import Feed, at_inputs, lost_in_source, of_the_source
+from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
-from drivesizer.physics.waveform import Energy, Wave, energy, extreme_powers, largest_power
+from drivesizer.physics.waveform import Wave, largest_power
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "DrivePower", "drive_power", "drive_power_in_parts", "power_of", "side_by_side", "stepper_loss", "together",
-]  # fmt: skip
+__all__ = ["DrivePower", "drive_power", "power_of", "side_by_side", "stepper_loss", "together"]
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
 _FINEST = 16  # pieces of a segment
-_PART = 1 << 15  # pieces at a time
 _NO_TIME = 1e-12  # of the cycle: two ends so near are one
 
 
@@ -82,10 +80,9 @@ class DrivePower(NamedTuple):
 
 
 _DRAWN = ("drawn", "bus_drawn", "peak", "motor_drawn", "most")
-_COLUMNS = [name for name in DrivePower._fields if name not in ("duration", "distance")]
 
 
-def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, motors: bool = True) -> DrivePower:
+def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, merged: bool = False) -> DrivePower:
     """Power over one cycle in periodic steady state; unknown where the winding's temperature is.
 
     Parameters
@@ -96,8 +93,8 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, mot
         What drives it.
     base
         As ``set_cycle`` takes it.
-    motors
-        Whether to compute what of it the motors draw and return; else that is NaN.
+    merged
+        Of a long cycle take pieces in a row that return nothing as one.
 
     Returns
     -------
@@ -109,44 +106,12 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, mot
     InputError
         When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
     """
-    return _joined([*drive_power_in_parts(spec, drive_set, base, motors=motors)])
-
-
-def _joined(parts: Sequence[DrivePower]) -> DrivePower:
-    """Consecutive pieces in one."""
-    if len(parts) == 1:
-        return parts[0]
-    columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("duration", *_COLUMNS)}
-    return DrivePower(**columns, distance=parts[0].distance)
-
-
-def drive_power_in_parts(
-    spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, motors: bool = True
-) -> Iterator[DrivePower]:
-    """The same, some pieces of the cycle at a time: all columns of a long one take much room.
-
-    Parameters
-    ----------
-    spec, drive_set, base, motors
-        As ``drive_power`` takes them.
-
-    Yields
-    ------
-    DrivePower
-        Of consecutive pieces; ``distance`` is that of the whole cycle.
-
-    Raises
-    ------
-    InputError
-        As ``drive_power``.
-    """
     if drive_set.steps:
-        cycle, demand = turned(spec, drive_set, base)
-        yield _of_a_stepper(
-            spec, one_row(drive_set.motor), cycle, demand, spec.feed_of(drive_set.controller, drive_set.brake)
-        )
-    else:
-        yield from _of_a_servo(set_cycle(spec, drive_set, base), motors)
+        feed = spec.feed_of(drive_set.controller, drive_set.brake)
+        return _of_a_stepper(spec, one_row(drive_set.motor), *turned(spec, drive_set, base), feed)
+    drive, cycle, demand, _ = driven(spec, drive_set, base)
+    long = merged and cycle.base.pieces > _MOST
+    return _of_a_servo(spec, drive, cycle, demand, spec.feed_of(drive_set.controller, drive_set.brake), long)
 
 
 def power_of(found: SetCycle) -> DrivePower:
@@ -164,37 +129,32 @@ def power_of(found: SetCycle) -> DrivePower:
     """
     if found.motor["kind"][0] == "stepper":
         return _of_a_stepper(found.spec, found.motor, found.cycle, found.demands, found.feed)
-    return _joined([*_of_a_servo(found, True)])
+    return _of_a_servo(found.spec, found.drive, found.cycle, found.demands, found.feed, False)
 
 
-def _of_a_servo(found: SetCycle, motors: bool) -> Iterator[DrivePower]:
-    spec = found.spec
-    sets = spec.load.alike if found.demands.complete.all() else np.nan  # an incomplete demand is only a lower bound
-    distance = distance_of(spec, found.cycle.load_cycle)
-    finest = _FINEST if len(found.flows.duration) <= _PART else 1
-    for mean, warm in supplied_in_parts(found, _PART):
-        duration, current, volts, as_warm = _pieces(mean, warm, finest)
-        columns = sets * np.array(_powers(current, volts, as_warm, found.feed, motors))
-        yield DrivePower(duration=duration, **dict(zip(_COLUMNS, columns, strict=True)), distance=distance)
-
-
-def _powers(current: Array, mean: Array, as_warm: Array, feed: Feed, motors: bool) -> tuple[Array, ...]:
-    """Columns of ``DrivePower`` over some pieces, each a candidate of its own, of one drive [W].
-
-    Voltage with the resistance that each piece has in the mean, and with that at its ends.
-    """
-    standby = feed.stage.standby
-    motor = Wave(np.ones(1), current[:, None], mean[:, None])
-    inner, one = at_inputs(motor, feed.stage, (motor.voltage, as_warm[:, None]))
-    sums, heat = energy(inner, storing=False), lost_in_source(inner, feed).sum(axis=1)
-    unknown = np.full(len(heat), nan)
-    own = energy(motor, storing=False) if motors else Energy(unknown, unknown, unknown)
-    out, back = extreme_powers(one)
-    peak = of_the_source(np.maximum(out, 0.0) + standby, feed)
-    return (
-        sums.drawn + standby + heat, sums.drawn + standby, sums.returned, peak, np.maximum(back, 0.0), own.drawn,
-        own.returned, heat, out + standby, standby - back,
-    )  # fmt: skip
+def _of_a_servo(
+    spec: RobotSpec, drive: Drive, cycle: AtGearhead, demand: Demands, feed: Feed, merged: bool
+) -> DrivePower:
+    """The same by the kernel."""
+    sets = spec.load.alike if demand.complete.all() else np.nan  # an incomplete demand is only a lower bound
+    cuts = 0 if merged else max(1, min(_FINEST, _MOST // cycle.base.pieces))
+    _, found = pieces(drive, cycle.load_cycle, cuts)
+    t, standby = found.duration, feed.stage.standby
+    bus_drawn, heat = found.drawn / t + standby, found.source_heat / t
+    return DrivePower(
+        duration=t,
+        drawn=sets * (bus_drawn + heat),
+        bus_drawn=sets * bus_drawn,
+        returned=sets * found.returned / t,
+        peak=sets * of_the_source(np.maximum(found.most, 0.0) + standby, feed),
+        returned_peak=sets * np.maximum(-found.least, 0.0),
+        motor_drawn=sets * found.motor_drawn / t,
+        motor_returned=sets * found.motor_returned / t,
+        resisted=sets * heat,
+        most=sets * (found.most + standby),
+        least=sets * (found.least + standby),
+        distance=distance_of(spec, cycle.load_cycle),
+    )
 
 
 def stepper_loss(spec: RobotSpec, motor: Figures, speed: Array) -> Array:
@@ -284,20 +244,3 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
     middle, duration = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
     place = [np.clip(np.searchsorted(e, middle) - 1, 0, len(e) - 2) for e in ends]
     return [p.at(duration, some) for p, some in zip(powers, place, strict=True)]
-
-
-def _pieces(mean: Wave, warm: Wave, finest: int) -> tuple[Array, Array, Array, Array]:
-    """Length of the pieces, and current and both voltages at the ends of each; so many of a segment at most.
-
-    Both waves are of the same current, so that they are cut alike.
-    """
-    count = max(1, min(finest, _MOST // len(mean.duration)))
-    cuts = np.linspace(0.0, 1.0, count + 1)
-
-    def cut(ends: Array) -> Array:
-        points = ends[0, :, :1] + cuts * (ends[0, :, 1:] - ends[0, :, :1])
-        pieces = np.empty((len(points), count, 2))
-        pieces[..., 0], pieces[..., 1] = points[:, :-1], points[:, 1:]
-        return pieces.reshape(-1, 2)
-
-    return np.repeat(mean.duration / count, count), cut(mean.current), cut(mean.voltage), cut(warm.voltage)

@@ -20,9 +20,9 @@ from drivesizer.machine.set_cycle import set_cycle, turned, warming
 from drivesizer.machine.warm_up import warm_up
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.elements.braking import Stop
-from drivesizer.physics.one_pass.torque import torque_above
 from drivesizer.physics.overload import State, cold, overload_time
 from drivesizer.physics.thermal import two_bodies
+from drivesizer.physics.torque_above import torque_above
 from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, Status, gravest, verdict
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation

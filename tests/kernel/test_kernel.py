@@ -222,6 +222,20 @@ def test_the_top_within_a_piece_is_where_it_turns():
     assert when == pytest.approx(times[np.argmax(course)], abs=0.02)
 
 
+def test_a_winding_that_settles_from_above_had_its_top_before():
+    """Rests so long that nothing moves at the end: the housing's heat comes, and goes while the winding settles."""
+    law = Law(-0.03, 0.03, 0.002, -0.006, 0.17, 0.0)
+    top, when = top_within(law, 1e4, 2.0, 40.0)
+    course = [2.0 + added(law, spread(law, t), t, 2.0, 40.0)[0] for t in np.linspace(1.0, 1e4, 40_000)]
+    assert top == pytest.approx(max(course), rel=1e-6) and 0.0 < when < 1e3 and top > course[-1] + 1.0
+    c = SimpleNamespace(duration=np.array([40.0, 1e4]), speed=np.array([[6.0, 6.0], [0.0, 0.0]]),
+                        acceleration=np.zeros((2, 2)), torque=np.array([[1.0, 1.0], [0.4, 0.4]]))  # fmt: skip
+    found = evaluate(DRIVE._replace(C_w=12.0, friction=9.0), c, HEAT)
+    settled = (DRIVE.R_th1 + DRIVE.R_th2) * DRIVE.R * (0.4 * DRIVE.resting) ** 2
+    assert float(found.winding_start) == pytest.approx(settled, rel=5e-3)
+    assert float(found.winding_time) > 40.0
+
+
 def test_a_cycle_comes_back_to_its_start():
     law = Law(-0.11, 0.11, 0.013, -0.018, 0.35, 0.4)
     w, h = periodic(change_of(law, spread(law, 0.01), 0.01))

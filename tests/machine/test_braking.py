@@ -8,12 +8,13 @@ import random
 from dataclasses import replace
 
 import pytest
+from kernel_cycles import supplied
 
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.machine.set_cycle import set_cycle, supplied
+from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.output.json.documents import drive_set as document
 from drivesizer.output.part_totals import totals
 from drivesizer.output.parts import machine_parts

@@ -62,15 +62,13 @@ def test_what_the_resistances_take_of_the_voltage(hoist: RobotSpec, best: DriveS
     n, duty, lowest = hoist.load.motors, best.controller.max_duty, hoist.supply.lowest
     loss = by_hand.loss_per_ampere(best.controller)
     leads = 0.05 + n * OHM * duty * (duty + (loss - duty * 1.0) / lowest)
-    R_25, warm = best.motor.resistance, 1.0 + 0.0039 * (flows.course.ends[0] - 298.15)
-    cold = 1.0 + 0.0039 * (hoist.environment.ambient - 298.15)
-    volts = [np.abs(flows.flows.voltage[0] + (R_25 * x + r) * flows.flows.current[0]).max()
+    p, R_25, cold = flows.pieces, best.motor.resistance, 1.0 + 0.0039 * (hoist.environment.ambient - 298.15)
+    current, warm = np.array([p.I_0, p.I_1]), cold + 0.0039 * np.array([p.rise_0, p.rise_1])
+    induced = flows.drive.emf * np.array([p.w_0, p.w_1])
+    volts = [np.abs(induced + (R_25 * x + r) * current).max()
              for x in (cold, warm) for r in (0.0, leads)]  # fmt: skip
     assert demand(found, "supply_voltage") == pytest.approx(max(volts), rel=2e-3)
-    assert (
-        demand(found, "supply_voltage")
-        > demand(best, "supply_voltage") + 0.5 * leads * np.abs(flows.flows.current).max()
-    )
+    assert demand(found, "supply_voltage") > demand(best, "supply_voltage") + 0.5 * leads * np.abs(current).max()
 
 
 def test_a_source_that_sags_below_what_the_motor_needs_fails(

@@ -1,4 +1,4 @@
-"""What a drive regenerates over a long cycle, found in one pass, against the same piece by piece as columns."""
+"""What a drive regenerates over a long cycle, its pieces merged, against the same piece by piece."""
 
 from __future__ import annotations
 
@@ -6,19 +6,14 @@ import numpy as np
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine import regenerated as module
+from drivesizer.machine import supply_power
 from drivesizer.machine.problem import problem
-from drivesizer.machine.regenerated import regenerated
-from drivesizer.physics import cycle_at_gearhead
-from drivesizer.physics.groups import census
-from drivesizer.physics.one_pass import drives, kernel
+from drivesizer.machine.regenerated import regenerated, regenerated_of
+from drivesizer.machine.supply_power import drive_power
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
-pytestmark = [
-    pytest.mark.skipif(kernel.compiled() is None, reason="the pass is not at hand as machine code"),
-    pytest.mark.usefixtures("no_further_searches"),
-]
+pytestmark = pytest.mark.usefixtures("no_further_searches")
 
 SUPPLIES = {
     "nothing is accepted": "{nominal: 48 V, min: 44 V, max: 50 V, regeneration: 0}",
@@ -45,30 +40,26 @@ supply: {SUPPLIES[supply]}
 
 
 @pytest.mark.parametrize("supply", SUPPLIES)
-def test_in_one_pass_as_piece_by_piece(supply, tmp_path, catalog, monkeypatch):
+def test_pieces_that_return_nothing_are_one_and_change_nothing(supply, tmp_path, catalog, monkeypatch):
     spec = spec_of(tmp_path, supply)
-    one = size(spec, catalog=catalog, top=1).sets[0]
-    (whole,) = regenerated(problem(spec, catalog), one)
-    for place in (census, cycle_at_gearhead, drives):
-        monkeypatch.setattr(place, "SHORT", 10)
-    long = problem(spec, catalog)
-    assert long.cases[0].at_belt.census
-    (passed,) = regenerated(long, one)
-    monkeypatch.setattr(module, "is_long", lambda _: False)
-    (pieces,) = regenerated(long, one)
+    one, given = size(spec, catalog=catalog, top=1).sets[0], problem(spec, catalog)
+    (whole,) = regenerated(given, one)
+    monkeypatch.setattr(supply_power, "_MOST", 10)
+    (merged,) = regenerated(given, one)
+    pieces = regenerated_of("", spec, drive_power(spec, one, given.cases[0].at_belt))
     assert whole.energy > 0.1
     for other in (whole, pieces):
         for name in ("energy", "stored", "mean_drawn"):
-            assert getattr(passed, name) == pytest.approx(getattr(other, name), rel=1e-9), name
-        assert passed.duration.sum() == pytest.approx(other.duration.sum(), rel=1e-12)
-        assert passed.drawn.sum() == pytest.approx(other.drawn.sum(), rel=1e-9)
-        assert passed.drawn_peak.max() == pytest.approx(other.drawn_peak.max(), rel=1e-9)
+            assert getattr(merged, name) == pytest.approx(getattr(other, name), rel=1e-9), name
+        assert merged.duration.sum() == pytest.approx(other.duration.sum(), rel=1e-12)
+        assert merged.drawn.sum() == pytest.approx(other.drawn.sum(), rel=1e-9)
+        assert merged.drawn_peak.max() == pytest.approx(other.drawn_peak.max(), rel=1e-9)
     for capacity in (0.0, 0.3 * whole.stored):
-        mine, its = (found.burnt(capacity, 6.0, 0.2) for found in (passed, pieces))
+        mine, its = (found.burnt(capacity, 6.0, 0.2) for found in (merged, pieces))
         assert mine == pytest.approx(its, rel=1e-9), capacity
     timed = "peak_current" in SUPPLIES[supply]
-    assert (len(passed.duration) == len(pieces.duration)) == timed  # pieces in a row that return nothing are one
+    assert (len(merged.duration) == len(pieces.duration)) == timed
     if timed:
-        longest = passed.longest_above(100.0)
+        longest = merged.longest_above(100.0)
         assert longest == pytest.approx(pieces.longest_above(100.0), rel=1e-9)
         assert 0.0 < longest < whole.duration.sum()

@@ -12,16 +12,10 @@ from starters import BODIES, starter
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import NO_GEARHEAD
-from drivesizer.machine import supply_power
 from drivesizer.machine.efficiency import operation
 from drivesizer.machine.energy_flow import energy_flow
 from drivesizer.machine.set_cycle import Warming, set_cycle, warming, waveform
-from drivesizer.machine.supply_power import drive_power, drive_power_in_parts
 from drivesizer.machine.warm_up import finer, warm_up
-from drivesizer.physics import cycle_at_gearhead, winding_course
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
-from drivesizer.physics.groups import census
-from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.sizing import size
@@ -35,15 +29,6 @@ KINDS = ("hoist", "arm", "ball_screw", "wheeled_vehicle", "fan")
 @pytest.fixture(scope="module")
 def best(spec: RobotSpec) -> DriveSet:
     return size(spec, top=1).sets[0]
-
-
-def test_power_without_that_of_the_motors_is_the_same(spec, best):
-    whole, brief = drive_power(spec, best), drive_power(spec, best, motors=False)
-    for name in whole._fields:
-        if name in ("motor_drawn", "motor_returned"):
-            assert np.isnan(getattr(brief, name)).all() and getattr(whole, name).max() > 0.0
-        else:
-            np.testing.assert_array_equal(getattr(brief, name), getattr(whole, name))
 
 
 # --- efficiency
@@ -144,7 +129,8 @@ def test_current_and_voltage_of_the_robot_are_those_of_the_checks(spec, catalog)
     assert np.abs(ends.current).max() == pytest.approx(beside["controller_peak_current"].demand)
     found, cold = set_cycle(spec, best), beside["supply_voltage"]
     assert cold.status == "unknown"  # without time constants: with a cold winding at least this
-    volts = found.flows.voltage + best.motor.resistance * found.flows.current  # in 25 degC
+    d, p = found.drive, found.pieces
+    volts = d.emf * np.array([p.w_0, p.w_1]) + best.motor.resistance * np.array([p.I_0, p.I_1])  # in 25 degC
     assert np.abs(volts).max() == pytest.approx(cold.demand)
     assert np.abs(ends.voltage).max() > cold.demand
 
@@ -236,37 +222,3 @@ def test_the_warming_of_a_set_peaks_where_its_result_says(tmp_path, catalog: Cat
     told = {figure.name: figure.value for figure in one.figures}
     assert way is not None and way.periodic.winding_peak == pytest.approx(told["winding_temperature"], abs=1e-3)
     assert way.highest.max() < told["winding_temperature"] < inf
-
-
-# --- a long cycle, part by part
-
-
-@pytest.mark.parametrize("differ", [1.0, 1.02])
-def test_a_long_cycle_part_by_part_has_the_power_of_the_whole(spec, best, monkeypatch, differ):
-    """Current, winding and power piece by piece, motors with two constants alike and apart: kept whole and in parts."""
-    rng, count = np.random.default_rng(4), 300
-    speed = 6.0 * np.sin(np.arange(count + 1) / 30.0) + 0.001 * rng.normal(size=count + 1)
-    ends, duration = np.stack([speed[:-1], speed[1:]], axis=1), rng.uniform(0.02, 0.3, count)
-    slope = np.repeat(np.diff(ends, axis=1) / duration[:, None], 2, axis=1)
-    against = np.where(np.cos(np.arange(count) / 40.0) > 0.0, 0.8, -0.6) * np.sign(ends.mean(axis=1))
-    torque = 0.01 * slope + against[:, None]
-    cycle = LoadCycle("x", duration, ends, slope, torque).split()
-    one = replace(best, motor=replace(best.motor, back_emf_constant=differ * best.motor.torque_constant))
-    whole_base = at_gearhead(cycle, 0.95, 0.5)
-    whole = drive_power(spec, one, whole_base)
-    for module, name in ((census, "SHORT"), (cycle_at_gearhead, "SHORT"), (supply_power, "_PART"),
-                         (winding_course, "_PART")):  # fmt: skip
-        monkeypatch.setattr(module, name, 10)
-    base = at_gearhead(cycle, 0.95, 0.5)
-    assert base.census
-    assert len(base.parts) > 20
-    parts = [*drive_power_in_parts(spec, one, base)]
-    assert len(parts) > 20
-    found = drive_power(spec, one, base)
-    assert found.total == pytest.approx(whole.total, rel=1e-12)
-    for name in ("drawn", "bus_drawn", "returned", "motor_drawn", "motor_returned", "resisted"):
-        assert found.mean(getattr(found, name)) == pytest.approx(whole.mean(getattr(whole, name)), rel=1e-9), name
-    assert found.mean(found.returned) > 0.0
-    run, kept = warming(set_cycle(spec, one, base)), warming(set_cycle(spec, one, whole_base))
-    for part, all_at_once in zip(run, kept, strict=True):
-        np.testing.assert_allclose(part, all_at_once, rtol=1e-9, atol=1e-12)

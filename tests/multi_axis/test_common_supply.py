@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kernel_cycles import supplied
 
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
@@ -15,7 +16,7 @@ from drivesizer.load_cases.waiting import held_torque
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.problem import problem
-from drivesizer.machine.set_cycle import set_cycle, supplied
+from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
 from drivesizer.results.check import worst_of_cases

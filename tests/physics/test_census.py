@@ -13,7 +13,7 @@ from drivesizer.physics.groups import census
 from drivesizer.physics.groups.kernel import compiled
 from drivesizer.physics.lasting_speed import lasting_speeds
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.physics.one_pass.torque import torque_above
+from drivesizer.physics.torque_above import torque_above
 
 pytestmark = pytest.mark.skipif(compiled() is None, reason="not at hand as machine code")
 

@@ -7,13 +7,13 @@ from math import exp, expm1, inf, isfinite, isnan, nan
 
 import numpy as np
 import pytest
+from kernel_cycles import warmed
 from scipy.integrate import solve_ivp
 
 from drivesizer.physics import heat_step, thermal
 from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.heat_cycle_columns import winding_bounds
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
-from drivesizer.physics.winding_course import winding_course
 
 AMBIENT = 304.0  # K
 NAMES = [figure.name for figure in fields(TwoBodies)]
@@ -44,8 +44,7 @@ def random_cycle(random, motors, hottest=4.0):
 
 
 def course(motors, dt, squares, losses=0.0):
-    t, square, loss = np.broadcast_arrays(np.asarray(dt, float), squares, losses)
-    return winding_course(motors, AMBIENT, t[0], square, loss, np.zeros(t.shape[1], bool))
+    return warmed(motors, AMBIENT, dt, squares, losses)
 
 
 def one(motors, n):
@@ -85,33 +84,6 @@ def test_some_of_them_run_away_and_the_others_do_not_mind():
     kept = TwoBodies(**{name: getattr(motors, name)[~away] for name in NAMES})
     again = course(kept, dt, squares[~away], losses[~away])
     assert again.peak == pytest.approx(found.peak[~away], rel=1e-12)
-
-
-@pytest.mark.parametrize("cells", [1, 30, 1000])
-def test_blocks_change_nothing(cells, monkeypatch):
-    random = np.random.default_rng(11)
-    motors = random_motors(random, 53)
-    dt, squares, losses = random_cycle(random, motors)
-    whole = course(motors, dt, squares, losses)
-    monkeypatch.setattr("drivesizer.physics.winding_course._CELLS", cells)
-    for found, column in zip(course(motors, dt, squares, losses), whole, strict=True):
-        assert found == pytest.approx(column, rel=1e-12, nan_ok=True)
-
-
-@pytest.mark.parametrize("run", [2, 3, 16])
-@pytest.mark.parametrize("count", [1, 2, 15, 16, 17, 700])
-def test_runs_side_by_side_are_the_segments_one_after_another(run, count, monkeypatch):
-    random = np.random.default_rng([run, count])
-    motors = random_motors(random, 20)
-    dt, limit = random.exponential(40.0 / count, count), 1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2))
-    squares = limit[:, None] * random.uniform(0.0, 1.3, (20, 1)) * random.exponential(1.0, (20, count))
-    monkeypatch.setattr(heat_step, "_WIDE", 0)
-    expected = course(motors, dt, squares, 0.2)
-    monkeypatch.setattr(heat_step, "_WIDE", 1000)
-    monkeypatch.setattr(heat_step, "_RUN", run)
-    for found, column in zip(course(motors, dt, squares, 0.2), expected, strict=True):
-        assert found == pytest.approx(column, rel=1e-10, nan_ok=True)
-    assert np.isinf(expected.peak).sum() not in (0, 20)
 
 
 def test_scipy_settles_to_the_same_peaks():

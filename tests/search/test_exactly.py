@@ -1,4 +1,4 @@
-"""Drives over a long cycle in one pass against the same waveforms as columns: every figure, check and verdict."""
+"""Drives over a long cycle, by its kinds of segments, against the same of a short one: every figure and verdict."""
 
 from __future__ import annotations
 
@@ -9,12 +9,9 @@ from specs import poorer
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.physics.groups import census
-from drivesizer.physics.one_pass import drives, kernel
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.spec.robot import read_spec
-
-pytestmark = pytest.mark.skipif(kernel.compiled() is None, reason="the pass is not at hand as machine code")
 
 SUPPLIES = {
     "all is accepted": "{nominal: 24 V, min: 22 V, max: 26 V, current: 8 A}",
@@ -68,12 +65,11 @@ def some(given, count, seed):
 
 @pytest.mark.parametrize("supply", SUPPLIES)
 @pytest.mark.parametrize(("seed", "torque"), [(1, 0.4), (2, 4.0)])
-def test_one_pass_finds_what_the_whole_waveform_says(supply, seed, torque, catalog, tmp_path, monkeypatch):
+def test_a_long_cycle_has_the_figures_of_a_short_one(supply, seed, torque, catalog, tmp_path, monkeypatch):
     given = problem_of(tmp_path, catalog, supply, seed, torque)
     sets = some(given, 120, seed)
     whole = evaluate(given, sets)
-    for module in (census, drives):
-        monkeypatch.setattr(module, "SHORT", 10)
+    monkeypatch.setattr(census, "SHORT", 10)
     given = problem_of(tmp_path, catalog, supply, seed, torque)
     assert given.cases[0].at_belt.census
     passed = evaluate(given, sets)
@@ -96,8 +92,7 @@ def test_one_pass_finds_what_the_whole_waveform_says(supply, seed, torque, catal
 
 def test_threads_change_nothing(catalog, tmp_path, monkeypatch):
     """One drive after the other, or several at once: to the last bit."""
-    for module in (census, drives):
-        monkeypatch.setattr(module, "SHORT", 10)
+    monkeypatch.setattr(census, "SHORT", 10)
     found = []
     for threads in ("1", "3", ""):
         monkeypatch.setenv("OMP_NUM_THREADS", threads)

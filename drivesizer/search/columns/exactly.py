@@ -156,14 +156,14 @@ def _moments(
     """Figures of some rows, with the voltage of a cold start, standby power and what the source adds."""
     count, total = len(drives.course), cycle.load_cycle.total
     feed = feed.broadcast(count).on(rows)
-    ambient, total, *cold = (np.broadcast_to(x, count)[rows] for x in (ambient, total, *cold))
+    ambient, total, volts, when = (np.broadcast_to(x, count)[rows] for x in (ambient, total, *cold))
     found, standby = evaluate(drives, cycle.load_cycle, level, rows), feed.stage.standby
-    colder = cold[0] > found.voltage
+    colder = volts > found.voltage
     return Moments(
         winding=found.winding + ambient,
         winding_time=found.winding_time,
-        voltage=np.where(colder, cold[0], found.voltage),
-        voltage_time=np.where(colder, cold[1], found.voltage_time),
+        voltage=np.where(colder, volts, found.voltage),
+        voltage_time=np.where(colder, when, found.voltage_time),
         copper=found.copper,
         power=of_the_source(found.power + standby, feed),
         power_time=found.power_time,

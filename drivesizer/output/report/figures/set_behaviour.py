@@ -168,12 +168,12 @@ class Behaviour:
     def heat(self) -> list[dict[str, str]]:
         """Losses and temperatures of the case as specified, as a table."""
         found, motor = self.specified, self.drive_set.motor
-        copper = found.copper if found.known else float("nan")
+        copper = float(found.figures.copper[0]) if found.known else float("nan")
         if self.drive_set.steps:
             cycle, idle = found.cycle.load_cycle, found.spec.control.idle_current
             copper = copper_loss(motor.nominal_current, motor.resistance)
             copper *= float(idle_loss(cycle.speed, idle) @ cycle.duration) / cycle.total
-        winding = float(found.course.mean[0]) if found.known else float("nan")
+        winding = float(found.winding[0]) if found.known else float("nan")
         housing = winding - motor.thermal_resistance_winding * copper
         rows = [
             ("Copper loss, mean", copper, "W", "power"),
