@@ -184,4 +184,4 @@ def remedies(proof: Validation) -> tuple[str, list[tuple[str, str, str, Status]]
         tight = f"{in_a_sentence(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
         rows.append((one.what, one.entry, tight, one.status))
     helps = any(one.status != "fail" for one in proof.tried)
-    return "What helps, each simulated by itself" if helps else "Nothing that was simulated helps", rows
+    return "What helps in the loop, each simulated by itself" if helps else "Nothing that was simulated helps", rows

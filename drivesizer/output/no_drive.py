@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 from drivesizer.output.counted import number_of
 from drivesizer.results.check import in_a_sentence
 from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.check_parts import part_of
+from drivesizer.results.drive_set import Relaxation
 from drivesizer.results.sizing import SizingResult
 
-__all__ = ["most_fail_on", "not_enough"]
+__all__ = ["changes_by_outcome", "most_fail_on", "not_enough"]
 
 
 def most_fail_on(result: SizingResult) -> str:
@@ -34,6 +38,29 @@ def not_enough(result: SizingResult) -> str:
     return f"None of these figures is enough, changed alone by up to a factor of 20: {', '.join(result.tried)}."
 
 
+def changes_by_outcome(changes: Sequence[Relaxation], of: str) -> Iterator[tuple[str, list[Relaxation]]]:
+    """Changes of a spec after which a drive passes, then those after which it fails nothing and figures are missing.
+
+    Parameters
+    ----------
+    changes
+        Each enough by itself.
+    of
+        Whose: a drive, it.
+
+    Yields
+    ------
+    tuple
+        A title and its changes.
+    """
+    passing = [one for one in changes if one.status == "pass"]
+    rest = [one for one in changes if one.status != "pass"]
+    if passing:
+        yield f"Any one of these changes alone would let {of} pass:", passing
+    if rest:
+        yield f"Any one of these changes alone would leave no check of {of} failing, figures missing:", rest
+
+
 _OF_THE_BATTERY = {  # figures that its limits need, where the drive gives and takes what it may
     "continuous_current", "peak_current", "max_charge_current", "charge_voltage", "cutoff_voltage", "resistance",
     "open_circuit",
@@ -51,7 +78,19 @@ def _undecided(result: SizingResult) -> str:
         lacking = [name for name in lacking if getattr(battery, name.removeprefix("battery.")) is None]
         if lacking:
             said.append(f"The battery is not wholly known, so no drive is: give {', '.join(lacking)}.")
+    said += _of_the_machine(result)
     if left_out:
         fail = "1 drive fails nothing" if left_out == 1 else f"{left_out:,} drives fail nothing"
         said.append(f"{fail}, but figures are missing: select: {{unknown: allow}} shows which.")
     return " ".join(said)
+
+
+def _of_the_machine(result: SizingResult) -> Iterator[str]:
+    """Unknown checks of the machine that reject its best drives, where none of theirs fails."""
+    closest = next(iter(result.misses), None)
+    if closest is None or any(check.status == "fail" for check in closest.deciding):
+        return
+    unknown = [check for check in closest.budget if check.status == "unknown" and part_of(check.name) != "Battery"]
+    if unknown:
+        said = "; ".join(check.title + (f" ({check.note})" if check.note else "") for check in unknown)
+        yield f"Unknown of {closest.label} in the machine: {said}."

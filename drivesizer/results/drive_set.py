@@ -48,6 +48,7 @@ class Relaxation:
     unit: str  # of the trade
     before: float  # SI
     after: float
+    status: Status = "pass"  # of the drive then: where it is open or unknown no check of it fails
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

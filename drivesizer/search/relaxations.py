@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drivesizer.machine.problem import changed
+from drivesizer.results.check import Status
 from drivesizer.results.drive_set import DriveParts, Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
@@ -35,8 +36,8 @@ _ROOM, _ICE = 298.15, 273.15  # K: 25 degC, the ambient of data sheets, and 0 de
 class _Passing(NamedTuple):
     """Drives that meet all limits of a problem."""
 
-    any: Callable[[Problem], bool]  # whether one does
-    label: Callable[[Problem], str]  # of the best one
+    any: Callable[[Problem], bool]  # whether one does, or fails no check
+    best: Callable[[Problem], tuple[str, Status]]  # label of the best one, and its status
 
 
 _AMBIENT = ("environment", "ambient")
@@ -64,11 +65,11 @@ def relaxations(
     if not len(candidates(problem).motor):
         return ()
 
-    def best(moved: Problem) -> str:
+    def best(moved: Problem) -> tuple[str, Status]:
         found = best_in_machine(moved, objective)
         if found is None:
             raise AssertionError("a drive that passes ranks nowhere")
-        return found.label if found.status == "pass" else f"{found.label}, {found.status}"
+        return found.label, found.status
 
     def passes(moved: Problem) -> bool:
         going_on()
@@ -100,9 +101,12 @@ def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
         found = evaluate(moved, only)
         return not found.failed[0] and passes_budgets(moved, drive_parts(found, 0))
 
+    def own(moved: Problem) -> tuple[str, Status]:
+        return one.label, evaluate(moved, only).status(0)
+
     if problem.spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
         return tuple(_other_reductions(problem, one))
-    return (*_other_reductions(problem, one), *_found(problem, _Passing(passes, lambda _: one.label)))
+    return (*_other_reductions(problem, one), *_found(problem, _Passing(passes, own)))
 
 
 def tried(problem: Problem) -> tuple[str, ...]:
@@ -120,7 +124,8 @@ def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]
     found = candidates(narrowed)
     if not len(found.motor):
         return
-    failed = evaluate(narrowed, found).failed
+    evaluation = evaluate(narrowed, found)
+    failed = evaluation.failed
     ratio = catalog.gearheads["ratio"][found.gearhead]
     rows = np.flatnonzero(~failed & (found.belt == one.belt_ratio))
     if len(rows):
@@ -138,6 +143,7 @@ def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]
             unit="1",
             before=one.gearhead.ratio,
             after=other.ratio,
+            status=evaluation.status(int(row)),
         )
 
 
@@ -162,9 +168,15 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
             after = to_si(needed, kind)
             yield Relaxation(
                 field=".".join(figure.path), now=show(now, unit, kind), needed=needed + _together(problem, figure.path),
-                set_label=passing.label(_changed(problem, figure.path, after / now)), share=abs(after / now - 1.0),
-                kind=kind, unit=unit, before=now, after=after,
+                share=abs(after / now - 1.0), kind=kind, unit=unit, before=now, after=after,
+                **_best(passing, _changed(problem, figure.path, after / now)),
             )  # fmt: skip
+
+
+def _best(passing: _Passing, moved: Problem) -> dict[str, Any]:
+    """The best drive of a changed problem, as fields of a change; a status that is no pass stands behind its name."""
+    label, status = passing.best(moved)
+    return {"set_label": label if status == "pass" else f"{label}, {status}", "status": status}
 
 
 def _together(problem: Problem, path: tuple[str, ...]) -> str:
@@ -200,8 +212,8 @@ def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
     if passing.any(cooled(now - after)):
         yield Relaxation(
             field=".".join(_AMBIENT), now=show(now, "degC", "temperature"), needed=needed,
-            set_label=passing.label(cooled(now - after)), share=1.0 - after / now, kind="temperature", unit="degC",
-            before=now, after=after,
+            share=1.0 - after / now, kind="temperature", unit="degC", before=now, after=after,
+            **_best(passing, cooled(now - after)),
         )  # fmt: skip
 
 

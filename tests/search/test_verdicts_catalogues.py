@@ -9,9 +9,10 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.no_drive import not_enough
 from drivesizer.output.parts import machine_parts
+from drivesizer.output.terminal.sizing import explained
 from drivesizer.results.objectives import ranked_by
 from drivesizer.results.ratings import OWN_SUPPLY
-from drivesizer.search.order import ranking
+from drivesizer.results.sizing import Explanation
 from drivesizer.search.order.sifting import sifted
 from drivesizer.search.parts_offered import load_parts
 from drivesizer.sizing import explain, size
@@ -144,7 +145,35 @@ def test_what_is_proposed_lets_a_drive_pass():
         changed = TABLE | {section: TABLE[section] | {name: change.needed}}
         (one, *_) = size(load_spec(changed), top=1, brief=True).sets
         said = one.label if one.status == "pass" else f"{one.label}, {one.status}"
-        assert change.set_label == said, change.field
+        assert (change.set_label, change.status) == (said, one.status), change.field
+
+
+def test_a_change_after_which_figures_are_missing_lets_no_drive_pass(capsys):
+    """Of this actuator no current is known: with less to lift it fails nothing, and its page says no more than that."""
+    text = """
+name: arm
+load: {kind: arm, mass: MASS, length: 300 mm, start_angle: -60 deg}
+motion: {profile: move, distance: 120 deg, time: 6 s, rest_time: 1 s, there_and_back: true}
+transmission: [{kind: gearhead}]
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [robotis]}
+"""
+    spec = read(text.replace("MASS", "5.1 kg"))
+    (heavy,) = explain(spec, "L42-10-S300-R")
+    (change,) = heavy.changes
+    (light,) = explain(read(text.replace("MASS", change.needed)), "L42-10-S300-R")
+    assert (heavy.status, light.status, change.status) == ("fail", "unknown", "unknown")
+    explained(Explanation([heavy], None), load_parts(spec))
+    out = " ".join(capsys.readouterr().out.split())
+    assert "would leave no check of it failing, figures missing" in out and "would let it pass" not in out
+
+
+def test_an_unknown_price_that_leaves_every_drive_out_is_named():
+    select = TABLE["select"] | {"unknown": "reject"}
+    spec = TABLE | {"supply": {"nominal": "24 V", "accepts": "all"}, "needs": {}, "select": select}
+    said = not_enough(size(load_spec(spec | {"budget": {"price": "990 EUR"}}), top=1))
+    assert "in the machine: Price of all drives (at least: no price is known of" in said
+    assert "None of these figures" not in said
 
 
 def test_a_battery_that_is_not_wholly_known_is_named_before_any_figure():
@@ -259,18 +288,19 @@ def machine(rng):
 
 
 def drives(text):
-    """The drives that fail nothing, by their parts: the objective, and of how many parts it is unknown."""
+    """The drives that fail nothing, by motor, gearhead and belt."""
     spec = read(text)
     one = problem(spec, load_parts(spec))
     kept, catalog = sifted(one, {"mass"}, None)[0], one.catalog
-    value, missing = ranking.values(catalog, kept.sets, kept.figures, "mass")
     names = (catalog.motors["part"][kept.sets.motor], catalog.gearheads["part"][kept.sets.gearhead], kept.sets.belt)
-    parts = zip(*(column.tolist() for column in names), strict=True)
-    return dict(zip(parts, zip(missing.tolist(), value.tolist(), strict=True), strict=True))
+    return set(zip(*(column.tolist() for column in names), strict=True))
 
 
 def loses(seed):
-    """Drives that pass, or fail nothing, with some catalogues and not with more of them."""
+    """Drives that pass, or fail nothing, with some catalogues and not with more of them.
+
+    Not their masses: of the controllers the smallest by its current is taken, which need not be the lightest.
+    """
     rng = np.random.default_rng(seed)
     few = {*rng.choice(MOTORS, 2, replace=False).tolist(), *(["maxon"] if rng.random() < 0.6 else [])}
     more = few | {*rng.choice(CONTROLLERS, rng.integers(1, 4), replace=False).tolist()}
@@ -281,7 +311,7 @@ def loses(seed):
             drives(f"{text}select: {{{kind}catalogs: [{', '.join(sorted(names))}], unknown: {unknown}}}\n")
             for names in (few, more)
         )
-        lost += [(unknown, drive) for drive, value in one.items() if drive not in other or other[drive] > value]
+        lost += [(unknown, drive) for drive in one - other]
     return len(one), lost
 
 

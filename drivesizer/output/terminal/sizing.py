@@ -11,7 +11,7 @@ from rich.text import Text
 
 from drivesizer.catalog import Catalog
 from drivesizer.output.counted import meeting, number_of
-from drivesizer.output.no_drive import most_fail_on, not_enough
+from drivesizer.output.no_drive import changes_by_outcome, most_fail_on, not_enough
 from drivesizer.output.pieces_table import by_case
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.answer import next_commands, recommended, side_by_side
@@ -141,10 +141,10 @@ def _none(console: Console, result: SizingResult, *, whole: bool) -> None:
     console.print(Text("No drive meets all limits.", style="bold red"))
     if failure := most_fail_on(result):
         console.print(failure)
-    if result.relaxations:
-        console.print("Any one of these changes alone would let a drive pass:")
-    for r in result.relaxations:
-        console.print(Text(f"  {r.field} {r.now} → {r.needed}: {r.set_label}"))
+    for title, changes in changes_by_outcome(result.relaxations, "a drive"):
+        console.print(title)
+        for r in changes:
+            console.print(Text(f"  {r.field} {r.now} → {r.needed}: {r.set_label}"))
     if not result.relaxations and result.counts.considered:
         console.print(not_enough(result))
     if not result.counts.considered:
@@ -279,9 +279,10 @@ def _changes(console: Console, found: DriveSet) -> None:
     if not found.changes:
         console.print(_NO_CHANGE[found.checks[0].method])
         return
-    console.print("Any one of these changes alone would let it pass, smallest first:")
-    for change in found.changes:
-        console.print(Text(f"  {change.field} {change.now} → {change.needed}"))
+    for title, changes in changes_by_outcome(found.changes, "it"):
+        console.print(title.removesuffix(":") + ", smallest first:")
+        for change in changes:
+            console.print(Text(f"  {change.field} {change.now} → {change.needed}"))
 
 
 def validation(proof: Validation) -> None:

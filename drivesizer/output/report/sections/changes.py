@@ -27,11 +27,13 @@ def changes_table(caption: str, changes: Sequence[Relaxation]) -> Table:
     -------
     Table
     """
+    if any(one.status != "pass" for one in changes):
+        caption = caption.replace(" passes,", " passes or fails no check,", 1)
     columns = (
         Column("field"),
         Column("now", "number"),
         Column("needed", "number"),
-        Column("drive that passes", width=1.0),
+        Column("drive", width=1.0),
     )
     rows = [Row((r.field.replace("_", " ").replace(".", " › "), r.now, r.needed, r.set_label)) for r in changes]
     return Table(caption, columns, rows)
