@@ -333,7 +333,7 @@ def _computed(problem: Problem, found: _Found, objective: Ranking, wanted: int) 
         if np.count_nonzero(passes[rank[: int(np.argmax(rank == rows[start]))]]) >= wanted:
             break
         some = rows[start : start + size]
-        one = by_physics(problem, found.sets.on(some), True)
+        one = by_physics(problem, found.sets.on(some), False)  # at least those that bounds leave open
         checks = [check for check in one.checks if not check.advice]
         failed_by.update({check.name: int(np.count_nonzero(check.failed)) for check in checks})
         known = [c if c.opened is None else replace(c, passed=c.passed | c.opened) for c in checks]
