@@ -79,7 +79,7 @@ clean:
 
 $(READY): pyproject.toml $(CONSTRAINTS)
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "drivesizer needs Python 3.11 or later; try make PYTHON=python3.12")'
-	@echo "installing drivesizer and its libraries into $(VENV) (about 600 MB, a minute or more) ..."
+	@echo "installing drivesizer and its libraries into $(VENV) (about 450 MB, a minute or more) ..."
 	$(PYTHON) -m venv --clear $(VENV)
 	$(INSTALL) -e .
 	touch $@

@@ -165,24 +165,6 @@ def _load_scales(machine: dict[str, Array]) -> tuple[Array, Array]:
     return np.sqrt(machine["stiffness"]), np.sqrt(machine["load_inertia"])
 
 
-def exponential_less_one(A: Array) -> Array:
-    """Exponential of a matrix, less one, as :func:`transitions` makes those of a batch.
-
-    Parameters
-    ----------
-    A
-        Square.
-
-    Returns
-    -------
-    array
-        Of the same shape.
-    """
-    norm = float(np.abs(A).sum(axis=-1).max())
-    squarings = max(0, int(np.ceil(np.log2(norm / _NORM)))) if norm else 0
-    return _expm1(A / 2.0**squarings, squarings)
-
-
 def _expm1(A: Array, squarings: int) -> Array:
     """Exponential of matrices, less one: a series, then squared."""
     one = np.eye(A.shape[-1])
