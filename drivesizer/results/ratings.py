@@ -367,7 +367,8 @@ def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
     Where the maker prints a limit it counts. Else a winding is taken to withstand 1.5 times its nominal voltage, and
     75 V in any case; beyond that it is unknown. maxon, for one, specifies motors for extra-low voltage alone, as above
     it tests of each application would be due (support.maxongroup.com, "Small voltage range of DC drives"). Of motors
-    without a nominal voltage that are not wound for extra-low voltage the winding is taken to be that for the supply.
+    without a nominal voltage whose back-EMF is unknown, or above 75 V at their highest speed, the winding is taken to
+    be that for the supply.
 
     Parameters
     ----------
@@ -385,9 +386,11 @@ def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
     silent = np.isnan(printed)
     if silent.all() and np.all(np.asarray(volts) <= _EXTRA_LOW):
         return []
-    nominal = motor["nominal_voltage"]
-    wound_for = np.where(np.isnan(nominal), back_emf_constant(motor) * motor["max_speed"], nominal)
-    of_class = silent & np.isnan(nominal) & ~(wound_for <= _EXTRA_LOW) & (np.asarray(volts) > _EXTRA_LOW)
+    nominal, k_e = motor["nominal_voltage"], back_emf_constant(motor)
+    wound_for = np.where(np.isnan(nominal), k_e * np.fmax(motor["max_speed"], motor["nominal_speed"]), nominal)
+    of_class = (
+        silent & np.isnan(nominal) & (np.isnan(k_e) | (wound_for > _EXTRA_LOW)) & (np.asarray(volts) > _EXTRA_LOW)
+    )
     limit = np.where(silent, np.fmax(_CLASS * wound_for, _EXTRA_LOW), printed)
     limit = np.where(of_class, np.nan, np.where(motor["kind"] == "stepper", np.inf, limit))  # has its own check
     column = at_most("motor_supply_voltage", volts, limit, most=np.where(silent, np.inf, printed), undecided=_BY_RULE)

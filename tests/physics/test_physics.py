@@ -505,26 +505,27 @@ def test_an_unknown_end_of_a_range_is_that_of_the_standard(ambient, open_end):
 @pytest.mark.parametrize(
     ("volts", "status"),
     [
-        # printed 60 V, printed 450 V; of 24, 48 and 283 V; of 50 V at its highest speed, of 250 V; nothing known
-        (48.0, ["pass"] * 8),
-        (70.0, ["fail"] + ["pass"] * 7),
-        (78.0, ["fail", "pass", "unknown", "unknown", "pass", "unknown", "pass", "pass"]),
-        (325.0, ["fail", "pass", "unknown", "unknown", "pass", "unknown", "pass", "pass"]),
-        (565.0, ["fail", "fail", "unknown", "unknown", "unknown", "unknown", "pass", "pass"]),
+        # printed 60 V, printed 450 V; of 24, 48 and 283 V; of 50 V at its highest speed, of 250 V; nothing; no speed
+        (48.0, ["pass"] * 9),
+        (70.0, ["fail"] + ["pass"] * 8),
+        (78.0, ["fail", "pass", "unknown", "unknown", "pass", "unknown", "pass", "pass", "unknown"]),
+        (325.0, ["fail", "pass", "unknown", "unknown", "pass", "unknown", "pass", "pass", "unknown"]),
+        (565.0, ["fail", "fail", "unknown", "unknown", "unknown", "unknown", "pass", "pass", "unknown"]),
     ],
 )
 def test_a_winding_withstands_the_printed_voltage_else_by_a_rule(volts, status):
     """75 V are extra-low voltage; mains of 240 V + 10 % are 373 V, 1.32 times the 283 V of mains of 200 V."""
+    constants = np.array([0.5] * 7 + [nan, 0.5])
     motor = {
-        "max_voltage": np.array([60, 450, *[nan] * 6]),
-        "nominal_voltage": np.array([24, 24, 24, 48, 283, nan, nan, nan]),
-        "back_emf_constant": np.array([0.5] * 7 + [nan]), "max_speed": np.array([90, 90, 90, 90, 90, 99, 500, nan]),
-        "torque_constant": np.array([0.5] * 7 + [nan]), "kind": np.array(["brushless"] * 8),
+        "max_voltage": np.array([60, 450, *[nan] * 7]),
+        "nominal_voltage": np.array([24, 24, 24, 48, 283, nan, nan, nan, nan]),
+        "back_emf_constant": constants, "torque_constant": constants, "kind": np.full(9, "brushless"),
+        "max_speed": np.array([90, 90, 90, 90, 90, 99, nan, nan, nan]), "commutation": np.full(9, ""),
+        "nominal_speed": np.array([90, 90, 90, 90, 90, 90, 500, nan, nan]),
     }  # fmt: skip
-    motor |= {name: np.full(8, nan) for name in ("speed_constant", "no_load_speed", "resistance", "no_load_current")}
-    motor["commutation"] = np.full(8, "")
+    motor |= {name: np.full(9, nan) for name in ("speed_constant", "no_load_speed", "resistance", "no_load_current")}
     (found,) = supply_voltage_limit(motor, volts)
-    assert [found.at(row, "physics").status for row in range(8)] == status
-    assert not supply_voltage_limit(motor | {"max_voltage": np.full(8, nan)}, 75.0)
-    steppers = motor | {"kind": np.full(8, "stepper"), "max_voltage": np.full(8, nan)}
+    assert [found.at(row, "physics").status for row in range(9)] == status
+    assert not supply_voltage_limit(motor | {"max_voltage": np.full(9, nan)}, 75.0)
+    steppers = motor | {"kind": np.full(9, "stepper"), "max_voltage": np.full(9, nan)}
     assert not supply_voltage_limit(steppers, volts if volts > 75.0 else 325.0)[0].failed.any()
