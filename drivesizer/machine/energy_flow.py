@@ -67,14 +67,14 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
         The drive over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
     """
     stepper, power = bool(found.motor["kind"][0] == "stepper"), power_of(found)
-    drawn, bus, resisted, returned, own_drawn, own_returned = (
-        power.mean(x) / found.spec.load.alike
-        for x in (power.drawn, power.bus_drawn, power.resisted, power.returned, power.motor_drawn, power.motor_returned)
+    lost = power.bus_drawn - power.motor_drawn - (power.returned - power.motor_returned)  # 0 where no stage loses any
+    drawn, resisted, returned, controller = (
+        power.mean(x) / found.spec.load.alike for x in (power.drawn, power.resisted, power.returned, lost)
     )
     means = _at_the_shaft(found, stepper) | {
         "drawn": drawn,
         "supply": resisted,
-        "controller": bus - returned - own_drawn + own_returned - found.released,
+        "controller": controller - found.released,
         "brake": found.released,
         "returned": returned,
         "stored": returned * found.spec.supply.regeneration,
