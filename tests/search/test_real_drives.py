@@ -81,7 +81,7 @@ def test_a_rating_counts_once():
     nan = np.nan
     motor = {"nominal_current": np.array([2.0, nan, nan, nan]), "nominal_torque": np.array([nan, 0.3, nan, nan]),
              "max_winding_temperature": np.array([400.0, nan, 400.0, nan]), "rated_ambient": np.full(4, nan),
-             "data_temperature": np.full(4, nan)}  # fmt: skip
+             "data_temperature": np.full(4, nan), "mounted_gain": np.full(4, nan)}  # fmt: skip
     found = nominal_current_limit(np.full(4, 1.7), motor, 298.15)
     assert found.limit == pytest.approx([2.0, np.inf, np.inf, nan], nan_ok=True)
     assert found.passed.tolist() == [True, True, True, False]

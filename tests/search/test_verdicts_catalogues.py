@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from drivesizer.catalog import load as catalogs_of
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.no_drive import not_enough
@@ -13,6 +14,7 @@ from drivesizer.output.terminal.sizing import explained
 from drivesizer.results.objectives import ranked_by
 from drivesizer.results.ratings import OWN_SUPPLY
 from drivesizer.results.sizing import Explanation
+from drivesizer.search.order import ranking
 from drivesizer.search.order.sifting import sifted
 from drivesizer.search.parts_offered import load_parts
 from drivesizer.sizing import explain, size
@@ -287,13 +289,15 @@ def machine(rng):
     return f"name: x\n{load(rng)}\nsupply: {supply}\n{needs}{margins}{ambient}"
 
 
-def drives(text):
-    """The drives that fail nothing, by motor, gearhead and belt."""
+def drives(text, objective="mass"):
+    """The drives that fail nothing, by motor, gearhead and belt: the objective, and of how many parts it is unknown."""
     spec = read(text)
     one = problem(spec, load_parts(spec))
-    kept, catalog = sifted(one, {"mass"}, None)[0], one.catalog
+    kept, catalog = sifted(one, {objective}, None)[0], one.catalog
+    value, missing = ranking.values(catalog, kept.sets, kept.figures, objective)
     names = (catalog.motors["part"][kept.sets.motor], catalog.gearheads["part"][kept.sets.gearhead], kept.sets.belt)
-    return set(zip(*(column.tolist() for column in names), strict=True))
+    parts = zip(*(column.tolist() for column in names), strict=True)
+    return dict(zip(parts, zip(missing.tolist(), value.tolist(), strict=True), strict=True))
 
 
 def loses(seed):
@@ -311,7 +315,7 @@ def loses(seed):
             drives(f"{text}select: {{{kind}catalogs: [{', '.join(sorted(names))}], unknown: {unknown}}}\n")
             for names in (few, more)
         )
-        lost += [(unknown, drive) for drive in one - other]
+        lost += [(unknown, drive) for drive in one.keys() - other.keys()]
     return len(one), lost
 
 
@@ -387,3 +391,51 @@ def test_a_budget_of_the_price_rejects_drives_before_they_are_shown():
     held = size(read(text + "budget: {price: 450 EUR}\n"), top=400, brief=True).sets
     within = [one.label for one in free if 2 * one.price <= 450]
     assert 0 < len(within) < len(free) and [one.label for one in held[: len(within)]] == within
+
+
+def loses_families(seed, section, objective):
+    """Drives that fail nothing with some of maxon's families and not with more, and a best objective that is worse."""
+    rng = np.random.default_rng(seed)
+    text = machine(rng)
+    if section == "gearheads" and "gearhead" not in text:
+        return 0, [], False
+    every = rng.permutation(sorted(set(catalogs_of(["maxon"]).table(section)["family"].tolist()) - {""})).tolist()
+    few, more = every[: len(every) // 3], every[: 2 * len(every) // 3]
+    select = f"objective: {objective}, unknown: reject, {section[:-1]}"
+    one, other = (drives(f"{text}select: {{{select}: {{family: {names}}}}}\n", objective) for names in (few, more))
+    worse = one and not min(other.values(), default=(9, 0.0)) <= tuple(
+        figure * (1.0 + 1e-9) for figure in min(one.values())
+    )
+    return len(one), [drive for drive in one if drive not in other], bool(worse)
+
+
+@pytest.mark.parametrize(
+    ("section", "objective", "seeds"),
+    [("motors", "mass", (8, 12)), ("gearheads", "price", (1, 4, 8)), ("controllers", "energy", (4, 9, 12))],
+)
+def test_more_families_lose_no_drive(section, objective, seeds):
+    found = [loses_families(seed, section, objective) for seed in seeds]
+    assert any(passing for passing, *_ in found)
+    assert [lost for _, *lost in found] == [[[], False]] * len(seeds)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("section", ["motors", "gearheads", "controllers"])
+def test_more_families_lose_no_drive_of_many(section):
+    for objective in ("mass", "price", "energy"):
+        found = {seed: loses_families(seed, section, objective)[1:] for seed in range(100, 140)}
+        assert {seed: lost for seed, lost in found.items() if lost != ([], False)} == {}, objective
+
+
+def test_one_part_of_all_is_that_part_alone():
+    """A search among one motor and one gearhead gives what ``explain`` says of them, with the same parts beside."""
+    text = VEHICLE.format(catalogs="maxon, faulhaber, technosoft").replace("300 kg", "70 kg")
+    best_of_all = best(text)[0]
+    part = f"gearhead: {{part: [{best_of_all.gearhead.part}]}}, objective"
+    narrow = text.replace("motor: {kind: brushless}", f'motor: {{part: ["{best_of_all.motor.part}"]}}')
+    (one,) = best(narrow.replace("objective", part))
+    (alone,) = explain(read(text), best_of_all.motor.part, best_of_all.gearhead.part)
+    assert (one.label, one.status, one.controller.part) == (alone.label, alone.status, alone.controller.part)
+    for check, other in zip(one.own_checks, alone.own_checks, strict=True):
+        assert (check.name, check.status) == (other.name, other.status)
+        assert (check.demand, check.limit) == pytest.approx((other.demand, other.limit), nan_ok=True), check.name
