@@ -392,7 +392,7 @@ def evaluate_rows(
     c = Course(duration, speed, acceleration, torque, steps)
     count, level, cuts = int(sizes[0]), sizes[1], int(sizes[2])
     if level < 0:
-        return count_pieces(drive_of(drives[0]), c, count) * max(cuts, 1)
+        return count_pieces(drive_of(drives[0]), c, count)
     for r in range(len(drives)):
         figures = one_drive(drive_of(drives[r]), c, count, cycles[r], level, cuts, rows)
         for k in range(len(figures)):

@@ -13,10 +13,11 @@ from drivesizer.kernel.cycle import ACCOUNT, ENERGY, HEAT, POWER
 from drivesizer.kernel.kernel import compiled
 from drivesizer.kernel.records import Drive, Figures, Piece
 
-__all__ = ["ACCOUNT", "ENERGY", "HEAT", "POWER", "evaluate", "pieces"]
+__all__ = ["ACCOUNT", "ENERGY", "HEAT", "POWER", "evaluate", "number_of_pieces", "pieces"]
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
+_COUNT = -1  # level of a call that only counts pieces
 _A_THREAD = 20_000  # drives times segments that are worth a thread
 
 
@@ -72,15 +73,34 @@ def pieces(drive: Drive, cycle: Any, cuts: int = 1) -> tuple[Figures, Piece]:
     tuple of Figures and Piece
         Columns of length one, and columns over pieces.
     """
+    rows = np.empty((number_of_pieces(drive, cycle) * max(cuts, 1), len(Piece._fields)))  # unused it takes no memory
+    figures = _of_one(drive, cycle, ACCOUNT, cuts, rows)[0]
+    return figures, Piece(*rows[: int(figures.pieces[0])].T)
+
+
+def number_of_pieces(drive: Drive, cycle: Any) -> int:
+    """Number of pieces in which a cycle is cut for a drive.
+
+    Parameters
+    ----------
+    drive, cycle
+        As ``pieces`` takes them.
+
+    Returns
+    -------
+    int
+        At least the number of segments.
+    """
+    return _of_one(drive, cycle, _COUNT, 1, np.empty((0, len(Piece._fields))))[1]
+
+
+def _of_one(drive: Drive, cycle: Any, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:
+    """One drive, and a number that is given back."""
     table, found = np.array([float(np.squeeze(x)) for x in drive])[None], np.empty((1, len(Figures._fields)))
     arrays, steps, segments, _ = _laid_out(cycle)
-    call, one = compiled(), np.zeros(1, np.int64)
-    nothing = np.empty((0, len(Piece._fields)))
-    count = call(table, found, *arrays, steps, one, np.array([segments, -1, cuts]), nothing)
-    rows = np.empty((count, len(Piece._fields)))  # what is not written takes no memory
-    call(table, found, *arrays, steps, one, np.array([segments, ACCOUNT, cuts]), rows)
-    figures = Figures(*found.T)
-    return figures, Piece(*rows[: int(figures.pieces[0])].T)
+    sizes = np.array([segments, level, cuts])
+    number = compiled()(table, found, *arrays, steps, np.zeros(1, np.int64), sizes, rows)
+    return Figures(*found.T), number
 
 
 def _rows(

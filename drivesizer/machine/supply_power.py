@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import one_row
-from drivesizer.kernel.evaluate import pieces
+from drivesizer.kernel.evaluate import number_of_pieces, pieces
 from drivesizer.kernel.records import Drive
 from drivesizer.load_cases.trip import distance_of
 from drivesizer.machine.set_cycle import SetCycle, driven, turned
@@ -110,8 +110,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, mer
         feed = spec.feed_of(drive_set.controller, drive_set.brake)
         return _of_a_stepper(spec, one_row(drive_set.motor), *turned(spec, drive_set, base), feed)
     drive, cycle, demand, _ = driven(spec, drive_set, base)
-    long = merged and cycle.base.pieces > _MOST
-    return _of_a_servo(spec, drive, cycle, demand, spec.feed_of(drive_set.controller, drive_set.brake), long)
+    return _of_a_servo(spec, drive, cycle, demand, spec.feed_of(drive_set.controller, drive_set.brake), merged)
 
 
 def power_of(found: SetCycle) -> DrivePower:
@@ -137,7 +136,8 @@ def _of_a_servo(
 ) -> DrivePower:
     """The same by the kernel."""
     sets = spec.load.alike if demand.complete.all() else np.nan  # an incomplete demand is only a lower bound
-    cuts = 0 if merged else max(1, min(_FINEST, _MOST // cycle.base.pieces))
+    count = number_of_pieces(drive, cycle.load_cycle)
+    cuts = 0 if merged and count > _MOST else max(1, min(_FINEST, _MOST // count))
     _, found = pieces(drive, cycle.load_cycle, cuts)
     t, standby = found.duration, feed.stage.standby
     bus_drawn, heat = found.drawn / t + standby, found.source_heat / t

@@ -10,7 +10,6 @@ Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
@@ -33,13 +32,13 @@ from drivesizer.physics.elements.gear_life import turned_load
 from drivesizer.physics.extremes import Extremes, extremes, extremes_of, first_largest
 from drivesizer.physics.figures import product
 from drivesizer.physics.groups import layout as at
-from drivesizer.physics.groups.census import SHORT, Census, census
-from drivesizer.physics.load_cycle import Figure, end_times, mean_product, middle, places
+from drivesizer.physics.groups.census import Census, census
+from drivesizer.physics.load_cycle import Figure, end_times
 from drivesizer.physics.waveform import Wave, energy
 
 __all__ = [
     "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "ROUNDING", "SPEED", "AtGearhead", "CycleAtBelt",
-    "Peak", "Pieces", "Turning", "at_gearhead", "bounded", "lacking",
+    "Peak", "at_gearhead", "bounded", "lacking",
 ]  # fmt: skip
 
 _FEW = 16  # points, of which the largest of each is found quicker column by column
@@ -89,16 +88,6 @@ class CycleAtBelt:
         )
 
     @property
-    def six(self) -> Any:
-        """Of one cycle: the six of some segments on request; of a long cycle all of them take much room."""
-        return self.functions if self.census is None else _Anew(self.load_cycle, self.efficiency)
-
-    @property
-    def parts(self) -> list[slice]:
-        """Of one cycle: its segments, so many at a time that what is made of them takes little room."""
-        return [slice(k, k + SHORT) for k in range(0, len(self.load_cycle.duration), SHORT)]
-
-    @property
     def factors(self) -> Array:
         """Factors by which the belt changes torques that drive, brake and hold [1]."""
         return belt_factors(self.efficiency)
@@ -130,56 +119,10 @@ class CycleAtBelt:
 
     @cached_property
     def pieces(self) -> int:
-        """Of one cycle: the number of pieces of ``warming``."""
-        return sum(int(self._counts(part).sum()) for part in self.parts)
-
-    @cached_property
-    def lasting(self) -> Array:
-        """Of one cycle: duration of each of those [s]."""
-        counts = ((self.load_cycle.duration[part], self._counts(part)) for part in self.parts)
-        return np.concatenate([np.repeat(duration / count, count) for duration, count in counts])
-
-    def _counts(self, part: slice) -> NDArray[np.int64]:
-        """In how many pieces segments are cut, so that a winding follows the mean of each, to 0.1 %."""
-        return self._cut(part) if self.census is not None else self._all_cut[part]
-
-    @cached_property
-    def _all_cut(self) -> NDArray[np.int64]:
-        """The same of all segments of a cycle that is not long."""
-        return self._cut(slice(None))
-
-    def _cut(self, part: slice) -> NDArray[np.int64]:
-        return piece_counts(self.load_cycle.duration[part], np.where(self._changing(part), self.quickest, inf), 1e-3)
-
-    def _changing(self, part: slice) -> NDArray[np.bool_]:
-        """In which segments anything changes."""
+        """Of one cycle: the number of pieces of which the quickest winding follows the mean, to 0.1 %."""
         cycle = self.load_cycle
-        found: NDArray[np.bool_] = np.any(
-            [x[part, 0] != x[part, 1] for x in (cycle.torque, cycle.acceleration, cycle.speed)], axis=0
-        )
-        return found
-
-    @cached_property
-    def steady(self) -> NDArray[np.bool_]:
-        """Of one cycle: pieces of ``warming`` in which nothing changes."""
-        return np.concatenate([np.repeat(~self._changing(part), self._counts(part)) for part in self.parts])
-
-    @cached_property
-    def warming(self) -> Pieces:
-        """Of one cycle: it in pieces so fine that a winding follows the mean of each, to 0.1 %."""
-        return self.warmed(slice(None))
-
-    def warmed(self, part: slice) -> Pieces:
-        """Some of its segments in those pieces."""
-        duration, functions = self.load_cycle.duration[part], self.six[part]
-        count = self._counts(part)
-        if count.max() == 1:
-            return Pieces(duration, functions)
-        owner, place = places(count)
-        share = place / count[owner]
-        left, rise = functions[owner, 0], functions[owner, 1] - functions[owner, 0]
-        ends = [left + rise * (share + step / count[owner])[:, None] for step in (0, 1)]
-        return Pieces(duration[owner] / count[owner], np.stack(ends, axis=1))
+        changing = np.any([x[:, 0] != x[:, 1] for x in (cycle.torque, cycle.acceleration, cycle.speed)], axis=0)
+        return int(piece_counts(cycle.duration, np.where(changing, self.quickest, inf), 1e-3).sum())
 
     @cached_property
     def torque(self) -> Array:
@@ -333,70 +276,6 @@ class AtGearhead:
             left_out = None
         value, place = first_largest(np.asfortranarray(values) if len(points) < _FEW else values)
         return bounded(value, time[place], left_out)
-
-    @cached_property
-    def warming(self) -> Pieces:
-        """The cycle in pieces of which a winding follows the mean."""
-        pieces = self.base.warming
-        return Pieces(pieces.duration, self._scaled(pieces.functions))
-
-    def warming_in_parts(self) -> Iterator[tuple[Pieces, Turning]]:
-        """The cycle in those pieces, and the speed over them: of a long cycle part by part, and nothing of it kept."""
-        if self.base.census is None:
-            yield self.warming, self.turning
-            return
-        for part in self.base.parts:
-            pieces = self.base.warmed(part)
-            functions = self._scaled(pieces.functions)
-            yield Pieces(pieces.duration, functions), _turning(functions)
-
-    @cached_property
-    def turning(self) -> Turning:
-        """Speed over each of those pieces, for the losses of friction and iron."""
-        if self.base.census is None:
-            return _turning(self.warming.functions)
-        parts = [of._replace(speed=of.speed.copy()) for _, of in self.warming_in_parts()]  # not the other functions
-        return Turning(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-
-
-class _Anew:
-    """The six functions of a long cycle, made of some segments on request: nothing is kept."""
-
-    def __init__(self, cycle: Any, efficiency: Figure) -> None:
-        self.columns, self.efficiency = _Ends(cycle.speed, cycle.acceleration, cycle.torque), efficiency
-
-    def __getitem__(self, segments: Any) -> Array:
-        some = _Ends(*(column[segments] for column in self.columns))
-        return np.stack(six_functions(some, self.efficiency), axis=2)
-
-
-class _Ends(NamedTuple):
-    """Columns of some segments of a load cycle."""
-
-    speed: Array
-    acceleration: Array
-    torque: Array
-
-
-class Pieces(NamedTuple):
-    """A cycle in pieces, and the functions at both ends of each."""
-
-    duration: Array  # s
-    functions: Array  # (pieces, 2, 6)
-
-
-class Turning(NamedTuple):
-    """The speed over those pieces."""
-
-    speed: Array  # rad/s, at both ends: (pieces, 2)
-    mean: Array  # rad/s, of its amount
-    square: Array  # rad^2/s^2, mean
-    steady: NDArray[np.bool_]  # nothing changes within the piece
-
-
-def _turning(functions: Array) -> Turning:
-    speed, steady = functions[:, :, SPEED], (functions[:, 0] == functions[:, 1]).all(axis=1)
-    return Turning(speed, middle(np.abs(speed)), mean_product(speed, speed), steady)
 
 
 class Peak(NamedTuple):

@@ -11,7 +11,6 @@ P_h loss at the housing [W]; in private functions w winding and h housing, rises
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -25,7 +24,7 @@ from drivesizer.physics.thermal import TwoBodies
 
 __all__ = [
     "HeatCycle", "Highest", "Periodic", "checked", "highest", "mean_rise", "periodic", "periodic_heat",
-    "periodic_in_parts", "tops",
+    "tops",
 ]  # fmt: skip
 
 _BEYOND = (
@@ -111,41 +110,6 @@ def periodic(motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array) 
         whole = (*_matrix(spans.course), spans.course.rises(0.0, 0.0)[0].max(axis=0))
         start, settles = _fixed_point(*whole)
         return _from(spans, start, whole, settles)
-
-
-def periodic_in_parts(
-    motor: TwoBodies, ambient: float, t: Array, I2: Array, P_h: Array, parts: Sequence[slice]
-) -> Iterator[Periodic]:
-    """The periodic state of known motors over a long cycle, part by part: each stays in the processor's cache.
-
-    Parameters
-    ----------
-    motor, ambient, t, I2, P_h
-        As ``periodic`` takes them.
-    parts
-        Segments of each, one after the other.
-
-    Yields
-    ------
-    Periodic
-        Of each part; ``whole`` and ``settles`` are those of the cycle.
-    """
-    with np.errstate(over="ignore", invalid="ignore"):
-        kept, maps, warmth, rise = list[_Spans](), [], [], np.zeros((2, I2.shape[1]))
-        for k in parts:
-            spans = _spans(motor, ambient, t[k], I2[k], P_h[k])
-            rises = spans.course.rises(*rise)  # of a cycle that starts cold
-            maps.append(spans.course.whole.copy())  # of a view all of its spans would stay in memory
-            warmth.append(rises[0].max(axis=0))
-            rise = rises[:, -1].copy()
-            if len(parts) <= _KEPT:
-                kept.append(spans)
-        between = Course(np.stack(maps, axis=2))
-        whole = (*_matrix(between), np.max(warmth, axis=0))
-        start, settles = _fixed_point(*whole)
-        each = kept or (_spans(motor, ambient, t[k], I2[k], P_h[k]) for k in parts)
-        for spans, first in zip(each, _starts(between, start), strict=True):
-            yield _from(spans, first, whole, settles)
 
 
 class _Spans(NamedTuple):

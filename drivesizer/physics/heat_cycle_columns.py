@@ -1,6 +1,6 @@
 """Bounds of winding temperatures over a periodic cycle, in closed form, for many motors at once.
 
-The exact temperatures are in ``winding_course``.
+The exact temperatures are the kernel's.
 Convention: temperatures in and out are absolute; a motor with an unknown figure gives NaN, one that runs away infinity.
 Symbols: R resistance [ohm], R_th thermal resistance [K/W], tau time constant [s], I current [A], P_h loss at the
 housing [W].
@@ -8,17 +8,14 @@ housing [W].
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.physics.heat_step import Array, modes
 from drivesizer.physics.thermal import TwoBodies, Value, resistance_at, settled, steady_winding_temperature
 
-__all__ = ["WindingBounds", "coolest_winding", "each_figure", "some_of", "winding_bounds"]
+__all__ = ["WindingBounds", "coolest_winding", "winding_bounds"]
 
 
 class WindingBounds(NamedTuple):
@@ -26,44 +23,6 @@ class WindingBounds(NamedTuple):
 
     lower: Array  # K
     upper: Array  # K
-
-
-def each_figure(motor: TwoBodies, change: Callable[[Value], Array]) -> TwoBodies:
-    """The motors with each figure's column changed alike.
-
-    Parameters
-    ----------
-    motor
-        Columns over motors.
-    change
-        Function of each column.
-
-    Returns
-    -------
-    TwoBodies
-        The motors with the columns that came of it.
-    """
-    return TwoBodies(**{figure.name: change(getattr(motor, figure.name)) for figure in fields(motor)})
-
-
-def some_of(motor: TwoBodies, n: int, rows: slice | NDArray[np.intp]) -> TwoBodies:
-    """Some of the motors.
-
-    Parameters
-    ----------
-    motor
-        Columns over motors, or a figure that all have.
-    n
-        How many motors there are [1].
-    rows
-        Which of them.
-
-    Returns
-    -------
-    TwoBodies
-        Columns over these motors.
-    """
-    return each_figure(motor, lambda x: np.broadcast_to(x, n)[rows])
 
 
 def winding_bounds(

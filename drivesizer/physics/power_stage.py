@@ -16,7 +16,6 @@ load, R_s resistance of source and cables, n number of drives; C capacitance of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +24,6 @@ from numpy.typing import NDArray
 from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.elements.quadrature import SIX
 from drivesizer.physics.figures import Figures
-from drivesizer.physics.waveform import Energy, Wave, crossing, energy, in_halves, largest_power
 
 __all__ = [
     "ASSUMED_BAND",
@@ -33,15 +31,10 @@ __all__ = [
     "STAGE_FIGURES",
     "Feed",
     "PowerStage",
-    "at_input",
-    "at_inputs",
     "bus_voltage",
     "least_capacitance",
-    "lost_in_source",
     "of_the_source",
     "power_stage",
-    "source_energy",
-    "source_power",
     "usable_voltage",
     "with_stage_losses",
 ]
@@ -215,50 +208,6 @@ def with_stage_losses(controller: Figures, factor: Any, *, assume: bool = True) 
     return {"voltage_drop": drop * factor, "max_efficiency": 1.0 / (1.0 + lost * factor)}
 
 
-def at_input(found: Wave, stage: PowerStage) -> Wave:
-    """The waveform whose V I is the power at the input of the stage, standby power left out.
-
-    Parameters
-    ----------
-    found
-        Current of the motor, and the voltage that makes its electrical power.
-    stage
-        Of each candidate.
-
-    Returns
-    -------
-    Wave
-        In halves that meet where a current changes its sign; the same where nothing is lost.
-    """
-    return at_inputs(found, stage, (found.voltage,))[0]
-
-
-def at_inputs(found: Wave, stage: PowerStage, voltages: Sequence[Any]) -> list[Wave]:
-    """The same at several voltages while one current flows.
-
-    Parameters
-    ----------
-    found, stage
-        As ``at_input`` takes them.
-    voltages
-        In place of that of the waveform, each of its shape [V].
-
-    Returns
-    -------
-    list of Wave
-        One for each voltage.
-    """
-    if not np.any(stage.loss) and not np.any(stage.resistance):
-        return [found if one is found.voltage else found._replace(voltage=one) for one in voltages]
-    loss, ohm = (np.reshape(x, (-1, 1, 1)) for x in (stage.loss, stage.resistance))
-    duration, current = found.duration, found.current
-    if np.any(loss):  # all or none: a candidate's energy hangs on no other's current
-        duration, (current, *voltages) = in_halves(duration, current, (current, *voltages))
-    sign = np.sign(current[..., 0] + current[..., 1])[..., None]
-    resisted, lost = ohm * current, loss * sign
-    return [Wave(duration, current, voltage + resisted + lost) for voltage in voltages]
-
-
 def of_the_source(power: Any, feed: Feed) -> Any:
     """Power out of the source for a power at the input of each stage, per drive [W].
 
@@ -279,85 +228,6 @@ def of_the_source(power: Any, feed: Feed) -> Any:
     current = current_of_power(np.maximum(power, 0.0) * feed.drives, feed.voltage, feed.resistance)
     out = np.where(np.isnan(current) & ~np.isnan(power), np.inf, feed.voltage * current / feed.drives)
     return np.where(np.asarray(power) > 0.0, out, power)
-
-
-def source_power(found: Wave, feed: Feed) -> tuple[Array, Array]:
-    """Largest power out of the source for each drive [W], and when [s].
-
-    Parameters
-    ----------
-    found
-        Current and voltage that make the motors' power.
-    feed
-        Their stages and supply.
-
-    Returns
-    -------
-    tuple of arrays
-        Of each drive.
-    """
-    power, when = largest_power(at_input(found, feed.stage))
-    return of_the_source(power + feed.stage.standby, feed), when
-
-
-def source_energy(found: Wave, feed: Feed, kept: Any = 1.0, *, storing: bool = True) -> Energy:
-    """Energy out of the source and what is returned at the input of the stage, over one cycle.
-
-    Standby power is always drawn. What the resistance of the supply turns to heat is counted while power is drawn. An
-    assumed loss is the lower end of its band for the energy that is stored, on which a limit hangs.
-
-    Parameters
-    ----------
-    found
-        Current and voltage that make the motors' power.
-    feed
-        Their stages and supply.
-    kept, storing
-        As ``waveform.energy`` takes them.
-
-    Returns
-    -------
-    Energy
-        Of each drive [J].
-    """
-    inner = at_input(found, feed.stage)
-    apart = storing and bool(np.any(feed.stage.assumed))
-    sums = energy(inner, kept, storing=storing and not apart)
-    if apart:
-        most = at_input(found, feed.stage._replace(loss=feed.stage.least_loss))
-        sums = sums._replace(stored=energy(most, kept).stored)
-    more = feed.stage.standby * inner.duration.sum(axis=-1)
-    return sums._replace(drawn=sums.drawn + more + lost_in_source(inner, feed).sum(axis=-1))
-
-
-def lost_in_source(inner: Wave, feed: Feed) -> Array:
-    """Heat of the supply's resistance over each segment, of one drive [J]: by quadrature where power has one sign.
-
-    Parameters
-    ----------
-    inner
-        As ``at_input`` gives it.
-    feed
-        The stages and their supply.
-
-    Returns
-    -------
-    array
-        Shape (candidates, segments); 0 without a resistance.
-    """
-    I, V = inner.current, inner.voltage
-    if not np.any(feed.resistance):
-        return np.zeros(I.shape[:2])
-    cuts = np.sort(np.stack([np.zeros(I.shape[:2]), crossing(I), crossing(V), np.ones(I.shape[:2])], axis=2), axis=2)
-    width = np.diff(cuts, axis=2)
-    at = cuts[..., :-1, None] + width[..., None] * (_NODES + 1.0) / 2.0
-    i, v = (x[..., :1, None] + at * (x[..., 1:, None] - x[..., :1, None]) for x in (I, V))
-    every = feed.reshaped((-1, 1, 1, 1))
-    power = np.maximum(i * v, 0.0) + every.stage.standby
-    lasting = (width > 0.0) & (inner.duration > 0.0)[..., None]
-    heat = np.where(lasting, (of_the_source(power, every) - power) @ _WEIGHTS / 2.0, 0.0)
-    found: Array = inner.duration * (heat * width).sum(axis=2)
-    return found
 
 
 # --- voltages of the supply

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak, Turning
+from drivesizer.physics.cycle_at_gearhead import AtGearhead, Peak
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Heat, on
 
@@ -71,13 +71,6 @@ class AtGearheads(AtGearhead):
         """Largest absolute value of what is linear in the functions."""
         found: Peak = behind_each(self, lambda at, *columns: at.peak(*columns), coefficients, left_out)
         return found
-
-    @cached_property
-    def turning(self) -> Turning:
-        """Speed of each candidate, for the losses of friction and iron; the steady pieces are those of any belt."""
-        several = [at.turning for at in self.ats]
-        speed, mean, square = (np.stack(same)[self.which] for same in list(zip(*several, strict=True))[:3])
-        return Turning(speed, mean, square, several[0].steady)
 
 
 class _Moments:

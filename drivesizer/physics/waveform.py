@@ -19,7 +19,7 @@ from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.figures import product
 
 __all__ = [
-    "Energy", "Wave", "balanced", "crossing", "energy", "extreme_powers", "highest_powers", "in_halves",
+    "Energy", "Wave", "balanced", "crossing", "energy", "highest_powers", "in_halves",
     "largest_power", "longest_above", "longest_run", "lost", "mean_square", "most_stored", "share_above",
     "signed_energy", "wave",
 ]  # fmt: skip
@@ -193,25 +193,6 @@ def highest_powers(found: Wave) -> tuple[Array, Array]:
     """Largest power in each segment [W], and after which share of it: shape (candidates, segments)."""
     rises, (first, last), bend, vertex = _course_of_power(found)
     return _power_at(found, rises, np.where(bend < 0.0, vertex, np.nan), last > first)
-
-
-def extreme_powers(found: Wave) -> tuple[Array, Array]:
-    """Largest electrical power of each candidate, and the largest that it returns, below 0 where it only draws [W].
-
-    Parameters
-    ----------
-    found
-        Current and voltage over the segments.
-
-    Returns
-    -------
-    tuple of arrays
-        Of each candidate.
-    """
-    rises, (first, last), bend, vertex = _course_of_power(found)
-    most, _ = _power_at(found, rises, np.where(bend < 0.0, vertex, np.nan), last > first)
-    least, _ = _power_at(found, rises, np.where(bend > 0.0, vertex, np.nan), last < first)
-    return most.max(axis=-1), -least.min(axis=-1)
 
 
 def _course_of_power(found: Wave) -> tuple[tuple[Array, Array], tuple[Array, Array], Array, Array]:
