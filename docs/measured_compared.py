@@ -13,7 +13,7 @@ from measured_data import CELSIUS
 from numpy.typing import NDArray
 
 from drivesizer.catalog.lookup import find
-from drivesizer.catalog.query import Hit, open_all
+from drivesizer.catalog.query import Hit, open_catalogs
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts
 from drivesizer.prediction.set_at_voltage import SetAtVoltage, set_at_voltage
@@ -72,7 +72,7 @@ class Comparison(NamedTuple):
 @cache
 def part(catalogue: str, name: str) -> Hit:
     """A part of a catalogue."""
-    return find(open_all([catalogue]), name)[0]
+    return find(open_catalogs([catalogue]), name)[0]
 
 
 def predicted(motor: Hit, figure: str, conditions: Iterable[dict[str, float]], drive: Hit | None = None) -> list[Band]:

@@ -74,7 +74,7 @@ def _unloaded() -> None:
     """A command of which only the name and the short help are wanted."""
 
 
-def _with(names: Collection[str], *, loaded: bool = True) -> typer.Typer:
+def _with_commands(names: Collection[str], *, loaded: bool = True) -> typer.Typer:
     """The command line with some of its commands, whose modules are loaded unless only their names are wanted."""
     made = typer.Typer(
         name="drivesizer",
@@ -97,7 +97,7 @@ def _with(names: Collection[str], *, loaded: bool = True) -> typer.Typer:
 
 @cache
 def _whole() -> typer.Typer:
-    return _with(_COMMANDS | _GROUPS)
+    return _with_commands(_COMMANDS | _GROUPS)
 
 
 def __getattr__(name: str) -> typer.Typer:
@@ -107,12 +107,12 @@ def __getattr__(name: str) -> typer.Typer:
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-def _of(arguments: list[str]) -> typer.Typer:
+def _command_line_of(arguments: list[str]) -> typer.Typer:
     """The command line with the one command that is run: loading the others would take as long as to parse."""
     named = arguments[:1]
     if {*named} & {"-h", "--help", "--version"}:
-        return _with(_COMMANDS | _GROUPS, loaded=False)
-    return _with(named) if {*named} & (_COMMANDS.keys() | _GROUPS.keys()) else _whole()
+        return _with_commands(_COMMANDS | _GROUPS, loaded=False)
+    return _with_commands(named) if {*named} & (_COMMANDS.keys() | _GROUPS.keys()) else _whole()
 
 
 def main() -> None:
@@ -130,4 +130,4 @@ def _run() -> int | None:
         raise InputError("Python runs without docstrings (-OO, PYTHONOPTIMIZE=2), of which drivesizer reads its "
                          "equations; expected at most -O, PYTHONOPTIMIZE=1")  # fmt: skip
     words = with_values(sys.argv[1:])
-    return parsed(lambda: _of(words)(args=words, standalone_mode=False), _whole, words)
+    return parsed(lambda: _command_line_of(words)(args=words, standalone_mode=False), _whole, words)

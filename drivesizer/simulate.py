@@ -84,11 +84,11 @@ def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
     hardest = min(known, key=lambda c: (order[c.status], c.margin)).case if known else names[0]
     if hardest in names:
         return hardest
-    peaks = {name: np.abs(load_cycle(case).torque).max() for name, case in _of_shift(spec).items()}
+    peaks = {name: np.abs(load_cycle(case).torque).max() for name, case in _shift_cases(spec).items()}
     return max(peaks, key=lambda name: peaks[name])
 
 
-def _of_shift(spec: RobotSpec) -> dict[str, RobotSpec]:
+def _shift_cases(spec: RobotSpec) -> dict[str, RobotSpec]:
     """Load cases that alternate, by name."""
     names = spec.alternating
     return {name: case for name, case in spec.load_cases if names and (case is spec or name in names)}
@@ -100,7 +100,7 @@ _OF_THE_SHIFT = {
 }  # fmt: skip
 
 
-def _by_share(found: tuple[Check, ...]) -> tuple[Check, ...]:
+def _share_checks(found: tuple[Check, ...]) -> tuple[Check, ...]:
     """Checks of a load case that has a share of the time: what lasts is informational."""
     note = "of this load case alone, informational: it has a share of the time, and `size` checks the whole shift"
     return tuple(
@@ -149,18 +149,18 @@ def validate(
     profile = None if profile == "spec" else profile
     cases = {name: case for _, name, case in load_cases(spec)}
     driven = next(iter(cases)) if load_case is None else load_case
-    shared = driven in _of_shift(spec)
+    shared = driven in _shift_cases(spec)
     spec = cases[driven]
     motion = _motion(spec, profile)
     name = driven if len(cases) > 1 else ""
     farther = () if profile is not None else starts_farther_on(name, spec)  # the spec's own motion repeats
-    more = (*_estimated(drive_set), *_one_of(len(cases) - 1, driven))
+    more = (*_estimated(drive_set), *_case_note(len(cases) - 1, driven))
     if drive_set.steps:
         proof = _open_loop(spec, drive_set, motion, name)
         assumptions, warnings = (*proof.assumptions, *more), (*proof.warnings, *farther)
         return replace(proof, assumptions=assumptions, warnings=warnings)
     case = run(spec, drive_set, motion)
-    found = _by_share(checks(case)) if shared else checks(case)
+    found = _share_checks(checks(case)) if shared else checks(case)
     own, lacking = _own_units(case)
     return Validation(
         spec=spec,
@@ -225,7 +225,7 @@ def with_remedies(
     kinds = (
         ((c.what, c.entry, c.spec, proof.drive_set) for c in (rounded_ramps(spec, proof) if own else ())),
         ((c.what, c.entry, c.spec, proof.drive_set) for c in other_gains(spec, proof)),
-        (("another drive", f"--set {one.order_numbers}", spec, one) for one in _others(proof, others)),
+        (("another drive", f"--set {one.order_numbers}", spec, one) for one in _other_drives(proof, others)),
     )
     tried: list[Remedy] = []
     for kind in kinds:
@@ -240,7 +240,7 @@ def with_remedies(
     return replace(proof, tried=tuple(tried))
 
 
-def _others(proof: Validation, drives: Sequence[DriveSet]) -> list[DriveSet]:
+def _other_drives(proof: Validation, drives: Sequence[DriveSet]) -> list[DriveSet]:
     return [one for one in drives if one.label != proof.drive_set.label][:_OTHERS]
 
 
@@ -308,7 +308,7 @@ def _assumptions(case: ClosedLoop) -> list[str]:
         "friction of a motor is as identified, else dry of a brushed one, dry and viscous of a brushless one; its "
         f"angle is {measured}",
         "currents are those of a DC motor between two terminals",
-        *_of_the_controller(case),
+        *_controller_notes(case),
         "the profile starts in equilibrium at its first speed and at the ambient temperature",
         *loss_assumptions(case.spec, case.drive_set.controller),
     ]
@@ -323,7 +323,7 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     simulated, lasts = case.figure("time_simulated"), case.figure("time")
     if simulated < (1.0 - _ALL) * lasts:
         assumptions.append(f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest repeats them and is added")
-    assumptions += _in_windows(case)
+    assumptions += _window_notes(case)
     if not case.profile.top_speed:
         assumptions.append(
             "nothing moves: the load is held at zero speed, and errors have no top speed to be a share of; while "
@@ -342,7 +342,7 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     return assumptions
 
 
-def _in_windows(case: ClosedLoop) -> list[str]:
+def _window_notes(case: ClosedLoop) -> list[str]:
     """Windows in which a long motion was simulated in full, and the allowance elsewhere."""
     c = case.controller
     if not case.windows or not isinstance(c, Cascade):
@@ -357,7 +357,7 @@ def _in_windows(case: ClosedLoop) -> list[str]:
     ]
 
 
-def _one_of(others: int, name: str) -> list[str]:
+def _case_note(others: int, name: str) -> list[str]:
     """The load case that is simulated, where there are several."""
     if not others:
         return []
@@ -365,7 +365,7 @@ def _one_of(others: int, name: str) -> list[str]:
     return [f"the load case {name} is simulated; {left} not simulated"]
 
 
-def _of_the_controller(case: ClosedLoop) -> list[str]:
+def _controller_notes(case: ClosedLoop) -> list[str]:
     if isinstance(case.controller, Gains):
         return [
             f"the voltage responds to the measurement of {COMPUTING:g} control period before",
@@ -379,7 +379,7 @@ def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
     warnings = loop_warnings(case.loops.all, case.profile)
     if case.train.flexible:
         warnings += resonance_warning(case.loops, case.train.stiffness)
-    warnings += [*_resolution(case), *_kept_at_rest(case), *grip_warning(case.spec)]
+    warnings += [*_resolution(case), *_rest_current_note(case), *grip_warning(case.spec)]
     failed = {check.name for check in found if check.status == "fail" and not check.advice}
     if "stability" in failed:
         warnings.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")
@@ -405,7 +405,7 @@ def _resolution(case: ClosedLoop) -> list[str]:
     return resolution_warning(encoder.lines, time, case.controller.velocity_kp, peak)
 
 
-def _kept_at_rest(case: ClosedLoop) -> list[str]:
+def _rest_current_note(case: ClosedLoop) -> list[str]:
     """Warning of a current that the loop's integral holds at rest, against friction."""
     rows = series(case)
     still = (rows["speed_reference"] == 0.0) & (rows["motor_speed"] == 0.0)

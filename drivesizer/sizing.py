@@ -10,7 +10,7 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.load_cases.screw_requirements import screw_requirements
-from drivesizer.machine.budgets import check_battery, of_the_machine
+from drivesizer.machine.budgets import check_battery, machine_requirements
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertainty
@@ -20,7 +20,7 @@ from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.machine_filter import best_in_machine, weighing
-from drivesizer.search.order.found import Found
+from drivesizer.search.order.found import SearchResult
 from drivesizer.search.order.ranking import Ranking, title_of
 from drivesizer.search.order.sifting import Progress
 from drivesizer.search.own_mass import problem_with_drive_mass
@@ -150,7 +150,7 @@ def _other_searches(picked: Shortlist, objective: Ranking, progress: Progress | 
     }
 
 
-def _requirements(found: Found, row: int) -> tuple[Requirement, ...]:
+def _requirements(found: SearchResult, row: int) -> tuple[Requirement, ...]:
     """The load's requirements: by physics figures of the load cycle, by the paper (1)-(16).
 
     The latter are with the rotor inertia of the candidate that is shown; without candidates, with none.
@@ -239,7 +239,7 @@ def explained(
     evaluation, found = _examined(
         problem, pair_of(catalog, motor, gearhead, spec.supply.nominal), spec.behind(gearhead)
     )
-    weigh = weighing(problem, of_the_machine(problem.machine))
+    weigh = weighing(problem, machine_requirements(problem.machine))
     parts = {row: drive_parts(evaluation, row) for row in found}
     beside = {row: other_checks(problem, one) for row, one in parts.items()}
     passing = {

@@ -39,7 +39,7 @@ from drivesizer.catalog.parts import (
     Motor,
     columns_of,
     lines,
-    one_of,
+    singular,
 )
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
@@ -50,9 +50,35 @@ from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.version import __version__
 
 __all__ = [
-    "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "BrakeResistor", "CacheWarning",
-    "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "PowerSupply", "Pulley", "Source",
-    "Stepper", "Table", "columns_of", "lines", "load", "of_text", "one_of", "path_of", "shipped",
+    "DIRECT",
+    "EDGES",
+    "PARTS",
+    "RELATIONS",
+    "Actuator",
+    "Battery",
+    "Belt",
+    "Brake",
+    "BrakeResistor",
+    "CacheWarning",
+    "Catalog",
+    "Controller",
+    "Encoder",
+    "Gearhead",
+    "Motor",
+    "Note",
+    "Pairs",
+    "PowerSupply",
+    "Pulley",
+    "Source",
+    "Stepper",
+    "Table",
+    "catalog_of_text",
+    "columns_of",
+    "lines",
+    "load",
+    "path_of",
+    "shipped",
+    "singular",
 ]  # fmt: skip
 
 
@@ -163,11 +189,11 @@ def _schema() -> bytes:
 
 def _one(path: Path, raw: bytes, key: str) -> Catalog:
     if is_handed(path):
-        return of_text(path, raw)
+        return catalog_of_text(path, raw)
     return _compiled(path.stem, key, lambda: _parsed(path, raw))
 
 
-def of_text(path: Path, raw: bytes) -> Catalog:
+def catalog_of_text(path: Path, raw: bytes) -> Catalog:
     """A catalogue out of its text: nothing of it is kept on the disk, and the last few are remembered.
 
     Parameters

@@ -42,7 +42,7 @@ def _row(column: Column, values: tuple[Any, ...]) -> Row | None:
     known = [value for value in values if _known(value)]
     if not known:
         return None
-    differs = any(not _same(value, known[0]) for value in known)
+    differs = any(not _same_text(value, known[0]) for value in known)
     return Row(column, values, True if differs else None if len(known) < len(values) else False)
 
 
@@ -50,5 +50,5 @@ def _known(value: Any) -> bool:
     return value != "" if isinstance(value, str) else not math.isnan(value)
 
 
-def _same(one: Any, other: Any) -> bool:
+def _same_text(one: Any, other: Any) -> bool:
     return one == other if isinstance(one, str) else math.isclose(one, other, rel_tol=1e-9)

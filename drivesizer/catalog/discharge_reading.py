@@ -53,7 +53,7 @@ def _table(
     if part not in batteries:
         raise reader.fail((*path, "battery"), f"{quoted(part)} is not a battery of this file")
     source = reader.source_number(entry["source"], (*path, "source"))
-    held, factor = _held(reader, entry["held"], (*path, "held"))
+    held, factor = _stored_quantity(reader, entry["held"], (*path, "held"))
     cells = _cells(reader, entry.get("cells", 1), (*path, "cells"))
     volts, times = _head(reader, entry["columns"], (*path, "columns"))
     factor *= cells if held == "power" else 1.0  # the cells of a block carry the same current
@@ -80,7 +80,7 @@ def _columns(rows: Sequence[tuple[float, ...]]) -> Discharges:
     return Discharges(*typed)
 
 
-def _held(reader: Reader, text: Any, path: Path_) -> tuple[str, float]:
+def _stored_quantity(reader: Reader, text: Any, path: Path_) -> tuple[str, float]:
     """Quantity that is held, and the factor of its unit: ``current (A)``."""
     name, _, unit = str(text).rstrip(") ").partition("(")
     name = name.strip()

@@ -127,7 +127,7 @@ def solved(equation: str, figures: Mapping[str, Any], unknown: str) -> Array:
     """
     code = _residual(equation)
     with np.errstate(all="ignore"):
-        at_0, at_1 = (_value(code, {**_taken(code, figures), unknown: value}) for value in (0.0, 1.0))
+        at_0, at_1 = (_value(code, {**_equation_figures(code, figures), unknown: value}) for value in (0.0, 1.0))
         return np.asarray(at_0 / (at_0 - at_1))
 
 
@@ -137,7 +137,7 @@ def _residual(equation: str) -> CodeType:
     return compile(f"({left}) - ({right})", equation, "eval")
 
 
-def _taken(code: CodeType, figures: Mapping[str, Any]) -> dict[str, Any]:
+def _equation_figures(code: CodeType, figures: Mapping[str, Any]) -> dict[str, Any]:
     """The figures that an equation names."""
     names = {
         name

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.maker_tolerances import join_maker_tolerances
-from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, one_of
+from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, singular
 from drivesizer.catalog.tables import Across, Catalog, Pairs, Table, unique_pairs
 from drivesizer.errors import CatalogError, nearest, quoted
 
@@ -36,7 +36,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         pairs[relation] = _moved(listed, places["motors"], places[right])
     tolerances, instead = join_maker_tolerances([(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs],
                                   first_source.tolist())  # fmt: skip
-    left: dict[str, Any] = {name: _kept(table, places[name]) for name, table in tables.items()}
+    left: dict[str, Any] = {name: _last_rows(table, places[name]) for name, table in tables.items()}
     return Catalog(
         **left,
         **pairs,
@@ -66,7 +66,7 @@ def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
                         f"part {quoted(part)} is in two catalogues: {first} and {name}; "
                         "`overrides: true` in the second makes its row count"
                     )
-                said.append(f"{one_of(section)} {part}: {name} in place of {first}")
+                said.append(f"{singular(section)} {part}: {name} in place of {first}")
     return tuple(said)
 
 
@@ -97,7 +97,7 @@ def _places(table: Table[Any]) -> NDArray[np.int32]:
     return place
 
 
-def _kept(table: Table[Any], place: NDArray[np.int32]) -> Table[Any]:
+def _last_rows(table: Table[Any], place: NDArray[np.int32]) -> Table[Any]:
     """The rows that are left: of those that go to one place, the last."""
     if not len(place) or place[-1] == len(place) - 1:
         return table

@@ -98,7 +98,7 @@ def join_maker_tolerances(
     for (name, stated, overrides), first in zip(each, first_source, strict=True):
         before, found = found, []
         for other, theirs in before:
-            mine = next((one for one in stated if _same(theirs, one, overrides)), None)
+            mine = next((one for one in stated if _same_figure(theirs, one, overrides)), None)
             if mine and not overrides:
                 raise CatalogError(
                     f"the tolerance of {_named(mine)} is in two catalogues: {other} and {name}; "
@@ -106,7 +106,7 @@ def join_maker_tolerances(
                 )
             if mine:
                 messages.append(f"tolerance of {_named(mine)}: {name} in place of {other}")
-            found += [(other, one) for one in _left(theirs, stated, overrides)]
+            found += [(other, one) for one in _remaining(theirs, stated, overrides)]
         found += [(name, one._replace(source=one.source + first)) for one in stated]
     return tuple(one for _, one in found), tuple(messages)
 
@@ -115,7 +115,7 @@ def _named(one: MakerTolerance) -> str:
     return f"{one.maker} {one.part} {one.figure.replace('_', ' ')}"
 
 
-def _same(one: MakerTolerance, later: MakerTolerance, overrides: bool) -> bool:
+def _same_figure(one: MakerTolerance, later: MakerTolerance, overrides: bool) -> bool:
     """Whether a later tolerance is of the same figure and parts; one of all families overrides those of some."""
     if one[:2] != later[:2] or one.maker != later.maker:
         return False
@@ -124,9 +124,9 @@ def _same(one: MakerTolerance, later: MakerTolerance, overrides: bool) -> bool:
     return not later.families and (overrides or not one.families)
 
 
-def _left(one: MakerTolerance, stated: Sequence[MakerTolerance], overrides: bool) -> list[MakerTolerance]:
+def _remaining(one: MakerTolerance, stated: Sequence[MakerTolerance], overrides: bool) -> list[MakerTolerance]:
     """The part of a tolerance that later ones leave: all of it, or that of the families that they do not name."""
-    later = [other for other in stated if _same(one, other, overrides)]
+    later = [other for other in stated if _same_figure(one, other, overrides)]
     if not later:
         return [one]
     named = {family for other in later for family in other.families}

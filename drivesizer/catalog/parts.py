@@ -33,8 +33,21 @@ from drivesizer.catalog.more_parts import (
 from drivesizer.physics.figures import Figures
 
 __all__ = [
-    "DIRECT", "EDGES", "NO_GEARHEAD", "PARTS", "RELATIONS", "Controller", "Encoder", "Gearhead", "Motor", "OneRow",
-    "columns_of", "lines", "one_of", "one_row", "printed",
+    "DIRECT",
+    "EDGES",
+    "NO_GEARHEAD",
+    "PARTS",
+    "RELATIONS",
+    "Controller",
+    "Encoder",
+    "Gearhead",
+    "Motor",
+    "OneRow",
+    "columns_of",
+    "lines",
+    "one_row",
+    "printed",
+    "singular",
 ]  # fmt: skip
 
 
@@ -327,7 +340,7 @@ def one_row(part: Any) -> OneRow:
     return OneRow(part)
 
 
-def one_of(section: str) -> str:
+def singular(section: str) -> str:
     """Singular of a section's name.
 
     >>> one_of("motors"), one_of("batteries"), one_of("brake_resistors")

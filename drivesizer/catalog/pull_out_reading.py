@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from drivesizer.catalog.field_reader import Reader
-from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PULL_OUTS, PullOuts, of_points
+from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PULL_OUTS, PullOuts, point_columns
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_
 from drivesizer.units import scale, to_si
@@ -52,7 +52,7 @@ def read_pull_outs(reader: Reader, given: Any, steppers: dict[str, int]) -> Pull
         driver = reader.plain_text(entry["driver"], (*path, "driver")) if "driver" in entry else ""
         rows = _points(reader, entry, path)
         points += [(steppers[part], source, number, volts, amps, *row, driver) for row in rows]
-    return of_points(points) if points else NO_PULL_OUTS
+    return point_columns(points) if points else NO_PULL_OUTS
 
 
 def _above_zero(reader: Reader, text: Any, kind: str, path: Path_) -> float:

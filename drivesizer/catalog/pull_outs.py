@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["NO_PULL_OUTS", "PULL_OUTS", "PullOuts", "of_points"]
+__all__ = ["NO_PULL_OUTS", "PULL_OUTS", "PullOuts", "point_columns"]
 
 PULL_OUTS = "pull_outs"  # the section of a catalogue file, and the name for all of a stepper's in a note
 
@@ -37,7 +37,7 @@ _TYPES = {"stepper": np.int32, "source": np.int32, "curve": np.int32, "driver": 
 NO_PULL_OUTS = PullOuts(*(np.zeros(0, _TYPES.get(name, np.float64)) for name in PullOuts._fields))
 
 
-def of_points(points: Sequence[tuple[Any, ...]]) -> PullOuts:
+def point_columns(points: Sequence[tuple[Any, ...]]) -> PullOuts:
     """Columns of points, each with the fields of ``PullOuts`` in their order."""
     columns = zip(PullOuts._fields, zip(*points, strict=True), strict=True)
     return PullOuts(*(np.array(values, _TYPES.get(name, np.float64)) for name, values in columns))

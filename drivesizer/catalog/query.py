@@ -20,7 +20,7 @@ from drivesizer.catalog.conditions import Condition, column_name
 from drivesizer.catalog.tables import spelling
 from drivesizer.errors import InputError, nearest, quoted
 
-__all__ = ["Hit", "Selection", "Shelf", "contains", "every", "open_all", "select"]
+__all__ = ["Hit", "Selection", "Shelf", "contains", "every", "open_catalogs", "select"]
 
 Shelf = Mapping[str, Catalog]  # catalogues by name
 
@@ -57,7 +57,7 @@ class Selection(NamedTuple):
     excluded: int  # meet all conditions, but the catalogue excludes them from sizing
 
 
-def open_all(names: Iterable[str] = ()) -> dict[str, Catalog]:
+def open_catalogs(names: Iterable[str] = ()) -> dict[str, Catalog]:
     """Catalogues by name, those that ship when none is given.
 
     Raises

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.field_reader import Reader
-from drivesizer.catalog.parts import RELATIONS, one_of
+from drivesizer.catalog.parts import RELATIONS, singular
 from drivesizer.catalog.tables import CONFIDENCE, Across, Pairs, Table, unique_pairs
 from drivesizer.errors import nearest, quoted
 from drivesizer.files.yaml_source import Path_
@@ -59,7 +59,7 @@ def relations(reader: Reader, tables: Mapping[str, Table[Any]], given: Any) -> d
                 out = _rows(reader, members[sections[1]], group["without"], (*path, "without"))
                 rows[sections[1]] = np.setdiff1d(rows[sections[1]], out)
             for right in sections[1:]:
-                found[f"motor_{one_of(right)}"].append((rows["motors"], rows[right], source))
+                found[f"motor_{singular(right)}"].append((rows["motors"], rows[right], source))
     rank = [CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
     pairs: dict[str, Any] = {name: _pairs(sorted(some, key=lambda g: rank[g[2]])) for name, some in found.items()}
     return pairs | {"across": tuple(across)}
@@ -99,7 +99,7 @@ def _across(
                 names.append(("", str(name)))
         sides[section] = tuple(names)
     rights = LISTS[relation][1:]
-    return [Across(f"motor_{one_of(right)}", sides["motors"], sides[right], source) for right in rights]
+    return [Across(f"motor_{singular(right)}", sides["motors"], sides[right], source) for right in rights]
 
 
 def _pairs(groups: list[Group]) -> Pairs:

@@ -15,7 +15,7 @@ from drivesizer.commands.catalog_files import (
     Names,
     Section,
     export,
-    known,
+    known_section,
     open_named,
     print_document,
     take_in,
@@ -95,7 +95,7 @@ def _selected(
     from drivesizer.catalog.conditions import conditions, has
     from drivesizer.catalog.query import select
 
-    names = [known(section)] if section else [s for s in PARTS if has(s, where, how["sort"])] or list(PARTS)
+    names = [known_section(section)] if section else [s for s in PARTS if has(s, where, how["sort"])] or list(PARTS)
     required = {name: conditions(name, options, where) for name in names}
     found = {name: select(shelf, name, some, **how) for name, some in required.items() if some is not None}
     if not found:

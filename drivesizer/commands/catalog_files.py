@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from drivesizer.catalog import Catalog
     from drivesizer.catalog.query import Hit
 
-__all__ = ["Names", "Section", "export", "known", "open_named", "print_document", "take_in", "write_csv"]
+__all__ = ["Names", "Section", "export", "known_section", "open_named", "print_document", "take_in", "write_csv"]
 
 Names = Annotated[
     list[str] | None,
@@ -29,9 +29,9 @@ Section = Annotated[str | None, typer.Argument(metavar="SECTION", help="motors, 
 
 def open_named(names: list[str] | None) -> dict[str, Catalog]:
     """Catalogues that an option names; all shipped ones without it."""
-    from drivesizer.catalog.query import open_all
+    from drivesizer.catalog.query import open_catalogs
 
-    return open_all(names or ())
+    return open_catalogs(names or ())
 
 
 def print_document(document: dict[str, Any]) -> None:
@@ -46,7 +46,7 @@ def _text(document: dict[str, Any]) -> str:
     return as_text({"schema_version": SCHEMA_VERSION, "drivesizer": __version__} | document)
 
 
-def known(section: str) -> str:
+def known_section(section: str) -> str:
     """Refuse the name of an unknown section; else return it."""
     from drivesizer.catalog import PARTS
 
@@ -66,13 +66,13 @@ def write_csv(path: Path, hits: list[Hit]) -> None:
         The parts.
     """
     from drivesizer.catalog.exchange.exporting import as_csv
-    from drivesizer.files.writing import put
+    from drivesizer.files.writing import write_files
 
     sections = list(dict.fromkeys(hit.section for hit in hits))
     if len(sections) > 1:
         raise InputError(f"{path}: a CSV file holds one section, found {', '.join(sections)}; name one")
     if sections:
-        put({path: as_csv(sections[0], hits)})
+        write_files({path: as_csv(sections[0], hits)})
 
 
 def export(
@@ -85,14 +85,14 @@ def export(
     from drivesizer.catalog.query import every
 
     shelf = open_named(catalog)
-    hits = list(every(shelf, [known(section)] if section else PARTS))
+    hits = list(every(shelf, [known_section(section)] if section else PARTS))
     if output.suffix == ".csv":
         write_csv(output, hits)
     elif output.suffix == ".json":
         from drivesizer.catalog.exchange.exporting import as_document
-        from drivesizer.files.writing import put
+        from drivesizer.files.writing import write_files
 
-        put({output: f"{_text(as_document(shelf, hits))}\n".encode()})
+        write_files({output: f"{_text(as_document(shelf, hits))}\n".encode()})
     else:
         raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .csv or .json")
     typer.echo(f"{output}: {number_of(len(hits), 'part')}")
@@ -143,7 +143,7 @@ def take_in(
     if not dry_run:
         new(target, imported.text.encode())
         written.append(f"{target} written; it states no compatibility yet: add it at its end")
-    terminal_findings.taken(imported, guessed=bool(guess))
+    terminal_findings.imported(imported, guessed=bool(guess))
     for line in written:
         typer.echo(line)
 

@@ -173,9 +173,9 @@ def simulating(on: str) -> AbstractContextManager[None]:
     context manager
         Of :func:`working`.
     """
-    from drivesizer.control.engine import kept
+    from drivesizer.control.engine import is_compiled
 
-    return working(on if kept() else f"{on}; translating the simulation to machine code first, once, some 10 s")
+    return working(on if is_compiled() else f"{on}; translating the simulation to machine code first, once, some 10 s")
 
 
 @contextmanager

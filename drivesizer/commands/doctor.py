@@ -119,10 +119,14 @@ def _catalogues() -> Iterator[Finding]:
 
 
 def _machine_code() -> Iterator[Finding]:
-    from drivesizer.control.engine import kept
+    from drivesizer.control.engine import is_compiled
 
-    now = "ready as machine code" if kept() else "not at hand as machine code, some hundred times slower without numba"
-    yield Finding("closed loop", now, kept(), "install drivesizer anew")
+    now = (
+        "ready as machine code"
+        if is_compiled()
+        else "not at hand as machine code, some hundred times slower without numba"
+    )
+    yield Finding("closed loop", now, is_compiled(), "install drivesizer anew")
 
 
 def _report() -> Iterator[Finding]:

@@ -45,7 +45,7 @@ def drive(
     accept([], tables=[csv] if csv else [])
     on_path = with_trajectory(robot, trajectory, failed or ())
     found = driving(on_path)
-    one = _on_the_path(robot, on_path, chosen)
+    one = _drive_on_path(robot, on_path, chosen)
     if csv:
         from drivesizer.output.report import write_driving
 
@@ -68,10 +68,10 @@ def drive(
 
 def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     """Simulate the runs along the path, and draw them where a folder is given."""
-    from drivesizer.control.path_following.runs import drawn, follow_all
+    from drivesizer.control.path_following.runs import drawn, follow_runs
 
     with working("simulating the platform on its path"):
-        runs = follow_all(found, one)
+        runs = follow_runs(found, one)
     if drawings:
         from drivesizer.output.report import write_path
 
@@ -80,7 +80,7 @@ def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     return runs
 
 
-def _on_the_path(robot: Any, on_path: Any, chosen: str | None) -> Any:
+def _drive_on_path(robot: Any, on_path: Any, chosen: str | None) -> Any:
     """The drive with its checks on the path: named by its parts, or the best for the spec's own motion; or None."""
     from drivesizer.commands.validate import pick
     from drivesizer.sizing import explain, size
@@ -92,10 +92,12 @@ def _on_the_path(robot: Any, on_path: Any, chosen: str | None) -> Any:
     if not best or (robot.motion == on_path.motion and robot.platform == on_path.platform):
         return best[0] if best else None
     motor, gearhead = (best[0].actuator or best[0].motor).part, best[0].gearhead.part
-    return next(s for s in explain(_with_its(best[0], on_path), motor, gearhead) if s.belt_ratio == best[0].belt_ratio)
+    return next(
+        s for s in explain(_with_parts_of(best[0], on_path), motor, gearhead) if s.belt_ratio == best[0].belt_ratio
+    )
 
 
-def _with_its(best: Any, on_path: Any) -> Any:
+def _with_parts_of(best: Any, on_path: Any) -> Any:
     """The spec of the path, with encoder, controller and brake of a drive as the only ones to choose from."""
     from drivesizer.catalog.view.own_brake import OWN
 

@@ -18,7 +18,7 @@ from drivesizer.commands.common import (
     print_notes,
     working,
 )  # fmt: skip
-from drivesizer.commands.machine import of_one_axis, sized_machine
+from drivesizer.commands.machine import refuse_axis_options, sized_machine
 from drivesizer.commands.options import file_option, whole_option
 from drivesizer.commands.validate import pick
 
@@ -64,7 +64,7 @@ def _machine(machine: Any, output: Path, form: str, given: dict[str, object]) ->
     """Write all axes of a machine."""
     from drivesizer.output.export.machine import accept_machine, machine_export, write_machine
 
-    of_one_axis(given)
+    refuse_axis_options(given)
     accept_machine(form, output)
     result = sized_machine(machine, 1, None)
     without = next((one.name for one in result.axes if one.best is None), None)

@@ -12,10 +12,17 @@ from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, p
 from drivesizer.commands.proving import proven_axes
 from drivesizer.errors import InputError
 
-__all__ = ["explain_axes", "of_one_axis", "report_all", "size_all", "sized_machine", "validate_axes"]
+__all__ = [
+    "explain_axes",
+    "refuse_axis_options",
+    "report_machine",
+    "size_machine_axes",
+    "sized_machine",
+    "validate_axes",
+]
 
 
-def size_all(
+def size_machine_axes(
     machine: Any,
     spec: Path,
     csv: Path | None,
@@ -50,7 +57,7 @@ def size_all(
     """
     from drivesizer.output.report import accept, write_machine
 
-    of_one_axis(given)
+    refuse_axis_options(given)
     accept([path for path in (csv, pdf) if path])
     result = sized_machine(machine, top, objective, sampling)
     if csv:
@@ -73,7 +80,7 @@ def size_all(
     return int(result.status == "fail")
 
 
-def report_all(
+def report_machine(
     machine: Any,
     output: Sequence[Path],
     given: Mapping[str, object],
@@ -111,7 +118,7 @@ def report_all(
     """
     from drivesizer.output.report import write_machine, write_machine_figures
 
-    of_one_axis(given)
+    refuse_axis_options(given)
     result, proofs = proven_axes(sized_machine(machine, top, objective, sampling), profile)
     with working("writing the report"):
         written = write_machine(result, proofs, output, paper=paper, date=date)
@@ -139,7 +146,7 @@ def validate_axes(machine: Any, given: Mapping[str, object], profile: str | None
     int
         0 where no axis fails, else 1.
     """
-    of_one_axis(given)
+    refuse_axis_options(given)
     result = sized_machine(machine, 1, None)
     without = next((axis.name for axis in result.axes if axis.best is None), None)
     if without is not None:
@@ -201,7 +208,7 @@ def explain_axes(
     return int(all(one.status == "fail" for pair in found.values() for one in pair.sets))
 
 
-def of_one_axis(given: Mapping[str, object]) -> None:
+def refuse_axis_options(given: Mapping[str, object]) -> None:
     """Refuse options that are of a single axis.
 
     Parameters

@@ -75,15 +75,15 @@ def predict(
 
 def _answered(found: Prediction, json: bool, drawn: dict[Path, bytes]) -> None:
     """Print the answer, and write its figure: none where the answer cannot be given, but to a reader who has enough."""
-    from drivesizer.files.writing import put
+    from drivesizer.files.writing import write_files
 
     try:
         _say(found, json)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit):  # rich makes the second of the first
-        put(drawn)
+        write_files(drawn)
         raise
-    for path in put(drawn):
+    for path in write_files(drawn):
         typer.echo(f"{path} written", err=True)
 
 
@@ -153,19 +153,19 @@ def _set(
     shelf: dict[str, Catalog], motor: str, gearhead: str | None, controller: str | None, volts: float
 ) -> tuple[Hit, Hit | None, Hit | None]:
     """The parts that are named: the motor's catalogue goes before others that have the same number."""
-    sold = _found(shelf, motor, ("motors", "actuators"), "motor or actuator")
+    sold = _part_found(shelf, motor, ("motors", "actuators"), "motor or actuator")
     if not isnan(volts):  # else that of the row
         counts = sold.table.at_voltage(volts)
         sold = replace(sold, row=next(row for row in sold.table.called(motor) if counts[row]))
     if sold.section == "actuators" and gearhead is not None:
         raise InputError(f"--gearhead: {quoted(motor)} is an actuator with its gear inside; leave the option out")
     first = {sold.catalogue: shelf[sold.catalogue]} | shelf
-    gear = _found(first, gearhead, ("gearheads",), "gearhead") if gearhead is not None else None
-    drive = _found(first, controller, ("controllers",), "controller") if controller is not None else None
+    gear = _part_found(first, gearhead, ("gearheads",), "gearhead") if gearhead is not None else None
+    drive = _part_found(first, controller, ("controllers",), "controller") if controller is not None else None
     return sold, gear, drive
 
 
-def _found(shelf: dict[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> Hit:
+def _part_found(shelf: dict[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> Hit:
     from drivesizer.catalog.lookup import find
 
     hits = find(shelf, part)

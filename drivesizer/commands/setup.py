@@ -10,7 +10,7 @@ import typer
 
 from drivesizer.commands.common import DEFAULT, Json, OfAxis, load, working
 from drivesizer.commands.options import file_argument, file_option
-from drivesizer.commands.starting import KINDS, MACHINES, at_terminal, by_questions, copy_example, starter
+from drivesizer.commands.starting import KINDS, MACHINES, copy_example, interactive, questionnaire, starter
 from drivesizer.errors import InputError, quoted
 
 __all__ = ["doctor", "equations", "init", "schema", "start_by_questions"]
@@ -39,25 +39,25 @@ def equations(
     if sizing is not None:
         terminal_equations.equation(sizing, *(_steps(sizing, robot) if robot else ()))
     elif platform is not None:
-        terminal_equations.platform_equation(platform, _of_robot(platform, robot) if robot else None)
+        terminal_equations.platform_equation(platform, _robot_equation(platform, robot) if robot else None)
 
 
 def _steps(declared: Any, robot: Any) -> tuple[Any, str]:
     """Steps of the paper's derivation that are of an equation, and the spec and its best drive that they are for."""
-    from drivesizer.search.paper.derivation import of_drive
+    from drivesizer.search.paper.derivation import drive_requirements
     from drivesizer.spec.robot.contradictions import PAPER_TREATS
 
     if not robot.paper_applies:
         raise InputError(f"{robot.where(())}: {PAPER_TREATS}; expected such a spec for equations 1 to 20")
     spec, drive = _with_best_drive(robot)
-    found = tuple(r for r in of_drive(spec, drive).values() if r.declared is declared)
+    found = tuple(r for r in drive_requirements(spec, drive).values() if r.declared is declared)
     if not found:
         why = "the spec gives its result, or does not need it" if drive else "it needs a drive, and there is none"
         raise InputError(f"{robot.where(())}: {declared.label} is no step of the derivation: {why}")
     return found, f"{spec.name}, {drive.label}" if drive else spec.name
 
 
-def _of_robot(declared: Any, robot: Any) -> Any:
+def _robot_equation(declared: Any, robot: Any) -> Any:
     """An equation of the platform with the numbers of a spec; inertias are those with the best drive's rotors."""
     from drivesizer.output.platform_numbers import equation_of
     from drivesizer.platform import equations_dynamics
@@ -101,7 +101,7 @@ def init(
         _start(_from_description(urdf, joint, output), output)
     elif example is not None:
         _written(copy_example(example, output))
-    elif kind is None and str(output) != "-" and at_terminal():
+    elif kind is None and str(output) != "-" and interactive():
         start_by_questions(output)
     else:
         _start(starter(kind or "wheeled_vehicle"), output)
@@ -114,7 +114,7 @@ def _from_description(path: Path, joint: str | None, output: Path) -> str:
 
     if joint is not None or has_wheels(path) or (path.suffix == ".urdf" and joints_to_drive(path) < 2):
         return spec_of(path, joint)
-    answered = at_terminal() and str(output) != "-"
+    answered = interactive() and str(output) != "-"
     masses = ("with_drives" if typer.confirm(_HOLD_DRIVES, default=True) else "without") if answered else ""
     return machine_of(path, Path() if str(output) == "-" else output.parent, masses)
 
@@ -134,7 +134,7 @@ def start_by_questions(output: Path) -> None:
     """
     if os.path.lexists(output):  # before the first question
         raise InputError(f"{output}: the file exists and is left alone; name another with -o")
-    _start(by_questions(), output)
+    _start(questionnaire(), output)
 
 
 def _start(text: str, output: Path) -> None:

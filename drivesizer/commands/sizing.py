@@ -25,7 +25,7 @@ from drivesizer.commands.common import (
 from drivesizer.commands.options import file_option, number_option, whole_option
 from drivesizer.commands.proving import proven
 from drivesizer.commands.setup import start_by_questions
-from drivesizer.commands.starting import at_terminal
+from drivesizer.commands.starting import interactive
 from drivesizer.errors import InputError, quoted
 
 __all__ = ["explain", "report", "size"]
@@ -82,17 +82,17 @@ def size(
     """Find the drive: parts list, verdict, tightest checks, alternatives."""
     from drivesizer.output.report import accept, write, write_sets
 
-    if spec == DEFAULT and not spec.exists() and not json and at_terminal():
+    if spec == DEFAULT and not spec.exists() and not json and interactive():
         start_by_questions(spec)
     robot = load_whole(spec, catalogs, axis)
     accept([pdf] if pdf else [], tables=[csv] if csv else [])
     if hasattr(robot, "axes"):
-        from drivesizer.commands.machine import size_all
+        from drivesizer.commands.machine import size_machine_axes
 
         given = {"--pareto": pareto, "--paper": beside, "--derivation": derivation}
         sampling = confidence, samples, seed, processes, loop_samples
         shown = checks or verbose
-        raise typer.Exit(size_all(robot, spec, csv, pdf, given, top, objective, sampling, shown, quiet, json))
+        raise typer.Exit(size_machine_axes(robot, spec, csv, pdf, given, top, objective, sampling, shown, quiet, json))
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
     if csv:
         write_sets(result, csv)
@@ -171,10 +171,10 @@ def report(
     robot = load_whole(spec, catalogs, axis)
     accept(output)
     if hasattr(robot, "axes"):
-        from drivesizer.commands.machine import report_all
+        from drivesizer.commands.machine import report_machine
 
         given, sampling = {"--pareto": pareto}, (confidence, samples, seed, processes, loop_samples)
-        raise typer.Exit(report_all(robot, output, given, top, objective, sampling, profile, drawings, paper, date))
+        raise typer.Exit(report_machine(robot, output, given, top, objective, sampling, profile, drawings, paper, date))
     choices = _CHOICES if any(path.suffix.lower() == ".html" for path in output) else 0
     result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples), choices)
     with simulating("simulating the drive in closed loop"):

@@ -12,7 +12,7 @@ import typer
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.shipped import shipped_folder
 
-__all__ = ["KINDS", "MACHINES", "at_terminal", "by_questions", "copy_example", "examples", "starter"]
+__all__ = ["KINDS", "MACHINES", "copy_example", "examples", "interactive", "questionnaire", "starter"]
 
 _STARTERS = Path(__file__).parents[1] / "spec" / "starters"
 _MACHINES = _STARTERS / "machines"
@@ -76,7 +76,7 @@ def copy_example(name: str, output: Path) -> list[Path]:
     InputError
         When there is no such example, or a file exists.
     """
-    from drivesizer.files.writing import put
+    from drivesizer.files.writing import write_files
 
     known = examples()
     if name not in known:
@@ -88,7 +88,7 @@ def copy_example(name: str, output: Path) -> list[Path]:
     for path in files:
         if os.path.lexists(path):
             raise InputError(f"{path}: the file exists and is left alone; start in another folder")
-    return put(files)
+    return write_files(files)
 
 
 # --- questions --------------------------------------------------------------------------------------------------------
@@ -99,12 +99,12 @@ _OF_THE_TRADE = {"mass": "lb", "length": "in", "speed": "ft/s", "force": "lbf", 
                  "inertia": "lb*in^2", "temperature": "degF"}  # fmt: skip
 
 
-def at_terminal() -> bool:
+def interactive() -> bool:
     """Whether someone is there to answer: both ends of the program are terminals."""
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
-def by_questions() -> str:
+def questionnaire() -> str:
     """The starter of a kind of machine with the figures that the user types; each is read as strictly as in a file.
 
     Returns

@@ -76,7 +76,7 @@ def _line_of(error: Any, program: Any, words: list[str]) -> str:
         if word not in getattr(command, "commands", {}):
             break
         path, command = f"{path} {word}".lstrip(), command.commands[word]
-    said = _SAID.get(type(error).__name__, _other)(error, command)
+    said = _SAID.get(type(error).__name__, _unknown_command)(error, command)
     example = (command.epilog or f"drivesizer {path} --help".replace("  ", " ")).removeprefix("Example: ")
     return f"{path and f'{path}: '}{said}, e.g. `{example}`"
 
@@ -100,7 +100,7 @@ def _option_misused(error: Any, command: Any) -> str:
     return f"{error.option_name} has no value; expected one behind it"
 
 
-def _other(error: Any, command: Any) -> str:
+def _unknown_command(error: Any, command: Any) -> str:
     """A command that there is not, or words too many, of one type of error."""
     message = error.format_message()
     if hasattr(command, "commands") and (found := re.search(r"No such command '(.*?)'", message)):

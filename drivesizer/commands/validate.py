@@ -57,7 +57,7 @@ def validate(
 
         given = {"--set": chosen, "--csv": csv, "--figures": drawings, "--case": case, "--all": everything}
         raise typer.Exit(validate_axes(robot, given, profile, json))
-    _known(robot, case)
+    _known_case(robot, case)
     if everything:
         if chosen or csv or drawings:
             raise InputError("--all: it takes the drives of the search; --set, --csv and --figures are for one of them")
@@ -88,7 +88,7 @@ def validate(
     raise typer.Exit(1 if proof.status == "fail" else 0)
 
 
-def _known(robot: Any, name: str | None) -> None:
+def _known_case(robot: Any, name: str | None) -> None:
     """Refuse a name that none of the spec's load cases has."""
     from drivesizer.load_cases.of_machine import load_cases
 

@@ -33,14 +33,14 @@ from drivesizer.errors import InputError
 from drivesizer.physics.counted_speed import Counts, lags, most_gain, shortest
 from drivesizer.units import show
 
-__all__ = ["Wanted", "design_cascade"]
+__all__ = ["CascadeRequirements", "design_cascade"]
 
 _DAMPING = math.sqrt(0.5)
 _LARGEST_GAIN = 1e9  # with it, rounding errors would be amperes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wanted:
+class CascadeRequirements:
     """Gains and requirements that the user gives; the rest is designed. Units as in :class:`Cascade`."""
 
     current_kp: float | None = None
@@ -62,7 +62,7 @@ class Wanted:
 def design_cascade(
     train: DriveTrain,
     every: Rates,
-    wanted: Wanted,
+    wanted: CascadeRequirements,
     *,
     where: Callable[[str], str] = "control.{}".format,
     counts: Counts | None = None,
@@ -126,7 +126,7 @@ def design_cascade(
     return found, ["gains are designed for the inertia of driving; braking, the gears' losses make it less"]
 
 
-def _look(wanted: Wanted, where: Callable[[str], str]) -> None:
+def _look(wanted: CascadeRequirements, where: Callable[[str], str]) -> None:
     """Refuse what is no gain, and figures that exclude or lack each other."""
     for f in fields(wanted):
         value = getattr(wanted, f.name)
@@ -152,7 +152,7 @@ def _look(wanted: Wanted, where: Callable[[str], str]) -> None:
 
 
 def _current(
-    train: DriveTrain, every: Rates, wanted: Wanted, where: Callable[[str], str]
+    train: DriveTrain, every: Rates, wanted: CascadeRequirements, where: Callable[[str], str]
 ) -> tuple[tuple[float, float], str]:
     """Gains of the current loop and their rule: around one that is given, the other cancels the winding's lag."""
     kp, ki = wanted.current_kp, wanted.current_ki
@@ -170,7 +170,9 @@ def _current(
     return (ki * train.inductance / train.resistance, ki), f"current: ki given, {cancels}"
 
 
-def _late(train: DriveTrain, lag: float, period: float, wanted: Wanted, counts: Counts | None) -> tuple[int, float]:
+def _late(
+    train: DriveTrain, lag: float, period: float, wanted: CascadeRequirements, counts: Counts | None
+) -> tuple[int, float]:
     """Periods over which counts are taken, and the total lag of the velocity loop [s].
 
     The symmetrical optimum is as fast as the lag or the answer to one count allows; for a bandwidth that is given,
@@ -200,7 +202,7 @@ def _late(train: DriveTrain, lag: float, period: float, wanted: Wanted, counts: 
 
 
 def _velocity(
-    train: DriveTrain, lag: float, wanted: Wanted, where: Callable[[str], str]
+    train: DriveTrain, lag: float, wanted: CascadeRequirements, where: Callable[[str], str]
 ) -> tuple[tuple[float, float], str]:
     """Gains of the velocity loop and their rule."""
     kp, ki = wanted.velocity_kp, wanted.velocity_ki
@@ -238,7 +240,7 @@ def _reachable(bandwidth: float, most: float, damping: float, where: Callable[[s
 
 
 def _symmetrical(
-    train: DriveTrain, lag: float, wanted: Wanted, where: Callable[[str], str]
+    train: DriveTrain, lag: float, wanted: CascadeRequirements, where: Callable[[str], str]
 ) -> tuple[tuple[float, float], str]:
     """The symmetrical optimum; one gain that is given sets the spread, and with it the other."""
     J, k_t, kp, ki = modes(train)[Regime.FORWARD_DRIVING].inertia, train.torque_constant, *_pair(wanted)
@@ -260,11 +262,13 @@ def _symmetrical(
     return gains, f"velocity: symmetrical optimum, a = {a:.3g}"
 
 
-def _pair(wanted: Wanted) -> tuple[float | None, float | None]:
+def _pair(wanted: CascadeRequirements) -> tuple[float | None, float | None]:
     return wanted.velocity_kp, wanted.velocity_ki
 
 
-def _position(train: DriveTrain, lag: float, velocity: tuple[float, float], wanted: Wanted) -> tuple[float, str]:
+def _position(
+    train: DriveTrain, lag: float, velocity: tuple[float, float], wanted: CascadeRequirements
+) -> tuple[float, str]:
     """Gain of the position loop and its rule; the velocity loop is late by its reset time, or its inertia's lag."""
     if wanted.position_kp is not None:
         return wanted.position_kp, "position: given" if wanted.position_kp else ""
@@ -276,7 +280,7 @@ def _position(train: DriveTrain, lag: float, velocity: tuple[float, float], want
     return position_gain(late + lag), "position: aperiodic"
 
 
-def _filter_time(wanted: Wanted, kp: float, period: float) -> float:
+def _filter_time(wanted: CascadeRequirements, kp: float, period: float) -> float:
     """Filter of the derivative [s]: as given, else a tenth of the derivative time, a period at least."""
     if wanted.filter_time is not None:
         return wanted.filter_time

@@ -178,14 +178,14 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
         inductance=drive_set.motor.inductance,
         torque_constant=own.k_t,
         back_emf_constant=own.k_e,
-        friction=_known(own.coulomb, "friction of the motor", said) + own.idle,
-        viscous=_known(own.viscous, "viscous friction of the motor", said),
+        friction=_figure_or_zero(own.coulomb, "friction of the motor", said) + own.idle,
+        viscous=_figure_or_zero(own.viscous, "viscous friction of the motor", said),
         motor_inertia=drive_set.inertia(unknown=0.0),
         gear_ratio=own.ratio,
         gear_efficiency=own.efficiency,
         belt_ratio=drive_set.belt_ratio,
         belt_efficiency=drive_set.belt_efficiency,
-        load_inertia=_known(shaft.inertia, "inertia of the load", said),
+        load_inertia=_figure_or_zero(shaft.inertia, "inertia of the load", said),
         radius=shaft.radius,
         forward_torque=shaft.forward_torque,
         backward_torque=shaft.backward_torque,
@@ -246,7 +246,7 @@ def within_reach(train: DriveTrain, profile: Profile) -> None:
         raise InputError(f"profile {profile.name}: {at_motor:.3g} rad/s is no speed that a motor can be turned to")
 
 
-def _known(value: float, what: str, said: list[str]) -> float:
+def _figure_or_zero(value: float, what: str, said: list[str]) -> float:
     """A figure of small influence; 0, reported as an assumption, where the catalogue lacks it."""
     if isnan(value):
         said.append(_taken_as_0(what))

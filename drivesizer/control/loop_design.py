@@ -12,7 +12,7 @@ from typing import Any
 
 from drivesizer.catalog import EDGES, Controller
 from drivesizer.control.cascade import LEAST_PHASE_MARGIN, Cascade, rates
-from drivesizer.control.cascade_design import Wanted, design_cascade
+from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.cascade_rules import SPREAD, margin_of
 from drivesizer.control.drive_train import DriveTrain, drive_train, elastic
 from drivesizer.control.loop_tuning import Required, Tuned, tuned
@@ -93,7 +93,7 @@ def _cascade(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Cascad
     rigid, assumed = drive_train(spec, drive_set, every.current)
     train = _with_shaft(spec, drive_set, rigid)
     counts, more = _counts(spec, drive_set, train, every.velocity)
-    wanted = _wanted(spec)
+    wanted = _requirements(spec)
     rules: list[str] = []
 
     def make(slower: float) -> Cascade:
@@ -221,14 +221,16 @@ def _gap(spec: RobotSpec, drive_set: DriveParts) -> float:
 # --- gains of the spec
 
 
-def _wanted(spec: RobotSpec) -> Wanted:
+def _requirements(spec: RobotSpec) -> CascadeRequirements:
     """Gains and requirements of the cascade that the spec gives."""
     c = spec.control
     given: dict[str, Any] = {f"current_{name}": getattr(c.current, name) for name in ("kp", "ki")}
     given |= {f"velocity_{name}": getattr(c.velocity, name) for name in ("kp", "ki", "kd")}
     given |= {name: getattr(c.velocity, name) for name in ("filter_time", "bandwidth", "damping", "phase_margin")}
     given |= {f"feedforward_{name}": value for name, value in c.feedforward.model_dump().items()}
-    return Wanted(position=c.position is not None, position_kp=c.position.kp if c.position else None, **given)
+    return CascadeRequirements(
+        position=c.position is not None, position_kp=c.position.kp if c.position else None, **given
+    )
 
 
 def _path(field: str) -> tuple[str, ...]:

@@ -125,7 +125,9 @@ def other_gains(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
     blank: Control | VelocityLoop = VelocityLoop() if cascade else Control()
     without = {name: getattr(blank, name) for name in (*_GAINS, *(("phase_margin",) if cascade else ()))}
     if own.kp is not None:
-        yield Change("gains as they are designed", f"{place} without {', '.join(_GAINS)}", _with(spec, without))
+        yield Change(
+            "gains as they are designed", f"{place} without {', '.join(_GAINS)}", _with_velocity_loop(spec, without)
+        )
     if math.isnan(velocity.bandwidth):
         return
     failed = {check.name for check in proof.checks if check.status == "fail"}
@@ -133,10 +135,10 @@ def other_gains(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
         text = show(factor * velocity.bandwidth, "Hz", "frequency", 3)
         bandwidth = to_si(text, "frequency")
         what = f"a {'higher' if factor > 1.0 else 'lower'} bandwidth of the velocity loop"
-        yield Change(what, f"{place}.bandwidth: {text}", _with(spec, without | {"bandwidth": bandwidth}))
+        yield Change(what, f"{place}.bandwidth: {text}", _with_velocity_loop(spec, without | {"bandwidth": bandwidth}))
 
 
-def _with(spec: RobotSpec, figures: dict[str, Any]) -> RobotSpec:
+def _with_velocity_loop(spec: RobotSpec, figures: dict[str, Any]) -> RobotSpec:
     """The spec with other figures of its velocity loop, in all load cases."""
 
     def change(one: RobotSpec) -> RobotSpec:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from drivesizer.control.cascade import Cascade, ControllerGain
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.loop_records import Loop
-from drivesizer.results.check import Check, Figure, Status, in_a_sentence
+from drivesizer.results.check import Check, Figure, Status, sentence_case
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Beside", "Gains", "LinearRun", "Remedy", "Stepping", "Validation"]
+__all__ = ["Gains", "LinearFigure", "LinearRun", "Remedy", "Stepping", "Validation"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +43,7 @@ class Stepping:
     source: str
 
 
-class Beside(NamedTuple):
+class LinearFigure(NamedTuple):
     """A figure of the linear model beside that of the simulation with limits, where that one has it too."""
 
     linear: Figure
@@ -55,7 +55,7 @@ class LinearRun:
     """PID and DC motor in python-control along the same profile, beside the engine."""
 
     train: DriveTrain  # of the model
-    figures: tuple[Beside, ...]
+    figures: tuple[LinearFigure, ...]
     series: dict[str, NDArray[np.float64]]  # SI columns over time, as those of the validation; none of an unstable loop
     left_out: tuple[str, ...]  # what the linear model does without, as sentences
 
@@ -103,7 +103,7 @@ class Validation:
     @property
     def failed(self) -> str:
         """Titles of the checks that fail; empty where none does."""
-        return ", ".join(in_a_sentence(c.title) for c in self.checks if c.status == "fail" and not c.advice)
+        return ", ".join(sentence_case(c.title) for c in self.checks if c.status == "fail" and not c.advice)
 
     @property
     def over(self) -> str:

@@ -97,7 +97,7 @@ def design(
         When ``control.bandwidth`` is faster than the delay of the loop allows, or a gain is out of range.
     """
     if spec.control.kp is not None:
-        return _given(spec, spec.control.kp, period, counts)
+        return _given_gains(spec, spec.control.kp, period, counts)
     tau_1, theta = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], period)
     periods, late = lags(counts, period)
     tight, quiet = _least(train, period, counts)
@@ -145,7 +145,7 @@ def _time_constant(spec: RobotSpec, tight: float, least: float) -> float:
     return least
 
 
-def _given(spec: RobotSpec, kp: float, period: float, counts: Counts | None) -> Gains:
+def _given_gains(spec: RobotSpec, kp: float, period: float, counts: Counts | None) -> Gains:
     ki, kd = spec.control.ki, spec.control.kd
     for name, gain in (("kp", kp), ("ki", ki), ("kd", kd)):
         if gain > _LARGEST_GAIN:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["CacheWarning", "arrays_kept", "digest_of", "folder", "keep", "kept"]
+__all__ = ["CacheWarning", "arrays_kept", "cached_bytes", "digest_of", "folder", "keep"]
 
 _HALF = ".compiling-"  # begins the name of a file that is being written
 _LONG_AGO = 600.0  # s, after which such a file is left over from a killed process
@@ -41,7 +41,7 @@ def digest_of(*parts: bytes) -> str:
     return mixed.hexdigest()
 
 
-def kept(path: Path) -> bytes | None:
+def cached_bytes(path: Path) -> bytes | None:
     """Bytes kept under a path; None where there are none or they are damaged."""
     try:
         raw = path.read_bytes()
@@ -53,7 +53,7 @@ def kept(path: Path) -> bytes | None:
 
 def arrays_kept(path: Path) -> dict[str, NDArray[Any]] | None:
     """Arrays by name of an npz file kept under a path; None where there is none, or it is damaged or no such file."""
-    body = kept(path)
+    body = cached_bytes(path)
     if body is None:
         return None
     import io

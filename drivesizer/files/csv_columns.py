@@ -20,7 +20,15 @@ from drivesizer.units import KINDS, noun, possible, scale
 from drivesizer.units.ranges import RANGES
 
 __all__ = [
-    "Form", "beside", "columns", "factors_of", "miscount", "number_of", "plain_number", "refuse_impossible", "rows_of",
+    "Form",
+    "columns",
+    "factors_of",
+    "miscount",
+    "number_of",
+    "path_from_spec",
+    "plain_number",
+    "refuse_impossible",
+    "rows_of",
     "values_of",
 ]  # fmt: skip
 
@@ -32,7 +40,7 @@ _ROW = 64  # bytes of each that a file may have
 _ABOVE = 3  # line of the first row of numbers
 
 
-def beside(spec_file: str, name: str, where: str) -> Path:
+def path_from_spec(spec_file: str, name: str, where: str) -> Path:
     """Path of a file that a spec names; relative ones count from the spec's folder.
 
     Parameters

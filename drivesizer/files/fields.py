@@ -22,7 +22,7 @@ __all__ = [
     "Exponent", "Factor", "Force", "Frequency", "Gain", "Gravity", "Incline", "Jerk", "Length", "Mass", "Names",
     "Part", "Pause", "Place", "Power", "Price", "Pull", "Quantity", "Ratio", "Resistance", "Section", "Share",
     "SignedSpeed", "SignedTorque", "SignedVelocity", "Slope", "Speed", "Stiffness", "Temperature",
-    "ThermalResistance", "Thickness", "Torque", "TorqueAbove", "Turning", "Velocity", "Voltage", "at_defaults",
+    "ThermalResistance", "Thickness", "Torque", "TorqueAbove", "Turning", "Velocity", "Voltage", "all_defaults",
     "default",
     "exactly_one", "no_entries",
 ]  # fmt: skip
@@ -165,7 +165,7 @@ def default(text: Any, **more: Any) -> Any:
     return Field(default=text, **more)
 
 
-def at_defaults(**more: Any) -> Any:
+def all_defaults(**more: Any) -> Any:
     """A group of fields, or of entries by name, of which a file may give none: fields are then at their defaults."""
     return Field(default_factory=_no_fields, **more)
 

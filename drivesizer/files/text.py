@@ -14,7 +14,15 @@ from pathlib import Path
 from drivesizer.errors import InputError, reason_of
 
 __all__ = [
-    "decoded", "hand_over", "is_handed", "missing", "read_bytes", "read_no_others", "read_text", "state_of", "states",
+    "decoded",
+    "hand_over",
+    "is_handed",
+    "missing",
+    "read_bytes",
+    "read_text",
+    "restrict_reading",
+    "state_of",
+    "states",
     "was_read",
 ]  # fmt: skip
 
@@ -90,7 +98,7 @@ def _from_pipe(path: Path, largest: int) -> bytes:
         os.close(pipe)
 
 
-def read_no_others(files: Iterable[Path], folders: Iterable[Path]) -> None:
+def restrict_reading(files: Iterable[Path], folders: Iterable[Path]) -> None:
     """Refuse, for as long as the process lives, every file but some, and those in some folders.
 
     For a process that takes specs of someone who may not see all files of this machine.

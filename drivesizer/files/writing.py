@@ -20,7 +20,7 @@ from typing import NamedTuple
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.text import was_read
 
-__all__ = ["new", "put", "ready", "ready_all", "remove_all"]
+__all__ = ["check_targets", "new", "ready", "remove_files", "write_files"]
 
 
 _NO_LINKS = {errno.EPERM, errno.ENOSYS, errno.EOPNOTSUPP, errno.EMLINK}  # a FAT stick, some network drives
@@ -66,7 +66,7 @@ def ready(path: Path) -> None:
         raise InputError(f"{path}: cannot be written, it is protected against that")
 
 
-def ready_all(paths: Iterable[Path]) -> None:
+def check_targets(paths: Iterable[Path]) -> None:
     """Refuse targets of which one cannot be written, or two are the same file; see :func:`ready`."""
     behind: dict[Path, Path] = {}
     for path in paths:
@@ -77,7 +77,7 @@ def ready_all(paths: Iterable[Path]) -> None:
                              "expected another name")  # fmt: skip
 
 
-def remove_all(paths: Iterable[Path]) -> None:
+def remove_files(paths: Iterable[Path]) -> None:
     """Remove earlier outputs where they exist; none of them where one was read in this run.
 
     Raises
@@ -96,7 +96,7 @@ def remove_all(paths: Iterable[Path]) -> None:
             raise InputError(f"{path}: cannot be removed ({reason_of(error)})") from None
 
 
-def put(files: Mapping[Path, bytes]) -> list[Path]:
+def write_files(files: Mapping[Path, bytes]) -> list[Path]:
     """Write files; no target is touched before the content of all of them is on the disk.
 
     Parameters
@@ -114,7 +114,7 @@ def put(files: Mapping[Path, bytes]) -> list[Path]:
     InputError
         When a file cannot be written.
     """
-    ready_all(files)
+    check_targets(files)
     waiting: list[_Waiting] = []
     complete, path = False, Path()
     try:

@@ -30,34 +30,34 @@ def reads_as(after: Any, before: Any, path: Path_, value: Any, *, text: bool) ->
         Also False where a text is not read as it was given, or a removed field is still there.
     """
     if value is None:
-        return bool(_same(after, _without(before, path)))
+        return bool(_same_data(after, _without_value(before, path)))
     try:
         found = after
         for step in path:
             found = found[step]
-        expected = _with(before, path, found)
+        expected = _with_value(before, path, found)
     except (KeyError, IndexError, TypeError):
         return False
-    return bool(_same(after, expected)) and (not text or not isinstance(value, str) or found == value)
+    return bool(_same_data(after, expected)) and (not text or not isinstance(value, str) or found == value)
 
 
-def _same(one: Any, other: Any) -> bool:
+def _same_data(one: Any, other: Any) -> bool:
     return bool((one or None) == (other or None))  # without a field, a document is none, or an empty group
 
 
-def _with(data: Any, path: Path_, value: Any) -> Any:
+def _with_value(data: Any, path: Path_, value: Any) -> Any:
     """Data with a field, and the groups that it is in."""
     if not path:
         return value
     step, *rest = path
     if isinstance(step, int):
         entries = list(data or ())
-        entries[step : step + 1] = [_with(entries[step] if step < len(entries) else None, tuple(rest), value)]
+        entries[step : step + 1] = [_with_value(entries[step] if step < len(entries) else None, tuple(rest), value)]
         return entries
-    return {**(data or {}), step: _with((data or {}).get(step), tuple(rest), value)}
+    return {**(data or {}), step: _with_value((data or {}).get(step), tuple(rest), value)}
 
 
-def _without(data: Any, path: Path_) -> Any:
+def _without_value(data: Any, path: Path_) -> Any:
     """Data without a field, and without groups that are empty then."""
     left = copy.deepcopy(data)
     places = [left]

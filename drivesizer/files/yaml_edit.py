@@ -81,7 +81,7 @@ def _changed(text: str, edit: Edit, name: str) -> str:
     root = yaml.compose(text, Loader=LOADER)
     if root is None:
         return text if edit.value is None else f"{text}{_end(text)}{_block(edit.path, edit, 0)}\n"
-    place, rest = _found(root, edit.path)
+    place, rest = _deepest_node(root, edit.path)
     if not rest:
         return _removed(text, root, edit.path) if edit.value is None else _replaced(text, place, edit)
     if edit.value is None:
@@ -106,7 +106,7 @@ def _nested(path: Path_, value: Any) -> Any:
     return value
 
 
-def _found(root: yaml.Node, path: Path_) -> tuple[_Place, Path_]:
+def _deepest_node(root: yaml.Node, path: Path_) -> tuple[_Place, Path_]:
     """The deepest node of a path that is there, and the rest of the path."""
     place = _Place(root, None, None)
     for n, step in enumerate(path):
@@ -189,11 +189,11 @@ def _added(text: str, place: _Place, rest: Path_, edit: Edit) -> str:
 
 def _removed(text: str, root: yaml.Node, path: Path_) -> str:
     """The text without a field; a group that would be empty goes with it."""
-    above, _ = _found(root, path[:-1])
+    above, _ = _deepest_node(root, path[:-1])
     assert isinstance(above.node, yaml.CollectionNode)
     if len(above.node.value) == 1 and len(path) > 1:
         return _removed(text, root, path[:-1])
-    place, _ = _found(root, path)
+    place, _ = _deepest_node(root, path)
     entries = [entry[0] if isinstance(entry, tuple) else entry for entry in above.node.value]
     first = place.key or place.node
     number = entries.index(first)

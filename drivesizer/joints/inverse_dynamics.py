@@ -83,7 +83,7 @@ def torques_of(
         MuJoCo is not installed, the mass of a link that moves is unknown or none.
     """
     mujoco = _mujoco()
-    _known(robot, held)
+    _refuse_unknown_masses(robot, held)
     model, bodies = _model(mujoco, robot, held, points)
     model.opt.gravity[:] = gravity
     _weighed(model, robot, bodies)
@@ -104,7 +104,7 @@ def _mujoco() -> Any:
     return mujoco
 
 
-def _known(robot: Robot, held: Mapping[str, float]) -> None:
+def _refuse_unknown_masses(robot: Robot, held: Mapping[str, float]) -> None:
     """Refuse links that move and whose mass is unknown or none."""
     if len(robot.links) > _MOST_LINKS:
         raise InputError(f"{robot.file}: {len(robot.links)} links; expected at most {_MOST_LINKS}")

@@ -21,10 +21,10 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.joints.coupling import coupling
 from drivesizer.joints.inverse_dynamics import Attached, Torques, torques_of
 from drivesizer.joints.joint_load import JointLoad, cycle_of, joint_load, radius_of
-from drivesizer.joints.moving import file_of, held_joints, unit_of
+from drivesizer.joints.moving import file_of, fixed_positions, unit_of
 from drivesizer.joints.places import carried_by, drive_places, outermost_first, payload_place
 from drivesizer.joints.record import Array, JointMotion
-from drivesizer.joints.trajectory import held_poses, motion_of
+from drivesizer.joints.trajectory import motion_of, static_poses
 from drivesizer.spec.description import read_description
 from drivesizer.spec.description.record import Robot
 from drivesizer.spec.description.urdf import rotation
@@ -177,7 +177,7 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     expected = "a URDF or MJCF file", "arm.urdf"
     robot = read_description(file_of(spec_file, section.description, ("robot", "description"), expected))
     motion = _ordered(motion_of(section, robot, spec_file), robot)
-    held = held_joints(section, robot, motion.joints)
+    held = fixed_positions(section, robot, motion.joints)
     drives = drive_places(section, robot, motion.joints)
     payload = payload_place(section, robot, motion.joints)
     points = drives if payload is None else {**drives, _PAYLOAD: payload}
@@ -220,7 +220,7 @@ def _cases(section: RobotSection, system: _System, motion: JointMotion) -> Itera
     yield JointsCase("", payload, motion, found)
     for case in section.payloads:
         yield JointsCase(case.name, case.mass, motion, found)
-    for name, mass, pose in held_poses(section, system.robot, motion):
+    for name, mass, pose in static_poses(section, system.robot, motion):
         yield JointsCase(name, payload if mass is None else mass, pose, _columns(system, pose))
 
 

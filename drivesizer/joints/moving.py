@@ -11,7 +11,7 @@ from drivesizer.files.text import missing
 from drivesizer.spec.description.record import Joint, Robot
 from drivesizer.spec.robot_section import JointFigure, RobotSection
 
-__all__ = ["SLACK", "Field", "figure_of", "file_of", "held_joints", "joint_of", "unit_of", "within"]
+__all__ = ["SLACK", "Field", "figure_of", "file_of", "fixed_positions", "joint_of", "unit_of", "within"]
 
 Field = tuple[str | int, ...]
 SLACK = 1e-6  # of a limit, by which rounding may leave it
@@ -135,7 +135,7 @@ def within(joint: Joint, position: float) -> bool:
     return joint.lower - slack <= position <= joint.upper + slack
 
 
-def held_joints(section: RobotSection, robot: Robot, moved: Collection[str]) -> dict[str, float]:
+def fixed_positions(section: RobotSection, robot: Robot, moved: Collection[str]) -> dict[str, float]:
     """Positions of all joints that do not move.
 
     Parameters
@@ -164,14 +164,14 @@ def held_joints(section: RobotSection, robot: Robot, moved: Collection[str]) -> 
             raise FieldError(("robot", "held", name), f"{quoted(name)} is moved by the trajectory; leave it out")
         joint_of(robot, name, ("robot", "held", name))
     others = {name: joint for name, joint in robot.joints.items() if name not in moved and joint.kind != "fixed"}
-    found = {name: _held(section, robot, joint) for name, joint in others.items() if not joint.mimic}
+    found = {name: _fixed_position(section, robot, joint) for name, joint in others.items() if not joint.mimic}
     for joint in others.values():
         if joint.mimic:
             found[joint.name] = joint.factor * _followed(robot, joint, found) + joint.offset
     return found
 
 
-def _held(section: RobotSection, robot: Robot, joint: Joint) -> float:
+def _fixed_position(section: RobotSection, robot: Robot, joint: Joint) -> float:
     """Position of a joint that is held."""
     where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)}"
     if not joint.moves:

@@ -14,7 +14,7 @@ from drivesizer.joints.waypoints import moves_of
 from drivesizer.spec.description.record import Joint, Robot
 from drivesizer.spec.robot_section import RobotSection
 
-__all__ = ["held_poses", "motion_of"]
+__all__ = ["motion_of", "static_poses"]
 
 
 def motion_of(section: RobotSection, robot: Robot, spec_file: str) -> JointMotion:
@@ -72,7 +72,7 @@ def _when(motion: JointMotion, there: Array) -> float:
     return float(motion.time.ravel()[int(np.argmax(there))])
 
 
-def held_poses(
+def static_poses(
     section: RobotSection, robot: Robot, motion: JointMotion
 ) -> Iterator[tuple[str, float | None, JointMotion]]:
     """Poses that the drives hold: name, payload [kg] where it is another, and one segment at rest.

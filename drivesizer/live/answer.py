@@ -7,17 +7,17 @@ from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.held import Held, Piece
+from drivesizer.live.held import EngineMemory, Piece
 from drivesizer.live.reading import faults, text_of, whole
 
-__all__ = ["answer", "of_result", "ranking"]
+__all__ = ["answer", "ranking", "result_pieces"]
 
 _LATER = "data:,"  # address of a still figure until it is drawn
 _PAUSE = 0.12  # s without a newer request, after which the whole report is computed
 _NOT_LIVE = ("repeat", "file")  # sections of a report that say how it came about
 
 
-def answer(held: Held, request: Piece) -> Iterator[Piece]:
+def answer(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """Pieces ``spec``, ``wrong`` or ``ranking``, ``sections``, ``figures`` and one ``still`` after another.
 
     Parameters
@@ -44,10 +44,10 @@ def answer(held: Held, request: Piece) -> Iterator[Piece]:
         return
     if not hasattr(result, "axes") and not result.sets:
         yield {"kind": "ranking", **ranking(result)}  # the closest rejected are of the whole sizing
-    yield from of_result(held, result)
+    yield from result_pieces(held, result)
 
 
-def of_result(held: Held, result: Any, proofs: Any = None) -> Iterator[Piece]:
+def result_pieces(held: EngineMemory, result: Any, proofs: Any = None) -> Iterator[Piece]:
     """Pieces of a sizing: sections, figures, still figures.
 
     Parameters
@@ -63,7 +63,7 @@ def of_result(held: Held, result: Any, proofs: Any = None) -> Iterator[Piece]:
     ------
     Piece
     """
-    from drivesizer.output.json.documents import known
+    from drivesizer.output.json.documents import plain_data
     from drivesizer.output.report.html.stills import image
     from drivesizer.output.report.html.templates import section_html
 
@@ -74,7 +74,7 @@ def of_result(held: Held, result: Any, proofs: Any = None) -> Iterator[Piece]:
     sections = [head | {"html": html} for head, html in zip(heads, made, strict=True)]
     yield {"kind": "sections", "sections": sections, "drives": _listed(result)}
     held.go_on()
-    yield {"kind": "figures", "figures": known(figures)}
+    yield {"kind": "figures", "figures": plain_data(figures)}
     for name, draw in still.items():
         held.go_on()
         yield {"kind": "still", "name": name, "address": image(draw("svg"))}

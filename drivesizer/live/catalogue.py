@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drivesizer.errors import DrivesizerError, InputError
-from drivesizer.live.held import Held, Piece
+from drivesizer.live.held import EngineMemory, Piece
 
 if TYPE_CHECKING:
     from drivesizer.catalog import Catalog
@@ -24,7 +24,7 @@ ALL = "all"  # of the shipped catalogues, as a spec names them
 # -- the catalogues
 
 
-def catalogues(held: Held, request: Piece) -> Iterator[Piece]:
+def catalogues(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``catalogues``: all that ship, the spec's and the user's, with their parts; and the sections' columns.
 
     Parameters
@@ -46,7 +46,7 @@ def catalogues(held: Held, request: Piece) -> Iterator[Piece]:
            "sections": _sections()}  # fmt: skip
 
 
-def _described(held: Held, name: str, chosen: bool) -> Piece:
+def _described(held: EngineMemory, name: str, chosen: bool) -> Piece:
     from drivesizer.catalog import PARTS
 
     found = {"name": name, "chosen": chosen, "own": name in held.own}
@@ -83,7 +83,7 @@ def _sections() -> list[Piece]:
     ]  # fmt: skip
 
 
-def named_by(held: Held, text: str) -> list[str]:
+def named_by(held: EngineMemory, text: str) -> list[str]:
     """Catalogues that a spec names, those of all axes together; those of a spec without any where it is no YAML.
 
     Parameters
@@ -124,7 +124,7 @@ def listed_names(names: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(each for name in names for each in (shipped() if name == ALL else [name])))
 
 
-def shelf(held: Held, names: Sequence[str]) -> dict[str, Catalog]:
+def shelf(held: EngineMemory, names: Sequence[str]) -> dict[str, Catalog]:
     """Catalogues by name, each by itself; a file is read as it is now.
 
     Parameters
@@ -154,7 +154,7 @@ def shelf(held: Held, names: Sequence[str]) -> dict[str, Catalog]:
     return {name: held.shelf.get(name) or others[name] for name in names}
 
 
-def hit_of(held: Held, name: str, section: str, part: str) -> Hit:
+def hit_of(held: EngineMemory, name: str, section: str, part: str) -> Hit:
     """A part by its catalogue, section and number.
 
     Parameters
@@ -188,7 +188,7 @@ def hit_of(held: Held, name: str, section: str, part: str) -> Hit:
 # -- lists of parts
 
 
-def parts(held: Held, request: Piece) -> Iterator[Piece]:
+def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``parts`` with at most ``PAGE`` rows, or ``unmet`` with the conditions that cannot be read.
 
     Parameters

@@ -7,7 +7,7 @@ from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.live.catalogue import ALL, hit_of, listed_names
-from drivesizer.live.held import Held, Piece
+from drivesizer.live.held import EngineMemory, Piece
 
 __all__ = ["PLACES", "choose"]
 
@@ -25,7 +25,7 @@ PLACES: dict[str, tuple[tuple[str, ...], bool]] = {
 _WHOLE = ("battery", "supply", "brake_resistor")
 
 
-def choose(held: Held, request: Piece) -> Iterator[Piece]:
+def choose(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``edits``, by which a spec chooses what the page names.
 
     Parameters
@@ -46,22 +46,22 @@ def choose(held: Held, request: Piece) -> Iterator[Piece]:
     above = ("axes", request["axis"]) if request["axis"] else ()
     if request["part"] is None:
         names = [*(_catalogs(data, above)[1] if request["add"] else ()), *request["catalogues"]]
-        edits = _of_catalogs(data, above, _short(names))
+        edits = _catalog_edits(data, above, _short(names))
     else:
         hit = hit_of(held, *request["part"])
-        edits = _of_part(data, above, hit, "family" if request["family"] else "part")
+        edits = _part_edits(data, above, hit, "family" if request["family"] else "part")
     yield {"kind": "edits", "edits": edits}
 
 
-def _of_part(data: Any, above: tuple[str, ...], hit: Any, by: str) -> list[_Edit]:
+def _part_edits(data: Any, above: tuple[str, ...], hit: Any, by: str) -> list[_Edit]:
     """Edits that name a part or its family, and nothing else of its kind; and its catalogue."""
     place, families = PLACES.get(hit.section, ((), False))
     if not place or (by == "family" and not families):
         raise InputError(f"a spec names no {by} of {hit.section.replace('_', ' ')}")
-    if place[0] == "load" and not str((_at(data, (*above, "load")) or {}).get("kind", "")).endswith("_screw"):
+    if place[0] == "load" and not str((_value_at(data, (*above, "load")) or {}).get("kind", "")).endswith("_screw"):
         raise InputError("the load of the spec is no screw; expected load: {kind: ball_screw}")
     path = place if place[0] in _WHOLE else (*above, *place)
-    known = _at(data, path)
+    known = _value_at(data, path)
     if not isinstance(known, dict):
         edits: list[_Edit] = [[path, {by: hit[by]}, True]]
         known = {}
@@ -72,11 +72,13 @@ def _of_part(data: Any, above: tuple[str, ...], hit: Any, by: str) -> list[_Edit
     if place == ("select", "motor"):
         edits += _kind(path, known, hit)
     if place[0] == "load":  # its own lead, where it comes with the screw
-        edits += [[[*above, "load", "lead"], None, False]] if _at(data, (*above, "load", "lead")) is not None else []
+        edits += (
+            [[[*above, "load", "lead"], None, False]] if _value_at(data, (*above, "load", "lead")) is not None else []
+        )
     names = _catalogs(data, above)[1]
     if hit.catalogue in listed_names(names):
         return edits
-    return [*edits, *_of_catalogs(data, above, [*names, hit.catalogue])]
+    return [*edits, *_catalog_edits(data, above, [*names, hit.catalogue])]
 
 
 def _kind(path: tuple[str, ...], known: dict[str, Any], hit: Any) -> list[_Edit]:
@@ -87,7 +89,7 @@ def _kind(path: tuple[str, ...], known: dict[str, Any], hit: Any) -> list[_Edit]
     return [[[*path, "kind"], None, False]] if known.get("kind") not in (None, kind) else []
 
 
-def _of_catalogs(data: Any, above: tuple[str, ...], names: list[str]) -> list[_Edit]:
+def _catalog_edits(data: Any, above: tuple[str, ...], names: list[str]) -> list[_Edit]:
     return [[[*_catalogs(data, above)[0], "select", "catalogs"], names, True]]
 
 
@@ -96,7 +98,7 @@ def _catalogs(data: Any, above: tuple[str, ...]) -> tuple[tuple[str, ...], list[
     from drivesizer.spec.select import Select
 
     for place in dict.fromkeys((above, ())):
-        given = _at(data, (*place, "select", "catalogs"))
+        given = _value_at(data, (*place, "select", "catalogs"))
         if given is not None:
             return place, [str(name) for name in (given if isinstance(given, list) else [given])]
     return (), list(Select.model_fields["catalogs"].default)
@@ -111,7 +113,7 @@ def _short(names: list[str]) -> list[str]:
     return [ALL, *others] if every else list(dict.fromkeys(names))
 
 
-def _at(data: Any, path: tuple[str, ...]) -> Any:
+def _value_at(data: Any, path: tuple[str, ...]) -> Any:
     for step in path:
         data = data.get(step) if isinstance(data, dict) else None
     return data

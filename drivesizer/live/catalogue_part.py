@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from drivesizer.live.catalogue import hit_of
-from drivesizer.live.held import Held, Piece
+from drivesizer.live.held import EngineMemory, Piece
 
 if TYPE_CHECKING:
     from drivesizer.catalog.query import Hit
     from drivesizer.output.part.tables import PartTable
 
-__all__ = ["beside", "part"]
+__all__ = ["part", "parts_compared"]
 
 
-def part(held: Held, request: Piece) -> Iterator[Piece]:
+def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``part``: figures with confidence and document of each, tables, remarks and curves.
 
     Parameters
@@ -29,14 +29,14 @@ def part(held: Held, request: Piece) -> Iterator[Piece]:
     ------
     Piece
     """
-    from drivesizer.catalog import one_of
+    from drivesizer.catalog import singular
     from drivesizer.output.part.remarks import head
     from drivesizer.output.report.html.part_plots import part_plots
 
     hit = hit_of(held, request["catalogue"], request["section"], request["part"])
     yield {
         "kind": "part", "catalogue": hit.catalogue, "section": hit.section, "part": hit.part, "family": hit["family"],
-        "head": head(hit), "role": one_of(hit.section), "tables": [_plain(table) for table in _tables(hit)],
+        "head": head(hit), "role": singular(hit.section), "tables": [_plain(table) for table in _tables(hit)],
         "figures": part_plots(hit), **_sheet(hit),
     }  # fmt: skip
 
@@ -88,7 +88,7 @@ def _plain(table: PartTable) -> Piece:
             "rows": [list(row) for row in table.rows]}  # fmt: skip
 
 
-def beside(held: Held, request: Piece) -> Iterator[Piece]:
+def parts_compared(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``.
 
     Parameters

@@ -7,13 +7,13 @@ from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.held import Held, Piece
+from drivesizer.live.held import EngineMemory, Piece
 from drivesizer.live.reading import text_of
 
 __all__ = ["compare"]
 
 
-def compare(held: Held, request: Piece) -> Iterator[Piece]:
+def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``compared``: rows of texts, a column for each drive.
 
     Parameters

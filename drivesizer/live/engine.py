@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, printable
-from drivesizer.live.held import Held, Piece, StoppedError, take_over
+from drivesizer.live.held import EngineMemory, Piece, StoppedError, take_over
 
 __all__ = ["INSIDE", "JOBS", "OWN", "done", "run"]
 
@@ -38,7 +38,7 @@ JOBS = {
 INSIDE = {"check": "own_catalogues"}  # jobs of the server alone
 
 
-def done(held: Held, job: str, request: Piece) -> Iterator[Piece]:
+def done(held: EngineMemory, job: str, request: Piece) -> Iterator[Piece]:
     """Pieces of the answer to a request; what is wrong with it is a piece as well.
 
     Parameters
@@ -109,7 +109,7 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
     tempfile.tempdir = folder
     threading.Thread(target=_end_with_server, args=(folder,), daemon=True).start()
     _limit_memory()
-    held = Held(file)
+    held = EngineMemory(file)
     _open(held, spec, first)
     try:
         pipe.send_bytes(b"")
@@ -151,13 +151,13 @@ def _limit_memory() -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, _MEMORY))
 
 
-def _open(held: Held, spec: str | None, first: bool) -> None:
+def _open(held: EngineMemory, spec: str | None, first: bool) -> None:
     """Size the spec, which warms the engine up; from then on only what it names is read, and shipped catalogues."""
     from drivesizer.files.shipped import shipped_folder
-    from drivesizer.files.text import read_no_others
+    from drivesizer.files.text import restrict_reading
     from drivesizer.live.reading import named, whole
 
-    read_no_others(named(spec, held.name) if spec else [], [shipped_folder("catalogs")])
+    restrict_reading(named(spec, held.name) if spec else [], [shipped_folder("catalogs")])
     with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file
         if spec is not None and first:
             whole(held, spec, brief=True)

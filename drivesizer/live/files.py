@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.live.answer import of_result, ranking
-from drivesizer.live.held import Held, Piece
+from drivesizer.live.answer import ranking, result_pieces
+from drivesizer.live.held import EngineMemory, Piece
 from drivesizer.live.reading import text_of, whole
 
 __all__ = ["document", "export", "loop", "report"]
 
 
-def document(held: Held, request: Piece) -> Iterator[Piece]:
+def document(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """The JSON document of ``drivesizer size --json --top 10 --pareto mass,price,energy``, byte for byte.
 
     A spec of which the page shows no front, or one of mass and price, is one without ``--pareto``, or with those.
@@ -48,7 +48,7 @@ def document(held: Held, request: Piece) -> Iterator[Piece]:
     yield _file("drive.json", f"{text}\n".encode())
 
 
-def loop(held: Held, request: Piece) -> Iterator[Piece]:
+def loop(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """The answer once more with its closed loop: ranking, sections, figures, still figures.
 
     Parameters
@@ -64,10 +64,10 @@ def loop(held: Held, request: Piece) -> Iterator[Piece]:
     """
     result, proofs = _proven(held, request)
     yield {"kind": "ranking", **ranking(result, proofs)}
-    yield from of_result(held, result, proofs)
+    yield from result_pieces(held, result, proofs)
 
 
-def report(held: Held, request: Piece) -> Iterator[Piece]:
+def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A report as ``drivesizer report`` writes it.
 
     Parameters
@@ -97,7 +97,7 @@ def report(held: Held, request: Piece) -> Iterator[Piece]:
         yield _file(path.name, path.read_bytes())
 
 
-def export(held: Held, request: Piece) -> Iterator[Piece]:
+def export(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """The best drive as ``drivesizer export`` writes it, a platform whole; several files come as one archive.
 
     Parameters
@@ -133,7 +133,7 @@ def export(held: Held, request: Piece) -> Iterator[Piece]:
         yield _together(Path(folder), path)
 
 
-def _proven(held: Held, request: Piece) -> tuple[Any, Any]:
+def _proven(held: EngineMemory, request: Piece) -> tuple[Any, Any]:
     """The sizing, and the closed loop of the best drive, or of each axis."""
     from drivesizer.commands.proving import proven, proven_axes
 

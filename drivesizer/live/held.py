@@ -13,7 +13,7 @@ from typing import Any
 from drivesizer.errors import DrivesizerError
 from drivesizer.files.text import hand_over, state_of, states
 
-__all__ = ["Held", "Piece", "StoppedError", "take_over"]
+__all__ = ["EngineMemory", "Piece", "StoppedError", "take_over"]
 
 Piece = dict[str, Any]
 _LOOK = 0.01  # s between looks at newer requests
@@ -25,7 +25,7 @@ class StoppedError(Exception):
 
 
 @dataclass(slots=True)
-class Held:
+class EngineMemory:
     """Memory of a process of the engine between jobs."""
 
     name: str  # of the file that the page edits, as messages call it
@@ -59,7 +59,7 @@ class Held:
         return kept
 
 
-def take_over(held: Held, own: Mapping[str, bytes]) -> None:
+def take_over(held: EngineMemory, own: Mapping[str, bytes]) -> None:
     """Take the user's catalogues in place of those before, and read them; what was found with these is forgotten.
 
     Parameters

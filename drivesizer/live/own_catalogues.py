@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drivesizer.live.catalogue import counts
-from drivesizer.live.held import Held, Piece
+from drivesizer.live.held import EngineMemory, Piece
 
 if TYPE_CHECKING:
     from drivesizer.live.worker import Worker
@@ -82,7 +82,7 @@ async def _checked(name: str, content: bytes, worker: Worker) -> Piece:
     return found
 
 
-def check(held: Held, request: Piece) -> Iterator[Piece]:
+def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """The findings of ``drivesizer catalog check`` on one catalogue.
 
     Parameters
@@ -97,10 +97,10 @@ def check(held: Held, request: Piece) -> Iterator[Piece]:
     Piece
         ``right`` or ``contradictory`` with parts by section and findings, a line each; else ``wrong``.
     """
-    from drivesizer.catalog import of_text
+    from drivesizer.catalog import catalog_of_text
     from drivesizer.catalog.laws.check import check as findings
 
-    catalog = of_text(Path(request["name"]), request["content"])
+    catalog = catalog_of_text(Path(request["name"]), request["content"])
     held.go_on()
     found = findings(catalog)
     lines = [one.text() for one in found if one.unexplained]

@@ -11,7 +11,7 @@ from typing import Any
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.held import Held, Piece
+from drivesizer.live.held import EngineMemory, Piece
 
 __all__ = ["FRONT", "TOP", "faults", "named", "text_of", "whole"]
 
@@ -20,7 +20,7 @@ FRONT = ("mass", "price", "energy")
 _CHOICES = 200  # drives to choose from by weights, as in a report
 
 
-def text_of(held: Held, request: Piece) -> str:
+def text_of(held: EngineMemory, request: Piece) -> str:
     """The text of a request with its edits made.
 
     Parameters
@@ -44,7 +44,7 @@ def text_of(held: Held, request: Piece) -> str:
     return edited(str(request["text"]), edits, held.name) if edits else str(request["text"])
 
 
-def whole(held: Held, text: str, *, top: int = TOP, front: bool = False, brief: bool = False) -> Any:
+def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False, brief: bool = False) -> Any:
     """The sizing of a text, made once.
 
     Parameters

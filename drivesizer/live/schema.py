@@ -6,7 +6,7 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
-from drivesizer.files.cache import digest_of, folder, keep, kept
+from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
 from drivesizer.version import __version__
 
 __all__ = ["form_schema"]
@@ -15,7 +15,7 @@ __all__ = ["form_schema"]
 def form_schema() -> str:
     """JSON with the schemas of spec and machine, along or about which axis a kind of load moves, and how one begins."""
     path = folder() / f"schema-{_sources()}.json"
-    found = kept(path)
+    found = cached_bytes(path)
     if found is None:
         found = _made().encode()
         with suppress(OSError):

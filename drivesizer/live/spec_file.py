@@ -9,7 +9,7 @@ from typing import Any
 
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.text import decoded
-from drivesizer.files.writing import put
+from drivesizer.files.writing import write_files
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import Piece
 from drivesizer.live.requests import LONGEST
@@ -101,7 +101,7 @@ def saved(path: Path, request: Piece) -> Piece:
         if there is not None and _mark(there) != request["mark"] and not request["anyway"]:
             return {"kind": "changed", "lines": [f"{path.name} has been changed by another program since it was read"]}
         raw = _written(request["text"], there or b"")
-        put({path: raw})
+        write_files({path: raw})
     except InputError as error:
         return {"kind": "wrong", "lines": list(error.lines)}
     return {"kind": "saved", "mark": _mark(raw)}

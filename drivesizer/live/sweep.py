@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 from drivesizer.errors import DrivesizerError
 from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.live.held import Held, Piece, StoppedError
+from drivesizer.live.held import EngineMemory, Piece, StoppedError
 from drivesizer.live.reading import text_of, whole
 
 __all__ = ["rejected", "sweep"]
 
 
-def sweep(held: Held, request: Piece) -> Iterator[Piece]:
+def sweep(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``point`` for each value, in the order of the request.
 
     Parameters
@@ -37,7 +37,7 @@ def sweep(held: Held, request: Piece) -> Iterator[Piece]:
         }
 
 
-def _best(held: Held, text: str) -> Piece:
+def _best(held: EngineMemory, text: str) -> Piece:
     """The best drive of a spec, or why there is none."""
     from drivesizer.output.json.loops import number
     from drivesizer.results.check import worst
@@ -62,7 +62,7 @@ def _best(held: Held, text: str) -> Piece:
             "mass": number(one.mass) if one else None, "price": number(one.price) if one else None}  # fmt: skip
 
 
-def rejected(held: Held, request: Piece) -> Iterator[Piece]:
+def rejected(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``rejected``: whether a set still passes, and its check of the smallest margin.
 
     Parameters

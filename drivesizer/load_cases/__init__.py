@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from drivesizer.files.csv_columns import beside
-from drivesizer.load_cases.held import held_positions
+from drivesizer.files.csv_columns import path_from_spec
+from drivesizer.load_cases.held import heaviest_positions
 from drivesizer.load_cases.profile import located, profile_of
-from drivesizer.load_cases.waiting import held_torque, with_rest
+from drivesizer.load_cases.waiting import static_torque, with_rest
 from drivesizer.loads.course import Course, Profile, course
 from drivesizer.loads.fixed_gear import through_gear
 from drivesizer.loads.kinds import LAWS
@@ -24,7 +24,7 @@ from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.transmission import BeltStage
 
-__all__ = ["at_driven_shaft", "load_cycle", "located", "of_course"]
+__all__ = ["cycle_of_course", "driven_shaft_cycle", "load_cycle", "located"]
 
 
 def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
@@ -47,13 +47,13 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with, or a recording is wrong.
     """
-    cycle = _of_the_load(spec, profile)
+    cycle = _cycle_without_belt(spec, profile)
     if spec.wants_brake:
-        cycle = replace(cycle, held=_held(spec, profile))
-    return at_driven_shaft(spec, cycle)
+        cycle = replace(cycle, held=_static_torque(spec, profile))
+    return driven_shaft_cycle(spec, cycle)
 
 
-def at_driven_shaft(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
+def driven_shaft_cycle(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
     """A load cycle with what the stages at the load add: the belt's inertia and friction, a gear of fixed ratio.
 
     Parameters
@@ -102,22 +102,22 @@ def _belt_limits(belt: BeltStage, cycle: LoadCycle) -> Iterator[OwnLimit]:
         yield OwnLimit("belt_speed", float(np.abs(cycle.speed).max()) * belt.pulley_diameter / 2, belt.max_speed)
 
 
-def _held(spec: RobotSpec, profile: Profile | None) -> float:
+def _static_torque(spec: RobotSpec, profile: Profile | None) -> float:
     """Largest torque that holds the load at rest anywhere on its path [N*m]; NaN of a recording."""
     if spec.load.kind == "recorded":
         computed = _computed(spec)
         return computed.held if computed else nan
-    resting = held_positions(spec.load.lever, course(profile or profile_of(spec)))
-    return float(np.abs(of_course(spec, resting).torque).max())
+    resting = heaviest_positions(spec.load.lever, course(profile or profile_of(spec)))
+    return float(np.abs(cycle_of_course(spec, resting).torque).max())
 
 
-def _of_the_load(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
+def _cycle_without_belt(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
     """The cycle without the belt's own inertia."""
     load: Any = spec.load
     if load.kind != "recorded":
-        return of_course(spec, course(profile or profile_of(spec)))
+        return cycle_of_course(spec, course(profile or profile_of(spec)))
     cycle = _computed(spec) or _recorded(spec, load)
-    return with_rest(cycle, spec.waits_until, held_torque(cycle))
+    return with_rest(cycle, spec.waits_until, static_torque(cycle))
 
 
 def _computed(spec: RobotSpec) -> LoadCycle | None:
@@ -128,10 +128,10 @@ def _computed(spec: RobotSpec) -> LoadCycle | None:
 
 def _recorded(spec: RobotSpec, load: Any) -> LoadCycle:
     with located(spec):
-        return LAWS[load.kind](load, beside(spec.file, load.file, spec.where(("load", "file"))))
+        return LAWS[load.kind](load, path_from_spec(spec.file, load.file, spec.where(("load", "file"))))
 
 
-def of_course(spec: RobotSpec, course: Course) -> LoadCycle:
+def cycle_of_course(spec: RobotSpec, course: Course) -> LoadCycle:
     """The load cycle at the driven shaft of one drive, of any load but a recording, without the belt's inertia.
 
     Parameters

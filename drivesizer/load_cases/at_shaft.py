@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import at_driven_shaft, load_cycle, of_course
+from drivesizer.load_cases import cycle_of_course, driven_shaft_cycle, load_cycle
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.course import Course, Profile
@@ -68,8 +68,8 @@ def _creeping(spec: RobotSpec, speed: float) -> LoadCycle:
         torque = np.full((1, 2), math.copysign(rolling, speed) if speed else 0.0)
         alone = LoadCycle("creeping", np.ones(1), ends, still, torque, load.shaft_inertia)
     else:
-        alone = of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, still))
-    return at_driven_shaft(spec, alone)
+        alone = cycle_of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, still))
+    return driven_shaft_cycle(spec, alone)
 
 
 def _first(cycle: LoadCycle) -> float:

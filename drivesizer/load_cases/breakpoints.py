@@ -43,18 +43,20 @@ def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Pr
         end, change = time[-1] + duration, to - speed[-1]
         slope = change / duration if duration else 0.0
         if not all(map(math.isfinite, (end, slope, (speed[-1] + to) * duration))):
-            raise FieldError(_of_motion(field), f"{duration:g} s leads beyond the range of numbers to compute with")
+            raise FieldError(
+                _motion_breakpoints(field), f"{duration:g} s leads beyond the range of numbers to compute with"
+            )
         if end > time[-1]:
             time.append(end)
             speed.append(to)
         elif change:
-            raise FieldError(_of_motion(field), f"{duration:g} s is too short beside the {end:g} s before it")
+            raise FieldError(_motion_breakpoints(field), f"{duration:g} s is too short beside the {end:g} s before it")
     if not any(speed) and any(to for _, _, to in legs):
-        raise FieldError(_of_motion(legs[0][0]), "the speed is too small a number to compute with")
+        raise FieldError(_motion_breakpoints(legs[0][0]), "the speed is too small a number to compute with")
     return Profile(name, tuple(time), tuple(speed))
 
 
-def _of_motion(field: _Field) -> tuple[str | int, ...]:
+def _motion_breakpoints(field: _Field) -> tuple[str | int, ...]:
     return ("motion", field) if isinstance(field, str) else ("motion", *field)
 
 

@@ -10,10 +10,10 @@ from drivesizer.loads.course import Course
 from drivesizer.loads.lever import Lever
 from drivesizer.physics.load_cycle import Ends
 
-__all__ = ["held_positions"]
+__all__ = ["heaviest_positions"]
 
 
-def held_positions(lever: Lever | None, moved: Course) -> Course:
+def heaviest_positions(lever: Lever | None, moved: Course) -> Course:
     """Course at rest in each position in which gravity may turn the load most, with the payload that it has there.
 
     Power may be lost at any time, so that is the worst of the whole path. The torque of a mass on a lever goes as the

@@ -34,7 +34,7 @@ def move(motion: Move) -> Profile:
     """
     span, (up, down) = motion.time, motion.ramps
     if motion.law in LAWS:
-        return _by_law(motion)
+        return _curved_move(motion)
     cruise = span - up - down
     level = cruise if cruise > _STILL * span else 0.0  # of ramps that fill the time, not what rounding leaves
     top = motion.distance / (span - (up + down) / 2)
@@ -42,7 +42,7 @@ def move(motion: Move) -> Profile:
     return straight("move", legs, motion.there_and_back)
 
 
-def _by_law(motion: Move) -> Profile:
+def _curved_move(motion: Move) -> Profile:
     """A move by a curved law, its rest, and the same back."""
     law, span, stroke = LAWS[motion.law], motion.time, motion.distance
     shares = sorted({k / _STROKE for k in range(_STROKE + 1)} | set(law.peaks))

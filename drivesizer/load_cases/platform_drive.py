@@ -80,7 +80,7 @@ def with_trajectory(spec: RobotSpec, file: Path | None, failed: Sequence[int] = 
         )
     if file is not None and (reason := missing(file)):
         raise InputError(f"{file}: cannot be read ({reason})")
-    motion = spec.motion if file is None else Track(profile="trajectory", trajectory=_beside(spec, file))
+    motion = spec.motion if file is None else Track(profile="trajectory", trajectory=_relative_path(spec, file))
     platform = spec.platform
     if failed:
         wheels = len(platform.places)
@@ -91,7 +91,7 @@ def with_trajectory(spec: RobotSpec, file: Path | None, failed: Sequence[int] = 
     return spec.alone(motion=motion, platform=platform)
 
 
-def _beside(spec: RobotSpec, file: Path) -> str:
+def _relative_path(spec: RobotSpec, file: Path) -> str:
     """A file's path from the folder of the spec, where it is in there."""
     folder = Path(spec.file).absolute().parent if spec.file else Path.cwd()
     whole = file.absolute()

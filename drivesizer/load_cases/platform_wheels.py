@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.csv_columns import beside
+from drivesizer.files.csv_columns import path_from_spec
 from drivesizer.load_cases.platform_record import platform_of
 from drivesizer.load_cases.wheel import wheel_load
-from drivesizer.loads.wheeled_vehicle import WheeledVehicle, held_by_a_wheel
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle, wheel_friction
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, rms
 from drivesizer.platform.contact_loads import Ground, contact_loads
 from drivesizer.platform.dynamics import Dynamics, dynamics, own_rolling
@@ -28,7 +28,7 @@ from drivesizer.platform.wheel_cycles import wheel_cycles
 from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 
-__all__ = ["cycles_of", "dynamics_of", "ground_of", "held_by_the_floor", "limits_of", "trajectory_of", "wheels"]
+__all__ = ["cycles_of", "dynamics_of", "floor_friction", "ground_of", "limits_of", "trajectory_of", "wheels"]
 
 _SAME = 1e-9  # of the largest figure
 
@@ -43,7 +43,7 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
     """
     motion = spec.motion
     if isinstance(motion, Track):
-        path = beside(spec.file, motion.trajectory, spec.where(("motion", "trajectory")))
+        path = path_from_spec(spec.file, motion.trajectory, spec.where(("motion", "trajectory")))
         return read_track(path, limits_of(spec), motion.smoothing, spec.where(("motion", "smoothing")))
     if isinstance(motion, Waypoints):
         limits = limits_of(spec)
@@ -100,7 +100,7 @@ def ground_of(spec: RobotSpec) -> Ground:
     return Ground(slope=spec.load.slope, uphill=spec.platform.uphill, gravity=spec.environment.gravity)
 
 
-def held_by_the_floor(spec: RobotSpec, force: float) -> float:
+def floor_friction(spec: RobotSpec, force: float) -> float:
     """Force that friction transmits at a driven wheel of a vehicle straight on, of a platform at its worst [N].
 
     Parameters
@@ -118,7 +118,7 @@ def held_by_the_floor(spec: RobotSpec, force: float) -> float:
     load, section, g = spec.load, spec.platform, spec.environment.gravity
     assert isinstance(load, WheeledVehicle)
     if section is None:
-        return held_by_a_wheel(load, g)
+        return wheel_friction(load, g)
     if load.friction_coefficient is None or not section.height_known:
         return math.nan
     p = platform_of(section, load)

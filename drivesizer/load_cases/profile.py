@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import FieldError, InputError, quoted
-from drivesizer.files.csv_columns import beside, columns
+from drivesizer.files.csv_columns import columns, path_from_spec
 from drivesizer.load_cases.breakpoints import Leg, checked, straight
 from drivesizer.load_cases.moves import cam, move
 from drivesizer.load_cases.waiting import resting
@@ -187,7 +187,7 @@ def _own_motion(spec: RobotSpec) -> Profile:
     if motion is None:
         raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
     with located(spec):
-        return _of_motion(spec, motion)
+        return _motion_profile(spec, motion)
 
 
 @contextmanager
@@ -199,12 +199,12 @@ def located(spec: RobotSpec) -> Iterator[None]:
         raise InputError(f"{spec.where(error.field)}: {error}") from None
 
 
-def _of_motion(spec: RobotSpec, motion: Any) -> Profile:
+def _motion_profile(spec: RobotSpec, motion: Any) -> Profile:
     if isinstance(motion, Csv):
-        path = beside(spec.file, motion.file, spec.where(("motion", "file")))
+        path = path_from_spec(spec.file, motion.file, spec.where(("motion", "file")))
         return replace(from_csv(path, _kind(spec)), name=motion.file)
     if isinstance(motion, Cam):
-        path = beside(spec.file, motion.file, spec.where(("motion", "file")))
+        path = path_from_spec(spec.file, motion.file, spec.where(("motion", "file")))
         return replace(cam(path, motion, "angle" if spec.load.axis == "rotary" else "length"), name=motion.file)
     return _carrying(_MADE[motion.profile](motion), motion)
 

@@ -15,12 +15,12 @@ import numpy as np
 from drivesizer.loads.course import Profile
 from drivesizer.physics.load_cycle import LoadCycle
 
-__all__ = ["held_torque", "rest_left", "resting", "with_rest"]
+__all__ = ["rest_left", "resting", "static_torque", "with_rest"]
 
 _NO_TIME = 1e-9  # of the cycle
 
 
-def held_torque(cycle: LoadCycle) -> float:
+def static_torque(cycle: LoadCycle) -> float:
     """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown.
 
     Parameters

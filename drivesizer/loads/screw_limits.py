@@ -116,7 +116,7 @@ def own_limits(screw: HasScrew, course: Course, force: Ends) -> tuple[OwnLimit, 
         raise FieldError(
             ("load", "length"), f"{found} is shorter than the stroke; expected {needed} and the nut at least"
         )
-    return (*_of_loads(screw, course, force), *_of_speeds(screw, course), *_of_life(screw, course, force))
+    return (*_load_limits(screw, course, force), *_speed_limits(screw, course), *_life_limits(screw, course, force))
 
 
 def _worst(course: Course, ends: Ends) -> tuple[float, float]:
@@ -125,7 +125,7 @@ def _worst(course: Course, ends: Ends) -> tuple[float, float]:
     return float(np.abs(ends).reshape(-1)[place]), float(end_times(course.duration).reshape(-1)[place])
 
 
-def _of_loads(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit]:
+def _load_limits(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit]:
     most, time = _worst(course, force)
     yield OwnLimit(
         "screw_axial_force", most, 0.0, time
@@ -140,7 +140,7 @@ def _of_loads(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit
         yield OwnLimit("screw_thrust", most, screw.permissible_thrust, time)
 
 
-def _of_speeds(screw: HasScrew, course: Course) -> Iterator[OwnLimit]:
+def _speed_limits(screw: HasScrew, course: Course) -> Iterator[OwnLimit]:
     travel, time = _worst(course, course.speed)
     speed = travel / screw.travel_per_turn * 2.0 * math.pi
     if screw.ends is not None:
@@ -152,7 +152,7 @@ def _of_speeds(screw: HasScrew, course: Course) -> Iterator[OwnLimit]:
         yield OwnLimit("screw_dn", screw.nut_diameter * 1e3 * speed * 30.0 / math.pi, screw.dn_max, time)
 
 
-def _of_life(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit]:
+def _life_limits(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit]:
     if screw.dynamic_load is not None:
         yield OwnLimit("screw_life", math.nan, screw_life(screw, course, force).time)
 

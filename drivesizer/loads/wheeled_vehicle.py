@@ -41,7 +41,12 @@ from drivesizer.loads.model import Count, LoadModel
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
 
 __all__ = [
-    "Cylinder", "Cylinders", "WheeledVehicle", "held_by_a_wheel", "rolling_resistance", "turning_inertia",
+    "Cylinder",
+    "Cylinders",
+    "WheeledVehicle",
+    "rolling_resistance",
+    "turning_inertia",
+    "wheel_friction",
     "wheeled_vehicle",
 ]  # fmt: skip
 
@@ -174,7 +179,7 @@ def _grip(load: WheeledVehicle, gravity: float, course: Course, force: Ends, tur
     """The largest force of a wheel on the floor against what friction transmits."""
     if load.friction_coefficient is None:
         return ()
-    held = held_by_a_wheel(load, gravity) * (1.0 + course.payload / load.mass)
+    held = wheel_friction(load, gravity) * (1.0 + course.payload / load.mass)
     worst = int((np.abs(force) / held).argmax())
     end = np.cumsum(course.duration)
     time = np.stack([end - course.duration, end], axis=1).reshape(-1)[worst]
@@ -183,7 +188,7 @@ def _grip(load: WheeledVehicle, gravity: float, course: Course, force: Ends, tur
     return (OwnLimit("traction", most, limit, float(time), turning),)
 
 
-def held_by_a_wheel(load: WheeledVehicle, gravity: float) -> float:
+def wheel_friction(load: WheeledVehicle, gravity: float) -> float:
     """Force that friction transmits at a driven wheel [N]; unknown without a coefficient.
 
     Parameters

@@ -25,13 +25,13 @@ if TYPE_CHECKING:
 __all__ = [
     "Load",
     "accepted",
-    "at_rest",
     "battery_checks",
     "battery_columns",
     "charging",
     "drawn_columns",
     "raised_voltage",
     "required_autonomy",
+    "resting_voltage",
 ]  # fmt: skip
 
 _RESISTED = "unknown: how far regenerated power raises the voltage: give the resistance"
@@ -133,7 +133,7 @@ def accepted(spec: Any) -> Any:
     return 1.0 if spec.accepts_all else spec.supply.regeneration
 
 
-def at_rest(pack: Pack, mean: Any) -> Any:
+def resting_voltage(pack: Pack, mean: Any) -> Any:
     """Highest voltage at rest: that of the start, or of a full battery where more is regenerated than drawn.
 
     Parameters
@@ -194,7 +194,7 @@ def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
     tuple[CheckColumn, ...]
         Overcharge, voltage of the supply, charge current.
     """
-    rest, lacking = at_rest(pack, load.mean), _RESISTED if np.isnan(pack.resistance).all() else ""
+    rest, lacking = resting_voltage(pack, load.mean), _RESISTED if np.isnan(pack.resistance).all() else ""
     zero = np.where((np.asarray(load.back) == 0.0) | (np.asarray(load.highest) > rest), rest, 0.0)[()]
     over = at_most("battery_overcharge", load.highest, pack.charge_voltage, zero=zero, undecided=lacking)
     bus = at_most("battery_return_voltage", load.highest, spec.supply.highest, undecided=lacking)

@@ -29,7 +29,7 @@ from drivesizer.spec.robot import RobotSpec
 if TYPE_CHECKING:
     from drivesizer.spec.brake_resistor import BrakeResistor as Section
 
-__all__ = ["offered", "resistor_columns", "suited"]
+__all__ = ["resistor_choices", "resistor_columns", "suited"]
 
 _SHUNT = "shunt regulator"
 _INSIDE = "inside a drive"
@@ -37,7 +37,7 @@ _NO_CURRENT = "unknown: give brake_resistor.chopper_current"
 _NO_PEAK = "unknown: no data sheet gives it; give brake_resistor with figures of its own"
 
 
-def offered(spec: RobotSpec, catalog: Catalog) -> list[BrakeResistor]:
+def resistor_choices(spec: RobotSpec, catalog: Catalog) -> list[BrakeResistor]:
     """The brake resistors among which a spec leaves the choice, each with the chopper that switches it.
 
     Parameters
@@ -60,7 +60,7 @@ def offered(spec: RobotSpec, catalog: Catalog) -> list[BrakeResistor]:
     section = spec.brake_resistor
     assert section is not None
     if section.resistance is not None:
-        return [_own(section)]
+        return [_given_resistor(section)]
     table = catalog.brake_resistors
     named = _named(spec, section, catalog)
     rows = [row for row in range(len(table)) if not table.excluded[row] and (named is None or row in named)]
@@ -76,7 +76,7 @@ def offered(spec: RobotSpec, catalog: Catalog) -> list[BrakeResistor]:
     return known
 
 
-def _own(section: Section) -> BrakeResistor:
+def _given_resistor(section: Section) -> BrakeResistor:
     """The resistor that a spec gives by its figures."""
     figures = {name: getattr(section, name) for name in ("resistance", "power", "peak_power", "pulse_energy")}
     volts = nan if section.chopper_voltage is None else section.chopper_voltage
@@ -180,7 +180,7 @@ def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withs
         at_least("chopper_voltage", spec.supply.highest, volts[0], by_choice=True),
         at_most("chopper_bus_voltage", volts[1], bus),
         at_most("resistor_resistance", one.resistance, largest_resistance(volts[0], burnt.peak)),
-        *_of_the_chopper(one, burnt.peak, spec.margins.torque),
+        *_chopper_current(one, burnt.peak, spec.margins.torque),
         at_most("resistor_peak_power", 0.0 if idle else _while_on(one, burnt.peak), _short_time(one, power),
                 undecided=_NO_PEAK),
         at_most("resistor_mean_power", burnt.mean, power),
@@ -188,7 +188,7 @@ def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withs
     ]  # fmt: skip
 
 
-def _of_the_chopper(one: BrakeResistor, peak: float, needed: float) -> Iterator[CheckColumn]:
+def _chopper_current(one: BrakeResistor, peak: float, needed: float) -> Iterator[CheckColumn]:
     """Its current: that of the resistor, or of a shunt regulator no more than it has to burn."""
     if one.kind in (_SHUNT, _INSIDE) and isnan(one.chopper_current):
         return  # chopper and resistor are one part, and its maker's concern

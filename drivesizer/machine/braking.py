@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drivesizer.catalog import BrakeResistor, Catalog
-from drivesizer.machine.brake_resistors import offered, resistor_columns, suited
+from drivesizer.machine.brake_resistors import resistor_choices, resistor_columns, suited
 from drivesizer.machine.regenerated import Burnt, OnTheBus, regenerated
 from drivesizer.physics.elements.brake_resistor import (
     largest_resistance,
@@ -91,8 +91,8 @@ def bus_budget(
         return None
     section, resistor, checks = spec.brake_resistor, None, tuple[Check, ...]()
     if section is not None and not _needless(section, cases, withstood):
-        resistor, checks = _chosen(spec, catalog, cases, withstood, worst)
-    checks = (*checks, *worst([(case.case, _records(_of_the_supply(case, resistor))) for case in cases]))
+        resistor, checks = _chosen_resistor(spec, catalog, cases, withstood, worst)
+    checks = (*checks, *worst([(case.case, _records(_supply_limits(case, resistor))) for case in cases]))
     volts = _threshold(spec, resistor, withstood)
     main = max(cases, key=lambda case: _most(case.burnt(_capacity(case, resistor, volts), _WINDOW).mean))
     return BrakingBudget(
@@ -125,13 +125,13 @@ def _trip(spec: RobotSpec) -> float:
     return nan if spec.supply.overvoltage_trip is None else spec.supply.overvoltage_trip
 
 
-def _chosen(
+def _chosen_resistor(
     spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float, worst: Worst
 ) -> tuple[BrakeResistor | None, tuple[Check, ...]]:
     """The smallest resistor that holds, with its checks; else the one that comes closest."""
     section = spec.brake_resistor
     assert section is not None
-    every = [suited(one, cases) for one in offered(spec, catalog)]
+    every = [suited(one, cases) for one in resistor_choices(spec, catalog)]
     if not every:
         return None, _records([replace(fits("resistor_available", False, False), note=_NONE_LISTED)])
 
@@ -157,7 +157,7 @@ def _rank(one: BrakeResistor, checks: tuple[Check, ...]) -> tuple[Any, ...]:
 # --- the power supply -------------------------------------------------------------------------------------------------
 
 
-def _of_the_supply(case: OnTheBus, resistor: BrakeResistor | None) -> Iterator[CheckColumn]:
+def _supply_limits(case: OnTheBus, resistor: BrakeResistor | None) -> Iterator[CheckColumn]:
     """Peak current and its time, continuous current, over-voltage protection; as far as they are limited."""
     yield from _over_voltage(case, resistor)
     supply, margin = case.spec.supply, case.spec.margins.torque

@@ -38,8 +38,8 @@ __all__ = [
     "check_battery",
     "drive_mass",
     "machine_budget",
+    "machine_requirements",
     "mass_without_drive",
-    "of_the_machine",
     "regeneration",
     "riding_mass",
     "riding_rows",
@@ -80,7 +80,7 @@ def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
         raise InputError(f"{spec.where(('battery', 'part'))}: {str(error).removeprefix('battery.part: ')}") from None
 
 
-def of_the_machine(spec: RobotSpec) -> MechanicalBudget | None:
+def machine_requirements(spec: RobotSpec) -> MechanicalBudget | None:
     """Requirements, and room, footing and grip of a platform, which are the same whatever drives it; None without.
 
     Parameters
@@ -90,9 +90,9 @@ def of_the_machine(spec: RobotSpec) -> MechanicalBudget | None:
     """
     if spec.platform is None and spec.requirements is None:
         return None
-    from drivesizer.machine.platform_budget import of_load_cases
+    from drivesizer.machine.platform_budget import worst_case_budget
 
-    return of_load_cases(spec)
+    return worst_case_budget(spec)
 
 
 def machine_budget(
@@ -107,7 +107,7 @@ def machine_budget(
     one
         The drive.
     machine
-        Checks that are the same for every drive, of ``of_the_machine``.
+        Checks that are the same for every drive, of ``machine_requirements``.
     brief
         Without consumers and figures of the battery: its checks alone.
 
@@ -123,7 +123,7 @@ def machine_budget(
     if spec.battery and brief:
         checks += worst_of_cases(_checks_of_the_battery(problem, spec.battery, one))
     elif spec.battery:
-        found = _of_the_battery(problem, spec.battery, one)
+        found = _battery_budget(problem, spec.battery, one)
         checks += worst_of_cases([(name, budget.checks) for name, budget in found])
         energy = min((budget for _, budget in found), key=_lasting)
     braking = regeneration(problem, one) if problem.machine.limits_the_bus else None
@@ -154,7 +154,7 @@ def regeneration(problem: Problem, one: DriveParts) -> BrakingBudget | None:
     return braking_budget(problem, one, worst_of_cases)
 
 
-def _of_the_battery(problem: Problem, battery: Battery, one: DriveParts) -> list[tuple[str, EnergyBudget]]:
+def _battery_budget(problem: Problem, battery: Battery, one: DriveParts) -> list[tuple[str, EnergyBudget]]:
     """The battery's budget in each load case of the machine, by name."""
     equipment, catalog = problem.spec.equipment, problem.catalog
     return [

@@ -21,10 +21,10 @@ from drivesizer.errors import InputError
 from drivesizer.machine.battery_checks import (
     Load,
     accepted,
-    at_rest,
     battery_checks,
     raised_voltage,
     required_autonomy,
+    resting_voltage,
 )
 from drivesizer.machine.battery_pack import Pack, capacity_needed, pack_of, run_time, strings_needed
 from drivesizer.machine.supply_power import DrivePower
@@ -115,8 +115,8 @@ def budget_of_consumers(
         As of ``energy_budget``.
     """
     pack = pack_of(battery, catalog)
-    others = _of_the_equipment(spec, equipment)
-    load, power = _of_the_battery(spec, battery, pack, others, drive)
+    others = _equipment_power(spec, equipment)
+    load, power = _battery_load(spec, battery, pack, others, drive)
     checks = battery_checks(spec, battery, pack, load)
     return EnergyBudget(
         battery=pack.name,
@@ -159,14 +159,14 @@ def checks_of_battery(
         As of ``energy_budget``.
     """
     pack = pack_of(battery, catalog)
-    load, _ = _of_the_battery(spec, battery, pack, _of_the_equipment(spec, equipment), drive)
+    load, _ = _battery_load(spec, battery, pack, _equipment_power(spec, equipment), drive)
     return battery_checks(spec, battery, pack, load)
 
 
 # --- consumers -------------------------------------------------------------------------------------------------------
 
 
-def _at_the_battery(spec: RobotSpec, drive: DrivePower, lasting: float, share: float | None = None) -> Array:
+def _battery_power(spec: RobotSpec, drive: DrivePower, lasting: float, share: float | None = None) -> Array:
     """Mean power from the battery in each piece [W]; lasting is that of all that is not the drive.
 
     ``share`` of regenerated power goes into it: what is stored, or all that its terminals carry.
@@ -213,7 +213,7 @@ def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> t
 _MEANS = ("bus_drawn", "returned", "resisted", "motor_drawn", "motor_returned")
 
 
-def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[Consumption, ...]:
+def _equipment_power(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[Consumption, ...]:
     mission = spec.mission.duration if spec.mission else None
     found = []
     for one in equipment:
@@ -228,13 +228,13 @@ def _of_the_equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[C
 # --- load of the battery --------------------------------------------------------------------------------------------
 
 
-def _of_the_battery(
+def _battery_load(
     spec: RobotSpec, battery: Battery, pack: Pack, others: Sequence[Consumption], drive: DrivePower
 ) -> tuple[Load, Array]:
     """Load of a battery, and mean power from it in each piece [W]."""
-    power = _at_the_battery(spec, drive, sum(c.mean for c in others))
+    power = _battery_power(spec, drive, sum(c.mean for c in others))
     load = _lasting(spec, battery, pack, _load(spec, drive, others, power))
-    off = _at_the_battery(spec, drive, 0.0, accepted(spec))
+    off = _battery_power(spec, drive, 0.0, accepted(spec))
     lowest, highest = _lowest(pack, drive.duration, power, load), _highest(pack, drive.duration, off, load)
     return load._replace(lowest=lowest, highest=highest), power
 
@@ -277,7 +277,7 @@ def _highest(pack: Pack, duration: Array, power: Array, load: Load) -> float:
 
     A polarised battery is at rest at first, and then comes to what the cycle makes of it: the higher of both counts.
     """
-    emf = float(at_rest(pack, load.mean))
+    emf = float(resting_voltage(pack, load.mean))
     if pack.polarisation > 0.0:
         current, none = current_of_power(power, emf, pack.resistance), (pack.polarisation, pack.time_constant)
         courses = (polarised_voltage(duration, current, emf, 0.0, *none, rested=rested) for rested in (True, False))

@@ -71,7 +71,7 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
     drawn, resisted, returned, controller = (
         power.mean(x) / found.spec.load.alike for x in (power.drawn, power.resisted, power.returned, lost)
     )
-    means = _at_the_shaft(found, stepper) | {
+    means = _mechanical_power(found, stepper) | {
         "drawn": drawn,
         "supply": resisted,
         "controller": controller - found.released,
@@ -95,7 +95,7 @@ def _stepper_copper(found: SetCycle) -> float:
     return float((stepper_loss(found.spec, found.motor, speed) * cycle.duration).sum() / cycle.total)
 
 
-def _at_the_shaft(found: SetCycle, stepper: bool) -> dict[str, float]:
+def _mechanical_power(found: SetCycle, stepper: bool) -> dict[str, float]:
     """Mechanical power, means over the cycle [W]."""
     cycle, moments = found.cycle.load_cycle, found.cycle.moments
     c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])

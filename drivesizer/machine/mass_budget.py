@@ -297,7 +297,7 @@ def _ended(steps: list[Step], base: float, tolerance: float) -> Settled | None:
     made = base + last.drive
     if abs(made - last.total) <= tolerance:
         rounds = f"{len(steps)} round{'s' if len(steps) > 1 else ''}"
-        return _kept("settled", last, steps, f"Settled after {rounds}: {_kg(made)}, of it {_kg(last.drive)} drive.")
+        return _settled("settled", last, steps, f"Settled after {rounds}: {_kg(made)}, of it {_kg(last.drive)} drive.")
     earlier = [i for i, step in enumerate(steps) if abs(made - step.total) <= tolerance]
     if not earlier:
         return None
@@ -307,10 +307,10 @@ def _ended(steps: list[Step], base: float, tolerance: float) -> Settled | None:
     words = f"{sets}; taken is the one for the heaviest machine, {_kg(heaviest.total)}, of which it leaves " + _kg(
         heaviest.total - base - heaviest.drive
     )
-    return _kept("cycle", heaviest, steps, words + ".")
+    return _settled("cycle", heaviest, steps, words + ".")
 
 
-def _kept(status: Literal["settled", "cycle"], at: Step, steps: list[Step], words: str) -> Settled:
+def _settled(status: Literal["settled", "cycle"], at: Step, steps: list[Step], words: str) -> Settled:
     return Settled(status=status, total=at.total, drive=at.drive, key=at.key, steps=tuple(steps), words=words)
 
 

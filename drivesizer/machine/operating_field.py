@@ -97,7 +97,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     if drive_set.steps:
         demand = turned(spec, drive_set)[1]
     else:
-        demand = _as_far_as_known(demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia), motor)
+        demand = _known_demand(demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia), motor)
     cycle_speed, cycle_torque = _cycle(cycle, demand)
     rms_speed, rms_torque = _rms(cycle, demand, drive_set)
     return OperatingField(
@@ -134,7 +134,7 @@ def with_pull_out(found: OperatingField, spec: RobotSpec, catalog: Catalog, part
     return replace(found, speed=speed, pull_out=torque, factor=spec.margins.pull_out)
 
 
-def _as_far_as_known(demand: Demands, motor: Figures) -> Demands:
+def _known_demand(demand: Demands, motor: Figures) -> Demands:
     """The motor's demand; where it is incomplete, or friction is unknown, NaN."""
     c = np.where(demand.left_out, np.nan, demand.coefficients)
     for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):

@@ -31,8 +31,15 @@ from drivesizer.physics.thermal import (
 )
 
 __all__ = [
-    "HEAT", "Line", "PartFigures", "at_nominal_voltage", "continuous_curve", "gear_efficiency", "line",
-    "overload_times", "permitted_current",
+    "HEAT",
+    "Line",
+    "PartFigures",
+    "continuous_curve",
+    "gear_efficiency",
+    "line",
+    "nominal_voltage_curves",
+    "overload_times",
+    "permitted_current",
 ]  # fmt: skip
 
 HEAT = ("max_winding_temperature", "resistance", "thermal_resistance_winding", "thermal_resistance_housing")
@@ -94,7 +101,7 @@ def _torque_constant(hit: PartFigures) -> float:
     return k_t
 
 
-def at_nominal_voltage(hit: PartFigures, torque: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+def nominal_voltage_curves(hit: PartFigures, torque: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
     r"""Speed, current and efficiency on the straight line at nominal voltage.
 
     .. math:: w = w_0 \left(1 - \frac{M}{M_H}\right), \qquad I = I_0 + \frac{M}{k_t}, \qquad \eta = \frac{M w}{V I}

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import one_row
 from drivesizer.errors import InputError
-from drivesizer.load_cases import at_driven_shaft
+from drivesizer.load_cases import driven_shaft_cycle
 from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, at_gearhead
 from drivesizer.physics.drive_train import lost_in_gearhead
@@ -148,7 +148,7 @@ def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> 
     """Limits of a drive in steady motion, as columns over speeds and torques at its wheel."""
     speeds, torques = (np.stack([x, x], axis=1) for x in (speed, torque))
     cycle = LoadCycle("steady motion", np.ones_like(speed), speeds, np.zeros_like(speeds), torques)
-    at = at_gearhead(at_driven_shaft(spec, cycle), drive.belt_efficiency).behind(drive.belt_ratio)
+    at = at_gearhead(driven_shaft_cycle(spec, cycle), drive.belt_efficiency).behind(drive.belt_ratio)
     motor, gearhead, controller = one_row(drive.motor), one_row(drive.gearhead), one_row(drive.controller)
     own = coefficients(at.acts, motor, gearhead, one_row(drive.encoder), drive.brake_inertia)
     f, ratio, ambient = at.functions[:, 0], drive.gearhead.ratio, spec.environment.ambient

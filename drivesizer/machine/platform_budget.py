@@ -34,7 +34,7 @@ from drivesizer.results.sizing import Check, Figure, Status, verdict
 from drivesizer.spec.platform import Platform
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["MechanicalBudget", "mass_part", "of_load_cases", "platform_part"]
+__all__ = ["MechanicalBudget", "mass_part", "platform_part", "worst_case_budget"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,11 +64,11 @@ def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBud
         Checks and figures of the mass.
     """
     checks = mass_checks(mass, sized_for)
-    assumptions, figures = _without(mass), tuple(_of_mass(mass))
+    assumptions, figures = _excluding_mass(mass), tuple(_mass_checks(mass))
     return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
 
 
-def of_load_cases(spec: RobotSpec) -> MechanicalBudget:
+def worst_case_budget(spec: RobotSpec) -> MechanicalBudget:
     """Requirements of a machine, and room, footing and grip of its platform, in the load case that is worst for each.
 
     Parameters
@@ -84,12 +84,12 @@ def of_load_cases(spec: RobotSpec) -> MechanicalBudget:
     checks = requirement_checks(spec, spec.requirements) if spec.requirements else ()
     if spec.platform is None:
         return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=(), assumptions=())
-    found = [(name, platform_part(_on_floor(case, spec.margins.torque))) for name, case in spec.load_cases]
+    found = [(name, platform_part(_floor_budget(case, spec.margins.torque))) for name, case in spec.load_cases]
     checks += worst_of_cases([(name, part.checks) for name, part in found])
     return replace(found[0][1], checks=checks, status=verdict(checks))
 
 
-def _on_floor(case: RobotSpec, needed: float) -> PlatformOnFloor:
+def _floor_budget(case: RobotSpec, needed: float) -> PlatformOnFloor:
     assert case.platform is not None and isinstance(case.load, WheeledVehicle)
     trajectory, gains = trajectory_of(case), None
     if trajectory is None:
@@ -103,18 +103,18 @@ def _on_floor(case: RobotSpec, needed: float) -> PlatformOnFloor:
 def platform_part(s: PlatformOnFloor) -> MechanicalBudget:
     """Room, footing and grip of a platform, whatever drives it."""
     checks = envelope_checks(s.section, s.trajectory) + stability_checks(s) + grip_checks(s)
-    figures = (*_of_envelope(s.section), *_of_footing(s), *_of_grip(s))
-    assumptions = platform_assumptions(s.section, s.load) + _taken(s)
+    figures = (*_envelope_checks(s.section), *_footing_checks(s), *_grip_checks(s))
+    assumptions = platform_assumptions(s.section, s.load) + _assumptions(s)
     return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
 
 
-def _without(mass: MassBudget) -> tuple[str, ...]:
+def _excluding_mass(mass: MassBudget) -> tuple[str, ...]:
     if not mass.unknown:
         return ()
     return (f"The machine's mass is without {', '.join(dict.fromkeys(mass.unknown))}: unknown.",)
 
 
-def _taken(s: PlatformOnFloor) -> tuple[str, ...]:
+def _assumptions(s: PlatformOnFloor) -> tuple[str, ...]:
     """Assumptions of footing and grip."""
     return (
         "Wheels and casters are equally stiff on a stiff frame.",
@@ -134,14 +134,14 @@ def _figure(name: str, title: str, value: float, kind: str, unit: str, time: flo
     return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=time)
 
 
-def _of_mass(mass: MassBudget) -> Iterator[Figure]:
+def _mass_checks(mass: MassBudget) -> Iterator[Figure]:
     counted = "known or estimated" if mass.estimated else "known"
     yield _figure("mass_known", f"Mass, sum of what is {counted}", mass.known, "mass", "kg")
     if mass.limit == mass.limit:
         yield _figure("mass_left", "Mass left of what is allowed", mass.left, "mass", "kg")
 
 
-def _of_envelope(section: Platform) -> Iterator[Figure]:
+def _envelope_checks(section: Platform) -> Iterator[Figure]:
     if section.size is None:
         return
     size = section.size.record
@@ -153,7 +153,7 @@ def _of_envelope(section: Platform) -> Iterator[Figure]:
         yield _figure("heading_driving", f"Heading error in {p.name}, driving along it", driving, "angle", "deg")
 
 
-def _of_footing(s: PlatformOnFloor) -> Iterator[Figure]:
+def _footing_checks(s: PlatformOnFloor) -> Iterator[Figure]:
     p = s.d.platform
     if not s.upright:
         return
@@ -171,7 +171,7 @@ def _of_footing(s: PlatformOnFloor) -> Iterator[Figure]:
         yield _figure("tipping_margin", "Least way to the tipping edge", margin.value, "length", "mm", margin.time)
 
 
-def _of_grip(s: PlatformOnFloor) -> Iterator[Figure]:
+def _grip_checks(s: PlatformOnFloor) -> Iterator[Figure]:
     if s.load.friction_coefficient is None or not s.upright:
         return
     friction, known = s.load.friction_coefficient, s.section.height_known

@@ -108,7 +108,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, mer
     """
     if drive_set.steps:
         feed = spec.feed_of(drive_set.controller, drive_set.brake)
-        return _of_a_stepper(spec, one_row(drive_set.motor), *turned(spec, drive_set, base), feed)
+        return _stepper_power(spec, one_row(drive_set.motor), *turned(spec, drive_set, base), feed)
     drive, cycle, demand, _ = driven(spec, drive_set, base)
     return _of_a_servo(spec, drive, cycle, demand, spec.feed_of(drive_set.controller, drive_set.brake), merged)
 
@@ -127,7 +127,7 @@ def power_of(found: SetCycle) -> DrivePower:
         As ``drive_power``.
     """
     if found.motor["kind"][0] == "stepper":
-        return _of_a_stepper(found.spec, found.motor, found.cycle, found.demands, found.feed)
+        return _stepper_power(found.spec, found.motor, found.cycle, found.demands, found.feed)
     return _of_a_servo(found.spec, found.drive, found.cycle, found.demands, found.feed, False)
 
 
@@ -178,7 +178,7 @@ def stepper_loss(spec: RobotSpec, motor: Figures, speed: Array) -> Array:
                       * idle_loss(speed, spec.control.idle_current))  # fmt: skip
 
 
-def _of_a_stepper(spec: RobotSpec, motor: Figures, cycle: AtGearhead, demand: Demands, feed: Feed) -> DrivePower:
+def _stepper_power(spec: RobotSpec, motor: Figures, cycle: AtGearhead, demand: Demands, feed: Feed) -> DrivePower:
     """The same of steppers: torque times speed and the loss of their rated current, which flows at any time."""
     functions, duration, standby = cycle.functions, cycle.load_cycle.duration, float(feed.stage.standby)
     torque = functions @ demand.coefficients[0]

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivesizer.catalog import Catalog, PowerSupply
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.machine.brake_resistors import offered
+from drivesizer.machine.brake_resistors import resistor_choices
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.sections import Supply
 
@@ -73,7 +73,7 @@ def with_parts_of_supply(machine: RobotSpec, catalog: Catalog) -> RobotSpec:
         _refuse_voltage(machine, unit)
         machine = machine.changed(lambda spec: spec.model_copy(update={"supply": _filled(spec.supply, unit)}))
     if section is not None and section.chopper_voltage is None:
-        every = offered(machine, catalog)
+        every = resistor_choices(machine, catalog)
         if every:
             known = section.among([one.part for one in every], min(one.chopper_voltage_max for one in every))
             machine = machine.changed(lambda spec: spec.model_copy(update={"brake_resistor": known}))

@@ -13,11 +13,11 @@ from drivesizer.machine.budgets import riding_mass, riding_rows
 from drivesizer.machine.mass_budget import settle
 from drivesizer.multi_axis.combinations import Choice, Cost
 from drivesizer.multi_axis.joint_axes import TorquesOf, with_joints
-from drivesizer.multi_axis.machine_cycle import in_their_cycle
+from drivesizer.multi_axis.machine_cycle import waiting_times
 from drivesizer.multi_axis.machine_power import with_choppers
 from drivesizer.multi_axis.offered_kinds import Loaded, OfferedKinds
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.machine import SUMMED, of_all_drives
+from drivesizer.results.machine import SUMMED, objective_sum
 from drivesizer.results.objectives import unknown_parts
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import SizingResult
@@ -30,7 +30,7 @@ from drivesizer.spec.select import OBJECTIVES
 from drivesizer.spec.several_axes.carried import carrying
 from drivesizer.spec.several_axes.machine import MachineSpec
 
-__all__ = ["AxisSizings", "Options", "PartsOf", "SamplingOf", "as_chosen", "choices_of", "mass_on_others"]
+__all__ = ["AxisSizings", "Options", "PartsOf", "SamplingOf", "as_chosen", "carried_mass", "choices_of"]
 
 _THRIFTY = ("energy", "peak_current")  # objectives by which drives load a supply least
 _FEW = 3
@@ -64,7 +64,7 @@ class AxisSizings:
         self.catalogs: dict[tuple[Any, ...], Catalog] = {}
         self.offered: dict[tuple[str, str], DriveSet] = {}  # by axis and label, drives beside the best
         self.machine = with_choppers(self.machine, self._parts)
-        self.cycles = in_their_cycle(self.machine, lambda axis: self._with_masses(axis, None))
+        self.cycles = waiting_times(self.machine, lambda axis: self._with_masses(axis, None))
 
     def objective(self, axis: str) -> Ranking:
         """Objective of the ranking of an axis' drives."""
@@ -154,7 +154,7 @@ class AxisSizings:
         self.offered |= {(axis, label): one for label, one in drives.items()}
         ranking, motors = self.objective(axis), spec.load.motors
         others = [
-            Choice(label, _cost(one, ranking, motors, False), mass_on_others(result.problem, one)[0])
+            Choice(label, _cost(one, ranking, motors, False), carried_mass(result.problem, one)[0])
             for label, one in drives.items()
             if label != first.name
             and one.status == result.sets[0].status
@@ -262,7 +262,7 @@ def choices_of(result: SizingResult, objective: Ranking) -> list[Choice]:
         Choice(
             name,
             _cost(one, objective, result.spec.load.motors, one.label == best.label),
-            mass_on_others(result.problem, one)[0],
+            carried_mass(result.problem, one)[0],
         )
         for name, one in drives.items()
     ]
@@ -282,10 +282,10 @@ def _cost(one: DriveSet, objective: Ranking, motors: int, best: bool) -> Cost:
         return (0 if best else 1), 0.0
     value, summed = one.objective, OBJECTIVES[objective].over
     missing = len(unknown_parts(one, objective, one.objective_of)) if summed else int(isnan(value))
-    return missing, 0.0 if isnan(value) else of_all_drives(objective, one, motors)
+    return missing, 0.0 if isnan(value) else objective_sum(objective, one, motors)
 
 
-def mass_on_others(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
+def carried_mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
     """Mass of an axis' drives that ride on another, and parts of unknown mass.
 
     Parameters

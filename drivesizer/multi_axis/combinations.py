@@ -90,11 +90,11 @@ def best_combination(
     for axis in order:  # bounds: each axis with the least masses on it
         found = search.choices(axis, lightest)
         if not found:
-            return _one_by_one(search, _lightest)
+            return _sequential_choice(search, _lightest)
         search.least[axis], lightest[axis] = found[0].cost, min(choice.mass for choice in found)
     _descend(search, 0, {}, (0, 0.0))
     if search.cost is None:  # the cheapest were too heavy to carry
-        return _one_by_one(search, _lightest)
+        return _sequential_choice(search, _lightest)
     return Combination(search.best, search.cost, not (search.cut or search.falling), len(search.made))
 
 
@@ -112,7 +112,7 @@ def axis_by_axis(order: Sequence[str], carried: Mapping[str, Sequence[str]], siz
         Another may cost less in all.
     """
     search = _Search(order, carried, sized, 0)
-    return _one_by_one(search, lambda found: found[0])
+    return _sequential_choice(search, lambda found: found[0])
 
 
 def _descend(search: _Search, depth: int, chosen: dict[str, Choice], spent: Cost) -> None:
@@ -148,7 +148,7 @@ def _total(costs: Iterable[Cost]) -> Cost:
     return sum(missing for missing, _ in known), sum(value for _, value in known)
 
 
-def _one_by_one(search: _Search, pick: Callable[[Sequence[Choice]], Choice]) -> Combination:
+def _sequential_choice(search: _Search, pick: Callable[[Sequence[Choice]], Choice]) -> Combination:
     """A drive of each axis that has one, those that ride on it chosen before; another choice may cost less."""
     chosen, missing = dict[str, Choice](), ""
     for axis in search.order:

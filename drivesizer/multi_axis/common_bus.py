@@ -17,7 +17,7 @@ from drivesizer.machine.supply_power import DrivePower, drive_power, together
 from drivesizer.multi_axis.exchange import MOST_PIECES, common_period, exchanged, fitted, from_start, summed_up
 from drivesizer.multi_axis.machine_cycle import Moving, cycle_of
 from drivesizer.multi_axis.phases import AtAnyPhase, bus_power, share_above, worst_start
-from drivesizer.multi_axis.waiting import at_rest, unknown_at_rest, waiting
+from drivesizer.multi_axis.waiting import starts_and_ends_at_rest, unknown_at_rest, waiting
 from drivesizer.physics.power_stage import Feed
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.machine_power import Exceeded
@@ -46,7 +46,7 @@ class AxisPower(NamedTuple):
 
     def waits(self, cases: Sequence[LoadCase]) -> bool:
         """Whether it waits for the others when it is done."""
-        return at_rest(cases) if self.repeats is None else not self.repeats
+        return starts_and_ends_at_rest(cases) if self.repeats is None else not self.repeats
 
 
 class CommonBus(NamedTuple):
@@ -98,7 +98,7 @@ def common_bus(
     rows = zip(axes, cases, waits, strict=True)
     moving = [Moving(axis.name, axis.start, own[0].cycle.total, one) for axis, own, one in rows]
     cycle = cycle_of(moving, cycle_time)
-    powers = [_of_axis(*row, cycle) for row in zip(axes, cases, waits, strict=True)]
+    powers = [_axis_power(*row, cycle) for row in zip(axes, cases, waits, strict=True)]
     window = common_period([power.total for power in powers], [len(power.duration) for power in powers])
     if synchronised and not isnan(window) and len(axes) > 1:
         powers = [from_start(fitted(p, window), axis.start) for axis, p in zip(axes, powers, strict=True)]
@@ -141,7 +141,7 @@ def _groups(axes: Sequence[AxisPower], waits: Sequence[bool], powers: list[Drive
     return ([waiting_ones] if waiting_ones else []) + [[k] for k, one in enumerate(waits) if not one]
 
 
-def _of_axis(axis: AxisPower, cases: Sequence[LoadCase], waits: bool, cycle: float) -> DrivePower:
+def _axis_power(axis: AxisPower, cases: Sequence[LoadCase], waits: bool, cycle: float) -> DrivePower:
     """Power of all drives of an axis over its own period, or waiting until the machine's cycle is over."""
     cycles = [waiting(case, cycle) if waits else case.at_belt for case in cases]
     found = together([drive_power(case.spec, axis.one, base) for case, base in zip(cases, cycles, strict=True)])

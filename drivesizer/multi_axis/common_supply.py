@@ -118,7 +118,7 @@ def _supplied(bus: CommonBus) -> list[CheckColumn]:
         ("supply_power", supply.power, 1.0),
     ):
         if limit is not None:
-            note = _share_said(bus, name)
+            note = _share_text(bus, name)
             found.append(at_most(name, peak / scale, limit, needed=needed, time=np.asarray(time), note=note))
     return found
 
@@ -130,7 +130,7 @@ def _peak_time(total: DrivePower) -> float:
     return float(total.duration[: int(total.peak.argmax())].sum())
 
 
-def _share_said(bus: CommonBus, name: str) -> str:
+def _share_text(bus: CommonBus, name: str) -> str:
     """Of axes at random phases: for how much of the time a limit is exceeded."""
     one = next((one for one in bus.exceeded if one.check == name), None)
     if one is None or isnan(one.most):

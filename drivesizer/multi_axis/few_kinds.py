@@ -103,19 +103,20 @@ def _alike(kinds: Mapping[str, Kind]) -> list[Group]:
 
 def _mergers(groups: list[Group], common: Permitted, offered: Offered, cost: Cost, limit: Cost) -> Iterator[_Merger]:
     """Pairs of groups with a kind for both, the least added cost first, as far as the sum may stay within the limit."""
-    own = {group: _of_group(group, common, offered) for group in groups}
+    own = {group: _group_cost(group, common, offered) for group in groups}
     found: list[_Merger] = []
     for first, second in combinations(groups, 2):
         before = _sum(own[first], own[second])
         both = [
-            _Merger(first, second, kind, _less(after, before)) for kind, after in _for_all((*first, *second), offered)
+            _Merger(first, second, kind, _less(after, before))
+            for kind, after in _common_kinds((*first, *second), offered)
         ]
         found += sorted(both, key=lambda merger: merger.added)[:_OF_A_PAIR]
     likely = [merger for merger in found if within(_sum(cost, merger.added), limit)]
     yield from sorted(likely, key=lambda merger: merger.added)[:_TRIED]
 
 
-def _of_group(group: Group, common: Permitted, offered: Offered) -> Cost:
+def _group_cost(group: Group, common: Permitted, offered: Offered) -> Cost:
     """Cost of the axes of a group with the kind that they share; of a single axis with its best."""
     axis = group[0]
     if axis not in common:
@@ -123,7 +124,7 @@ def _of_group(group: Group, common: Permitted, offered: Offered) -> Cost:
     return _sum(*(offered[one][common[one]] for one in group))
 
 
-def _for_all(axes: Group, offered: Offered) -> Iterator[tuple[Kind, Cost]]:
+def _common_kinds(axes: Group, offered: Offered) -> Iterator[tuple[Kind, Cost]]:
     """Kinds that all of some axes may have, with their cost."""
     for kind in offered[axes[0]]:
         if all(kind in offered[axis] for axis in axes):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from drivesizer.files.yaml_source import Path_
 from drivesizer.spec.several_axes.machine import MachineSpec
-from drivesizer.spec.tolerance_text import Toleranced, taken
+from drivesizer.spec.tolerance_text import Toleranced, split_tolerances
 
 __all__ = ["OF_THE_SUPPLY", "place_of", "toleranced", "without_effect"]
 
@@ -15,7 +15,7 @@ OF_THE_SUPPLY = ("supply", "battery", "equipment", "brake_resistor", "environmen
 
 def toleranced(machine: MachineSpec) -> dict[Path_, Toleranced]:
     """Figures with a tolerance by their places in the file."""
-    return {one.path: one for one in taken(machine.source)[1]}
+    return {one.path: one for one in split_tolerances(machine.source)[1]}
 
 
 def place_of(figures: Mapping[Path_, Toleranced], axis: str, path: Path_) -> Path_:

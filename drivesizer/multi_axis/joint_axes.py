@@ -14,7 +14,7 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 from drivesizer.spec.several_axes.machine import MachineSpec
-from drivesizer.spec.several_axes.machine_file import in_order, joint_axis
+from drivesizer.spec.several_axes.machine_file import joint_axis, sizing_order
 from drivesizer.units import show
 
 __all__ = ["Joints", "TorquesOf", "with_joints"]
@@ -181,4 +181,4 @@ def with_joints(machine: MachineSpec, torques_of: TorquesOf = joint_torques) -> 
     others_on = {name: [one for one in torques.carried[name] if one != name] for name in torques.joints}
     joints = tuple(joint_axis(machine, name, others_on[name]) for name in torques.joints)
     others = tuple(axis for axis in machine.axes if not axis.is_joint)
-    return in_order(replace(machine, axes=(*joints, *others))), Joints(torques)
+    return sizing_order(replace(machine, axes=(*joints, *others))), Joints(torques)

@@ -13,7 +13,7 @@ from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.spec.several_axes.machine import AxisSpec, MachineSpec
 from drivesizer.units import show
 
-__all__ = ["Cycles", "Moving", "cycle_of", "in_their_cycle"]
+__all__ = ["Cycles", "Moving", "cycle_of", "waiting_times"]
 
 _NO_TIME = 1e-9  # of the cycle
 _STILL = 1e-9  # of the largest speed
@@ -63,7 +63,7 @@ def cycle_of(axes: Sequence[Moving], cycle_time: float | None) -> float:
     return cycle_time
 
 
-def in_their_cycle(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> Cycles:
+def waiting_times(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> Cycles:
     """Until when each axis waits at rest: for the others, or for the machine's ``cycle_time``.
 
     Parameters
@@ -87,11 +87,11 @@ def in_their_cycle(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) ->
         return {}
     found = {axis.name: _motions(spec_of(axis.name)) for axis in machine.axes if not axis.own_supply}
     more = list(dict.fromkeys(name for own in found.values() for name in own if name))
-    cycles = {case: _in_case(machine, found, case) for case in more or [""]} if found else {}
-    return {axis: dict(_of_axis(machine.axis(axis), own, cycles)) for axis, own in found.items()}
+    cycles = {case: _cycle_in_case(machine, found, case) for case in more or [""]} if found else {}
+    return {axis: dict(_axis_waiting(machine.axis(axis), own, cycles)) for axis, own in found.items()}
 
 
-def _in_case(machine: MachineSpec, found: Mapping[str, Motions], case: str) -> float:
+def _cycle_in_case(machine: MachineSpec, found: Mapping[str, Motions], case: str) -> float:
     """The machine's cycle in a load case [s]; an axis without that case has its first."""
     moving = []
     for name, own in found.items():
@@ -110,7 +110,7 @@ def _moving(axis: AxisSpec, period: float, at_rest: bool) -> Moving:
     return Moving(axis.name, axis.start, period, at_rest if axis.repeats is None else not axis.repeats)
 
 
-def _of_axis(axis: AxisSpec, own: Motions, cycles: Mapping[str, float]) -> Iterator[tuple[str, float | None]]:
+def _axis_waiting(axis: AxisSpec, own: Motions, cycles: Mapping[str, float]) -> Iterator[tuple[str, float | None]]:
     """Until when an axis waits in each of its load cases."""
     for case, found in own.items():
         cycle, moving = cycles[case or next(iter(cycles))], _moving(axis, *found)

@@ -24,7 +24,7 @@ from drivesizer.results.machine_power import MachinePower
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.several_axes.machine import MachineSpec
-from drivesizer.spec.several_axes.machine_file import on_common_bus
+from drivesizer.spec.several_axes.machine_file import with_common_bus
 
 __all__ = ["budget_checks", "machine_power", "over_tolerances", "with_choppers"]
 
@@ -57,7 +57,7 @@ def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePo
     InputError
         As of ``common_supply``.
     """
-    found = _on_supply(machine, axes)
+    found = _supplied_axes(machine, axes)
     if found is None:
         return None
     try:
@@ -87,7 +87,7 @@ def over_tolerances(
     MachinePower
         With its reliability; where the power of an axis is unknown with the assumption that figures are nominal.
     """
-    found = _on_supply(machine, axes)
+    found = _supplied_axes(machine, axes)
     if found is None or power.unknown:
         said = "limits of the supply are judged at nominal figures: power over tolerances is unknown"
         return replace(power, assumptions=(*power.assumptions, said))
@@ -96,7 +96,7 @@ def over_tolerances(
     return with_samples(machine, *found, power, how)
 
 
-def _on_supply(machine: MachineSpec, axes: Sequence[AxisSizing]) -> _OnSupply | None:
+def _supplied_axes(machine: MachineSpec, axes: Sequence[AxisSizing]) -> _OnSupply | None:
     """The axes on the machine's supply; None of a single axis, and where one of them has no drive."""
     on_it = [one for one in axes if not machine.axis(one.name).own_supply]
     if _alone(machine) or not on_it or any(one.best is None for one in on_it):
@@ -186,7 +186,7 @@ def with_choppers(machine: MachineSpec, catalog_of: Callable[[RobotSpec], Catalo
         return machine
     catalog = _listing(machine, [catalog_of(spec) for spec in on_it])
     resistor = with_parts_of_supply(shared_sections(machine, on_it), catalog).brake_resistor
-    return replace(machine, axes=tuple(on_common_bus(one, resistor) for one in machine.axes))
+    return replace(machine, axes=tuple(with_common_bus(one, resistor) for one in machine.axes))
 
 
 def _alone(machine: MachineSpec) -> bool:

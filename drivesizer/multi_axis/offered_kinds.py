@@ -130,7 +130,7 @@ def _costs(loaded: Loaded, status: Status) -> dict[Kind, Cost]:
     problem, _ = problem_with_drive_mass(loaded.spec, loaded.catalog, loaded.objective)
     kept, _, _ = sifted(problem, {loaded.objective}, None)
     value, missing = _known(problem.catalog, kept.sets, kept.figures, loaded.objective)
-    drives = _of_all(loaded.objective, problem.machine)
+    drives = _drives_summed(loaded.objective, problem.machine)
     motors, gearheads = problem.catalog.motors["part"], problem.catalog.gearheads["part"]
     rows = np.lexsort((value, missing))
     rows = rows[kept.certainty[rows] <= ORDER.index(status)]
@@ -169,7 +169,7 @@ def _cost(found: Shortlist, row: int) -> Cost:
     some = found.found.evaluation.on(np.array([row]))
     figures = {**some.figures, **chosen(some.encoder, some.controller, some.brake, needs_encoder=not some.spec.steps)}
     value, missing = _known(some.catalog, some.candidates, figures, objective)
-    return int(missing[0]), float(value[0]) * _of_all(objective, found.problem.machine)
+    return int(missing[0]), float(value[0]) * _drives_summed(objective, found.problem.machine)
 
 
 def _known(
@@ -180,7 +180,7 @@ def _known(
     return value, missing + controlling_unknown(catalog, sets, figures, objective)
 
 
-def _of_all(objective: str, spec: RobotSpec) -> int:
+def _drives_summed(objective: str, spec: RobotSpec) -> int:
     """Drives of an axis over which an objective is summed: the energy of a cycle is that of all already."""
     return 1 if objective == "energy" else spec.load.motors
 

@@ -229,7 +229,7 @@ def longest_run_of_two(courses: Sequence[tuple[Array, Array]], limit: float) -> 
     """
     whole = common_period([float(duration.sum()) for duration, _ in courses])
     cell = whole / _STEPS
-    first, second = (_on_grid(duration, values, cell) for duration, values in courses)
+    first, second = (_largest_in_cells(duration, values, cell) for duration, values in courses)
     second = np.maximum(second, np.roll(second, -1))
     phases = (np.arange(_STEPS)[:, None] + np.arange(_STEPS)[None, :]) % _STEPS
     above = first[None, :] + second[phases] > limit
@@ -238,7 +238,7 @@ def longest_run_of_two(courses: Sequence[tuple[Array, Array]], limit: float) -> 
     return cell * int(_runs(above).max(initial=0))
 
 
-def _on_grid(duration: Array, values: Array, cell: float) -> Array:
+def _largest_in_cells(duration: Array, values: Array, cell: float) -> Array:
     """Largest power of a course in each cell of the grid."""
     total, ends = float(duration.sum()), np.cumsum(duration)
     start = (np.arange(_STEPS) * cell) % total

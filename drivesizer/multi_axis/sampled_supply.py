@@ -69,7 +69,7 @@ def with_samples(
     """
     one = uncertain_machine(machine, _as_chosen(shared, power), axes)
     drawn = sample(one.given, min(how.samples, _MOST), how.seed)
-    found = [_of_a_sample(machine, catalog, *one.at(values)) for values in drawn.values]
+    found = [_sample_checks(machine, catalog, *one.at(values)) for values in drawn.values]
     names = dict.fromkeys([check.name for check in power.checks] + [name for checks, _ in found for name in checks])
     every: dict[str, Over] = {name: over_samples([checks.get(name) for checks, _ in found]) for name in names}
     titles = {name: _title(name) for name in names}
@@ -94,7 +94,7 @@ def _as_chosen(shared: RobotSpec, power: MachinePower) -> RobotSpec:
     return shared.changed(lambda spec: spec.model_copy(update={"brake_resistor": kept}))
 
 
-def _of_a_sample(
+def _sample_checks(
     machine: MachineSpec, catalog: Catalog, shared: RobotSpec, axes: Sequence[AxisPower]
 ) -> tuple[dict[str, Check], dict[str, float]]:
     """Checks and figures of a sample by name; a motion that is longer than the machine's cycle fails."""

@@ -48,7 +48,7 @@ def shared_sections(machine: MachineSpec, axes: Sequence[RobotSpec]) -> RobotSpe
         **{name: _stated(getattr(machine, name), [getattr(axis, name) for axis in axes]) for name in _STATED},
     )
     names = dict.fromkeys(name for axis in axes for name, _ in axis.load_cases[1:])
-    return shared.with_cases((name, _in_case(shared, name, axes)) for name in names)
+    return shared.with_cases((name, _sections_in_case(shared, name, axes)) for name in names)
 
 
 def _stated(own: Any, of_axes: Sequence[Any]) -> Any:
@@ -63,7 +63,7 @@ def _stated(own: Any, of_axes: Sequence[Any]) -> Any:
     return whole.model_copy(update={name: max(values) for name, values in found.items()})
 
 
-def _in_case(shared: RobotSpec, name: str, axes: Sequence[RobotSpec]) -> RobotSpec:
+def _sections_in_case(shared: RobotSpec, name: str, axes: Sequence[RobotSpec]) -> RobotSpec:
     """The shared sections in a load case, with what that changes of those of any axis."""
     pairs = [(axis, case) for axis in axes for own, case in axis.load_cases[1:] if own == name]
     sections = {}

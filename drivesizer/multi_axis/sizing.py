@@ -13,14 +13,14 @@ from drivesizer.multi_axis.axis_sizings import (
     PartsOf,
     SamplingOf,
     as_chosen,
+    carried_mass,
     choices_of,
-    mass_on_others,
 )
 from drivesizer.multi_axis.combinations import Choice, Combination, axis_by_axis, best_combination
 from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
 from drivesizer.multi_axis.file_tolerances import toleranced, without_effect
 from drivesizer.multi_axis.joint_axes import TorquesOf
-from drivesizer.multi_axis.machine_cycle import in_their_cycle
+from drivesizer.multi_axis.machine_cycle import waiting_times
 from drivesizer.multi_axis.machine_power import budget_checks, machine_power, over_tolerances, with_choppers
 from drivesizer.multi_axis.offered_kinds import ORDER, OfferedKinds, kind_of
 from drivesizer.multi_axis.within_limits import within_limits
@@ -86,7 +86,7 @@ def size_machine(
         found = best_combination(machine.order, carried, sized, _PER_AXIS * len(machine.axes))
     else:
         found = axis_by_axis(machine.order, carried, sized)
-    best = _of_machine(sizings, carried, found)
+    best = _machine_with_drives(sizings, carried, found)
     if machine.few_kinds is not None and not found.missing:
         best = _with_few_kinds(sizings, carried, found, best, machine.few_kinds)
     elif best.complete:
@@ -94,7 +94,9 @@ def size_machine(
     return _over_tolerances(best, sampling)
 
 
-def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination) -> MachineSizing:
+def _machine_with_drives(
+    sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination
+) -> MachineSizing:
     """The machine with the drives of a combination."""
     machine = sizings.machine
     axes = tuple(_axis(sizings, carried, found, axis.name) for axis in machine.axes)
@@ -110,7 +112,7 @@ def _of_machine(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], fo
             *_notes(machine, found, axes, bool(sizings.uncertain)),
             *sizings.joints.notes,
             *_own_drives(sizings, axes),
-            *_on_joints(sizings, axes, found),
+            *_joint_notes(sizings, axes, found),
             *_waiting(axes),
         ),
         checks=(*(power.checks if power else ()), *budget_checks(machine, axes, power)),
@@ -129,7 +131,7 @@ def _within_limits(
 
     def tried(chosen: Mapping[str, Choice]) -> MachineSizing | None:
         try:
-            return _of_machine(sizings, carried, found._replace(chosen=dict(chosen)))
+            return _machine_with_drives(sizings, carried, found._replace(chosen=dict(chosen)))
         except LookupError:  # a drive does not carry what rides on it then
             return None
 
@@ -180,7 +182,7 @@ def _with_few_kinds(
             f"{before} kinds of motor and gearhead: fewer take over {show(more, '%', 'dimensionless')} more {objective}"
         )
         return replace(best, notes=(*best.notes, note)) if before > 1 else best
-    result = _of_machine(sizings, carried, fewer)
+    result = _machine_with_drives(sizings, carried, fewer)
     note = _saved(before, result, best, objective)
     if ORDER.index(result.status) > ORDER.index(best.status):
         return replace(best, notes=(*best.notes, f"not {note}: {result.status}, where the best drives {best.status}"))
@@ -229,7 +231,7 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     rides = any(axis in machine.carried(other.name) for other in machine.axes)
     if alone and not rides and machine.few_kinds is None:
         machine = with_choppers(machine, load_parts)
-        cycles = in_their_cycle(machine, lambda name: machine.axis(name).spec)
+        cycles = waiting_times(machine, lambda name: machine.axis(name).spec)
         return machine.axis(axis).spec.waiting(cycles.get(axis, {}))
     found = size_machine(machine).axis(axis)
     return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
@@ -261,7 +263,7 @@ def _axis(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: C
     )
     own = sizings.result(name, masses).sets
     if chosen and (name, masses) in sizings.own:
-        lacking = mass_on_others(result.problem, result.sets[0])[1]
+        lacking = carried_mass(result.problem, result.sets[0])[1]
         riding = (*riding, CarriedMass(name, sizings.own[name, masses], None, lacking))
     for_all = bool(result.sets and own) and result.sets[0].label != own[0].label
     return AxisSizing(name=name, result=result, carried=riding, for_all=for_all)
@@ -275,7 +277,7 @@ def _lacking(
         return ()
     masses = tuple(found.chosen[other].mass if other in found.chosen else 0.0 for other in carried[name])
     result = sizings.chosen(name, masses, found.chosen[name].name)
-    return mass_on_others(result.problem, result.sets[0])[1]
+    return carried_mass(result.problem, result.sets[0])[1]
 
 
 def _own_drives(sizings: AxisSizings, axes: Sequence[AxisSizing]) -> Iterator[str]:
@@ -283,7 +285,7 @@ def _own_drives(sizings: AxisSizings, axes: Sequence[AxisSizing]) -> Iterator[st
     for axis in axes:
         own = next((one.mass for one in axis.carried if one.of == axis.name), None)
         if own is not None and axis.best:
-            drive, loaded = mass_on_others(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
+            drive, loaded = carried_mass(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
             heavier = f"{loaded} of its load, of one that is heavier than its {show(drive, 'kg', 'mass')}"
             said = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
             yield f"{axis.name} moves its own drive, {said}"
@@ -300,7 +302,7 @@ def _waiting(axes: Sequence[AxisSizing]) -> Iterator[str]:
         yield f"{', '.join(waits)}: at rest after the motion until the cycle of {cycle} is over; if not: repeats: true"
 
 
-def _on_joints(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination) -> Iterator[str]:
+def _joint_notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination) -> Iterator[str]:
     """Sentences on the chosen drives of the robot's joints."""
     drives = {
         one.name: (one.best, found.chosen[one.name].mass) for one in axes if one.best and one.name in found.chosen

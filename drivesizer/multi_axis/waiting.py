@@ -12,12 +12,12 @@ from math import isnan
 import numpy as np
 
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.waiting import held_torque, rest_left, with_rest
+from drivesizer.load_cases.waiting import rest_left, static_torque, with_rest
 from drivesizer.machine.problem import quickest_winding, with_cycle
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
 from drivesizer.results.problem import LoadCase, Problem
 
-__all__ = ["at_rest", "moving_alone", "unknown_at_rest", "waiting"]
+__all__ = ["moving_alone", "starts_and_ends_at_rest", "unknown_at_rest", "waiting"]
 
 _STILL = 1e-9  # of the largest speed
 
@@ -42,7 +42,7 @@ def moving_alone(problem: Problem) -> Problem:
     return replace(problem, machine=problem.machine.waiting({}), cases=cases)
 
 
-def at_rest(cases: Sequence[LoadCase]) -> bool:
+def starts_and_ends_at_rest(cases: Sequence[LoadCase]) -> bool:
     """Whether a motion begins and ends at rest.
 
     Parameters
@@ -75,12 +75,12 @@ def waiting(case: LoadCase, until: float) -> CycleAtBelt:
     if not rest_left(case.cycle.total, until):
         return case.at_belt
     cycle = load_cycle(case.spec.waiting(dict.fromkeys([name for name, _ in case.spec.load_cases], until)))
-    held = held_torque(cycle)
+    held = static_torque(cycle)
     cycle = with_rest(cycle, until, 0.0 if isnan(held) else held)
     return at_gearhead(cycle, case.spec.belt_efficiency, case.at_belt.quickest)
 
 
 def unknown_at_rest(cases: Sequence[LoadCase]) -> str:
     """Reason for which the power at rest is unknown; empty where it is not."""
-    lacking = any(isnan(held_torque(case.cycle)) for case in cases)
+    lacking = any(isnan(static_torque(case.cycle)) for case in cases)
     return "what holds it at rest is unknown: end its motion with a rest" if lacking else ""

@@ -21,7 +21,7 @@ from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.results.requirement import Requirement
 from drivesizer.units import KINDS, from_si, label
 
-__all__ = ["MATHEMATICS", "found_failures", "numbers_in", "quantity", "step", "symbol"]
+__all__ = ["MATHEMATICS", "evaluated_failures", "numbers_in", "quantity", "step", "symbol"]
 
 MATHEMATICS = ("symbol", "symbol_value", "printed", "used", "numbers", "result")  # of a step: typst source
 
@@ -115,7 +115,7 @@ def _failures() -> dict[str, str]:
     return kept
 
 
-def found_failures() -> dict[str, str]:
+def evaluated_failures() -> dict[str, str]:
     """The same, found anew: every declared equation's printed form evaluated with units."""
     every = [*EQUATIONS.values(), *COMPANIONS.values()]
     found = {declared.name: printed_failure(declared) for declared in every}
@@ -184,4 +184,4 @@ def _result(r: Requirement) -> str:
 if __name__ == "__main__":
     import drivesizer.equations  # noqa: F401 - declares them
 
-    print(json.dumps(found_failures(), ensure_ascii=False, indent=1))
+    print(json.dumps(evaluated_failures(), ensure_ascii=False, indent=1))

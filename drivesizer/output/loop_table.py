@@ -10,13 +10,25 @@ from drivesizer.control.cascade import Cascade
 from drivesizer.control.loop_records import Loop
 from drivesizer.control.validation import Gains, LinearRun, Stepping, Validation
 from drivesizer.output.text import margin
-from drivesizer.results.check import Status, in_a_sentence
+from drivesizer.results.check import Status, sentence_case
 from drivesizer.results.sizing import Figure
 from drivesizer.units import label, show
 
 __all__ = [
-    "BESIDE", "NONE", "NO_LINEAR", "GainRow", "beside", "cell", "gain", "gain_rows", "left_out", "linear",
-    "loop_figures", "loop_name", "remedies", "settled",
+    "BESIDE",
+    "NONE",
+    "NO_LINEAR",
+    "GainRow",
+    "cell",
+    "gain",
+    "gain_rows",
+    "left_out",
+    "linear",
+    "linear_rows",
+    "loop_figures",
+    "loop_name",
+    "remedies",
+    "settled",
 ]  # fmt: skip
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
@@ -67,9 +79,9 @@ NO_LINEAR = "python-control is not beside it: a stepper follows its pulses in op
 BESIDE = "PID and DC motor by python-control, beside the engine"
 
 
-def beside(run: LinearRun) -> list[tuple[str, str, str, str, str]]:
+def linear_rows(run: LinearRun) -> list[tuple[str, str, str, str, str]]:
     """Rows of the linear simulation beside the engine: title, value and moment by either; a dash where one has none."""
-    return [(row.linear.title, *_at(row.linear), *_at(row.engine)) for row in run.figures]
+    return [(row.linear.title, *_moment(row.linear), *_moment(row.engine)) for row in run.figures]
 
 
 def left_out(run: LinearRun) -> str:
@@ -77,7 +89,7 @@ def left_out(run: LinearRun) -> str:
     return f"python-control's model is linear: {'; '.join(run.left_out)}."
 
 
-def _at(figure: Figure | None) -> tuple[str, str]:
+def _moment(figure: Figure | None) -> tuple[str, str]:
     if figure is None or isnan(figure.value):
         return NONE, ""
     return figure.text, "" if figure.at_time is None else f"{figure.at_time:.4g} s"
@@ -181,7 +193,7 @@ def remedies(proof: Validation) -> tuple[str, list[tuple[str, str, str, Status]]
     """
     rows = []
     for one in sorted(proof.tried, key=lambda one: one.status == "fail"):
-        tight = f"{in_a_sentence(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
+        tight = f"{sentence_case(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
         rows.append((one.what, one.entry, tight, one.status))
     helps = any(one.status != "fail" for one in proof.tried)
     return "What helps in the loop, each simulated by itself" if helps else "Nothing that was simulated helps", rows

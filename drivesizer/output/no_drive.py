@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from drivesizer.output.counted import number_of
-from drivesizer.results.check import in_a_sentence
+from drivesizer.results.check import sentence_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.check_parts import part_of
 from drivesizer.results.drive_set import Relaxation
@@ -21,11 +21,11 @@ def most_fail_on(result: SizingResult) -> str:
         name, _ = max(counts.failed_by_budget.items(), key=lambda item: item[1])
         those = "1 drive meets its" if counts.judged == 1 else f"{counts.judged:,} drives meet their"
         fails = "it fails" if counts.judged == 1 else "they fail"
-        return f"{those} own limits; in the machine {fails} on {in_a_sentence(CHECKS['budget'][name].title)}."
+        return f"{those} own limits; in the machine {fails} on {sentence_case(CHECKS['budget'][name].title)}."
     if not counts.failed_by:
         return ""
     name, count = max(counts.failed_by.items(), key=lambda item: item[1])
-    title = in_a_sentence(CHECKS[result.method][name].title)
+    title = sentence_case(CHECKS[result.method][name].title)
     return f"Most frequent failure: {title}, in {count:,} of {number_of(counts.considered, 'drive')}."
 
 

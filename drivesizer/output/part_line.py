@@ -87,7 +87,7 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
         order_number=_number(catalog, part),
         said=SAID[role](part), quantity=quantity, **mass, **price_for(part, quantity, known),
         document=source.document, date=source.date, confidence=source.confidence, url=source.url,
-        note="; ".join(dict.fromkeys(map(_said_of, notes))),
+        note="; ".join(dict.fromkeys(map(_note_text, notes))),
     )  # fmt: skip
 
 
@@ -167,7 +167,7 @@ def _remarks(catalog: Catalog, part: Any) -> list[Note]:
     return [note for note in notes if not note.fields or _OF_BUYING & set(note.fields)]
 
 
-def _said_of(note: Note) -> str:
+def _note_text(note: Note) -> str:
     """A note with the figures that it concerns, as far as they are for ordering."""
     on = ", ".join(name.replace("_", " ") for name in note.fields if name in _OF_BUYING)
     return f"{on}: {note.text}" if on else note.text

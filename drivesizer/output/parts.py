@@ -81,7 +81,7 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
         lines = [replace(x, said=f"{x.said} {OWN_SUPPLY}") if x.role == "brake" else x for x in lines]
     if spec.gear is not None:
         lines.insert(_behind_belt(spec, lines), _gear_line(spec.gear, spec.load.motors))
-    return [*lines, *_of_the_supply(found, problem)]
+    return [*lines, *_supply_lines(found, problem)]
 
 
 def _has_own_supply(found: DriveSet, spec: RobotSpec) -> bool:
@@ -91,7 +91,7 @@ def _has_own_supply(found: DriveSet, spec: RobotSpec) -> bool:
     return apart if given is None else given != spec.supply.nominal
 
 
-def _of_the_supply(found: DriveSet, problem: Problem) -> Iterator[PartLine]:
+def _supply_lines(found: DriveSet, problem: Problem) -> Iterator[PartLine]:
     """Power supply and brake resistor: one each for the whole machine."""
     unit, catalog = problem.machine.supply.part, problem.catalog
     if unit is not None:

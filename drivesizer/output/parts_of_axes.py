@@ -94,12 +94,12 @@ def parts_by_axis(sizing: MachineSizing) -> dict[str, list[PartLine]]:
     for line in (line for lines in found.values() for line in lines):
         count[line.role, line.maker, line.part] += line.quantity
     return {
-        one.name: [_at_quantity(line, one, count[line.role, line.maker, line.part]) for line in found[one.name]]
+        one.name: [_quantity_price(line, one, count[line.role, line.maker, line.part]) for line in found[one.name]]
         for one in sizing.axes
     }
 
 
-def _at_quantity(line: PartLine, axis: AxisSizing, pieces: int) -> PartLine:
+def _quantity_price(line: PartLine, axis: AxisSizing, pieces: int) -> PartLine:
     """A line with the price for so many pieces."""
     if not line.part or axis.best is None or pieces == line.quantity:
         return line

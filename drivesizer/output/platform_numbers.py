@@ -13,11 +13,11 @@ from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation, comput
 from drivesizer.platform.robot_figures import (
     Instant,
     Numbers,
-    at_instant,
     figures,
     matrices,
     mobility,
     numbers_of,
+    robot_at_instant,
     wheel_table,
 )
 from drivesizer.results.drive_set import DriveSet
@@ -62,7 +62,7 @@ def platform_numbers(spec: RobotSpec, drive: DriveSet | None) -> PlatformNumbers
     at = hardest_instant(spec, drive.rotors_at_load if drive else 0.0)
     d = at.dynamics
     sentences = _rotors(drive), _moment(at)
-    return PlatformNumbers(*sentences, wheel_table(d), mobility(d), matrices(d), at_instant(d, at.instant))
+    return PlatformNumbers(*sentences, wheel_table(d), mobility(d), matrices(d), robot_at_instant(d, at.instant))
 
 
 class EquationNumbers(NamedTuple):

@@ -8,7 +8,7 @@ from math import isinf, isnan
 from drivesizer.machine.permitted_speed import PermittedSpeeds
 from drivesizer.units import show
 
-__all__ = ["FOLLOWING", "SPEEDS", "speed_heads", "speed_remarks", "speed_rows", "speed_text", "with_all"]
+__all__ = ["FOLLOWING", "SPEEDS", "failed_motors_text", "speed_heads", "speed_remarks", "speed_rows", "speed_text"]
 
 FOLLOWING = "Path following: largest deviations"
 SPEEDS = "Highest steady speed by direction, counterclockwise from ahead"
@@ -16,10 +16,10 @@ SPEEDS = "Highest steady speed by direction, counterclockwise from ahead"
 
 def speed_heads(found: PermittedSpeeds) -> list[str]:
     """Heads of the columns: direction, motors, and each failed wheel."""
-    return ["direction", with_all(found), *(f"without {failed}" for failed in found.speed if failed)]
+    return ["direction", failed_motors_text(found), *(f"without {failed}" for failed in found.speed if failed)]
 
 
-def with_all(found: PermittedSpeeds) -> str:
+def failed_motors_text(found: PermittedSpeeds) -> str:
     """Motors that drive where no further one fails: ``all motors``, or without the failed ones."""
     return f"without {', '.join(map(str, found.failed))}" if found.failed else "all motors"
 

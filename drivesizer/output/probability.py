@@ -6,7 +6,7 @@ from math import ceil, inf, isfinite, log10
 
 from drivesizer.results.reliability import Reliability, Spread
 
-__all__ = ["about", "confidence", "in_the_loop", "likely", "moved"]
+__all__ = ["about", "confidence", "likely", "loop_text", "moved"]
 
 
 def likely(value: float) -> str:
@@ -32,7 +32,7 @@ def about(value: float) -> str:
     return "" if value != value else f"about {min(max(round(100 * value), 1), 99)} %"
 
 
-def in_the_loop(found: Reliability) -> str:
+def loop_text(found: Reliability) -> str:
     """The failing check in closed loop, or why none was simulated; empty where all pass or none was required."""
     if found.no_loop:
         return f"not simulated in closed loop: {found.no_loop}"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from drivesizer.output.probability import likely
-from drivesizer.results.check import in_a_sentence
+from drivesizer.results.check import sentence_case
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.machine_power import MachinePower
 from drivesizer.results.reliability import Reliability
@@ -115,5 +115,5 @@ def sampled_text(found: Reliability) -> str:
         With the error of sampling and the weakest check.
     """
     said = f"over tolerances no limit of the supply is exceeded with {likely(found.probability)}"
-    error = f"{said} ± {100.0 * found.error:.2g} %, weakest: {in_a_sentence(found.weakest)}"
+    error = f"{said} ± {100.0 * found.error:.2g} %, weakest: {sentence_case(found.weakest)}"
     return f"{error}; unknown: {', '.join(found.unknown)}" if found.unknown else error

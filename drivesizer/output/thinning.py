@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["extremes", "on_curves"]
+__all__ = ["curve_points", "extremes"]
 
 
 def extremes(values: NDArray[np.float64], most: int) -> NDArray[np.int64]:
@@ -37,7 +37,7 @@ def extremes(values: NDArray[np.float64], most: int) -> NDArray[np.int64]:
     return np.unique(np.concatenate([bins[pick, held.argmin(1)], bins[pick, held.argmax(1)], [0, count - 1]]))
 
 
-def on_curves(columns: tuple[NDArray[np.float64], ...], most: int) -> NDArray[np.int64]:
+def curve_points(columns: tuple[NDArray[np.float64], ...], most: int) -> NDArray[np.int64]:
     """Indices of points along smooth curves over one axis, evenly, with the peaks and troughs of each.
 
     Parameters

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields, replace
 from drivesizer.errors import InputError
 from drivesizer.platform.wheels import Payload, Platform, loaded
 
-__all__ = ["EXACT", "Misjudged", "actual", "of_each"]
+__all__ = ["EXACT", "Misjudged", "actual", "per_wheel"]
 
 _LARGEST = 10.0  # of a relative error, m or rad
 
@@ -37,11 +37,11 @@ class Misjudged:
             for one in value if isinstance(value, tuple) else (value,):
                 if not abs(one) < _LARGEST:  # written so that NaN fails too
                     raise InputError(f"misjudged: {f.name} must be a number below {_LARGEST:g}, got {one!r}")
-        if not 1.0 + min(of_each(self.motor, 0, "motor")) >= 0.0:
+        if not 1.0 + min(per_wheel(self.motor, 0, "motor")) >= 0.0:
             raise InputError(f"misjudged: motor must be -1 or more, got {self.motor!r}")
 
 
-def of_each(value: float | Sequence[float], wheels: int, what: str) -> tuple[float, ...]:
+def per_wheel(value: float | Sequence[float], wheels: int, what: str) -> tuple[float, ...]:
     """A figure for each wheel; 0 wheels: as many as there are.
 
     Parameters
@@ -101,9 +101,9 @@ def actual(believed: Platform, misjudged: Misjudged) -> Platform:
     0.101
     """
     n, m = len(believed.wheels), misjudged
-    radius, toe = of_each(m.radius, n, "misjudged radius"), of_each(m.toe, n, "misjudged toe")
-    crr = of_each(m.rolling_resistance, n, "misjudged rolling_resistance")
-    roller = of_each(m.roller_resistance, n, "misjudged roller_resistance")
+    radius, toe = per_wheel(m.radius, n, "misjudged radius"), per_wheel(m.toe, n, "misjudged toe")
+    crr = per_wheel(m.rolling_resistance, n, "misjudged rolling_resistance")
+    roller = per_wheel(m.roller_resistance, n, "misjudged roller_resistance")
     wheels = tuple(
         replace(
             w,

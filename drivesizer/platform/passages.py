@@ -55,7 +55,7 @@ def clearances(trajectory: Trajectory, size: Size, passages: tuple[Passage, ...]
 
 def _clearance(trajectory: Trajectory, size: Size, passage: Passage) -> Clearance:
     start = np.cumsum(trajectory.duration) - trajectory.duration
-    pieces = _Pieces(_in_passage(control_points(trajectory), passage), start, trajectory.duration)
+    pieces = _Pieces(_passage_postures(control_points(trajectory), passage), start, trajectory.duration)
     least, found = math.nan, Clearance(passage.name, math.nan, math.nan, "")
     for step in _STEPS:
         pieces = _halved(pieces, size, passage, passage.width * step)
@@ -109,7 +109,7 @@ def _joined(parts: list[_Pieces]) -> _Pieces:
     return _Pieces(np.concatenate(points, axis=1), np.concatenate(start), np.concatenate(length))
 
 
-def _in_passage(points: Array, passage: Passage) -> Array:
+def _passage_postures(points: Array, passage: Passage) -> Array:
     """Postures along the passage, across it to the left, and their heading against it."""
     x, y = points[0] - passage.x, points[1] - passage.y
     cos, sin = math.cos(passage.direction), math.sin(passage.direction)

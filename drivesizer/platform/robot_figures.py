@@ -15,8 +15,17 @@ from drivesizer.platform.dynamics import Dynamics, energy, required_force, resis
 from drivesizer.platform.matrix_equation import PLATFORM, Array, MatrixEquation, symbol
 
 __all__ = [
-    "OF_A_WHEEL", "Instant", "Numbers", "at_instant", "figures", "labelled", "matrices", "mobility", "numbers_of",
-    "result_of", "wheel_table",
+    "OF_A_WHEEL",
+    "Instant",
+    "Numbers",
+    "figures",
+    "labelled",
+    "matrices",
+    "mobility",
+    "numbers_of",
+    "result_of",
+    "robot_at_instant",
+    "wheel_table",
 ]  # fmt: skip
 
 assert equations_kinematics.__all__ and equations_dynamics.__all__  # importing them declares them
@@ -289,7 +298,7 @@ def mobility(d: Dynamics) -> Numbers:
     return _numbers("mobility", "Rank and mobility", rows, ("",), np.array([values]).T, [["1"]] * len(rows))
 
 
-def at_instant(d: Dynamics, at: Instant) -> tuple[Numbers, Numbers]:
+def robot_at_instant(d: Dynamics, at: Instant) -> tuple[Numbers, Numbers]:
     """A robot at an instant: its course, and force and torques by their causes.
 
     Parameters

@@ -113,7 +113,7 @@ def read_track(
         raise InputError(f"{where}: {smoothing:g} s; expected between 0 and {most}")
     _no_jumps(file, time, made, limits, thinned(time, smoothing))
     _no_outliers(file, time, made, limits, thinned(time, smoothing))
-    _at_rest(file, time, made, thinned(time, smoothing))
+    _refuse_moving_ends(file, time, made, thinned(time, smoothing))
     if smoothing == 0.0:
         known = dict(zip(header, factors, strict=True))
         _enough_digits(file, time, posture, [known[name] for name in ("x", "y", "heading")])
@@ -234,7 +234,7 @@ def last_digit(values: Array) -> float:
     return 0.0
 
 
-def _at_rest(path: Path, time: Array, posture: Array, kept: Any) -> None:
+def _refuse_moving_ends(path: Path, time: Array, posture: Array, kept: Any) -> None:
     """Refuse a track that does not start and end at rest."""
     time, posture = time[kept], posture[:, kept]
     top = np.abs(np.diff(posture, axis=1) / np.diff(time)).max(axis=1)

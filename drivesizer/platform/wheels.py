@@ -36,7 +36,7 @@ def _finite(record: Any, what: str) -> None:
             raise InputError(f"{what}: {f.name} must be a number below {_LARGEST:g}, got {value!r}")
 
 
-def _at_least(record: Any, what: str, *names: str, above: bool = False) -> None:
+def _refuse_below(record: Any, what: str, *names: str, above: bool = False) -> None:
     for name in names:
         value = getattr(record, name)
         if value < 0.0 or (above and value == 0.0):
@@ -62,9 +62,9 @@ class Wheel:
 
     def __post_init__(self) -> None:
         _finite(self, "wheel")
-        _at_least(self, "wheel", "radius", above=True)
+        _refuse_below(self, "wheel", "radius", above=True)
         names = ("inertia", "rotor_inertia", "rolling_resistance", "roller_resistance", "friction")
-        _at_least(self, "wheel", *names)
+        _refuse_below(self, "wheel", *names)
         if not math.cos(self.roller_angle) > _LEAST_COSINE:
             found = math.degrees(self.roller_angle)
             raise InputError(f"wheel: roller_angle must lie between -90 deg and 90 deg, got {found:.6g} deg")
@@ -131,7 +131,7 @@ class Caster:
 
     def __post_init__(self) -> None:
         _finite(self, "caster")
-        _at_least(self, "caster", "rolling_resistance")
+        _refuse_below(self, "caster", "rolling_resistance")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,7 +146,7 @@ class Payload:
 
     def __post_init__(self) -> None:
         _finite(self, "payload")
-        _at_least(self, "payload", "mass", "height", "inertia")
+        _refuse_below(self, "payload", "mass", "height", "inertia")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,8 +163,8 @@ class Platform:
 
     def __post_init__(self) -> None:
         _finite(self, "platform")
-        _at_least(self, "platform", "mass", "inertia", above=True)
-        _at_least(self, "platform", "height")
+        _refuse_below(self, "platform", "mass", "inertia", above=True)
+        _refuse_below(self, "platform", "height")
         if not any(w.drive == "motor" for w in self.wheels):
             raise InputError("platform: no wheel is driven; expected one with a motor at least")
         _apart(self.contacts)

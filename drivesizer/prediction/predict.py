@@ -18,14 +18,14 @@ from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts
 from drivesizer.prediction.set_at_voltage import (
     Heating,
     SetAtVoltage,
-    at_rest,
     hottest_phase,
     in_the_long_run,
     over_time,
     set_at_voltage,
+    static_hold,
     time_to_limit,
 )
-from drivesizer.results.figures_behind_checks import in_words
+from drivesizer.results.figures_behind_checks import figure_words
 from drivesizer.results.prediction import Band, Conditions, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show
 
@@ -153,7 +153,7 @@ def predict(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Con
         one = set_at_voltage(parts, given)
         given = given._replace(warm=_warm(one, given))
         columns, courses = _mechanical(one, given), list[WarmingCourse]()
-        held = at_rest(one, parts, given.hold)
+        held = static_hold(one, parts, given.hold)
         columns |= {"hold_current": held.current, "hold_heat": resistance_at(one.R_25, given.ambient) * held.current**2}
         heated = _heated(one, parts, given, held.current)
         for name, heating in heated.items():
@@ -323,7 +323,7 @@ def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str
                 continue
             value = nan if figures[role] is None else figures[role][name][0]
             if figures[role] is not None and (np.isnan(value) or (need == "heat" and not value > 0.0)):
-                yield in_words(role, name, bool(figures[role]["inside"][0]))
+                yield figure_words(role, name, bool(figures[role]["inside"][0]))
         if need in _CONDITIONS and isnan(getattr(given, _CONDITIONS[need][0])):
             yield _CONDITIONS[need][1]
 

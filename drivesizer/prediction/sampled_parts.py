@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
 from drivesizer.catalog.estimates import Estimate, estimates_of
-from drivesizer.catalog.estimates.estimate import estimates, in_words
+from drivesizer.catalog.estimates.estimate import estimates, law_text
 from drivesizer.catalog.estimates.family_limits import SAME_FAMILY, FamilyLimit, family_limits
 from drivesizer.catalog.estimates.fit import Fit
 from drivesizer.catalog.parts import NO_GEARHEAD
@@ -95,7 +95,7 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
         (
             *(_estimated(*one) for one in estimated),
             *(_alike(*one) for one in limits),
-            *(_of_a_stage(name) for name in (_assumed(controller, cube) if controller else ())),
+            *(_printed_stage(name) for name in (_assumed(controller, cube) if controller else ())),
         ),
         tuple(drawn),
     )
@@ -103,7 +103,7 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
 
 def _estimated(role: str, section: str, one: Estimate) -> EstimatedFigure:
     """An estimated figure as it is printed."""
-    column, law = columns_of(section)[one.figure], in_words(one.fit)
+    column, law = columns_of(section)[one.figure], law_text(one.fit)
     return EstimatedFigure(role, one.figure, one.value, one.low, one.high, column.kind, column.unit, law)
 
 
@@ -120,7 +120,7 @@ def _assumed(controller: Hit, shares: Array) -> dict[str, Array]:
             for low, high in (_STAGE[name],)}  # fmt: skip
 
 
-def _of_a_stage(name: str) -> EstimatedFigure:
+def _printed_stage(name: str) -> EstimatedFigure:
     """The same as it is printed."""
     (low, high), column = _STAGE[name], columns_of("controllers")[name]
     middle, wide = (low + high) / 2.0, 0.45 * (high - low)
@@ -179,13 +179,13 @@ def _inside(catalog: Catalog, columns: Figures, source: NDArray[np.int32]) -> Ca
 
 def _classes(motor: Hit, gearhead: Hit | None, controller: Hit | None) -> tuple[Class, ...]:
     """Tolerance classes of the figures of motor, gearhead and controller."""
-    own = _of_what_turns(motor, gearhead)
+    own = _rotating_inertia(motor, gearhead)
     if controller is None or np.isnan([controller[name] for name in ("voltage_drop", "max_efficiency")]).all():
         return own  # the drop is assumed, with a band of its own
     return own + holding(controller.catalog, {}, "controller", controller.row)
 
 
-def _of_what_turns(motor: Hit, gearhead: Hit | None) -> tuple[Class, ...]:
+def _rotating_inertia(motor: Hit, gearhead: Hit | None) -> tuple[Class, ...]:
     if motor.section == "actuators":
         one = _inside(motor.catalog, _rows(motor, 1), motor.table.source[motor.row : motor.row + 1])
         return holding(one, {}, "motor", 0) + holding(one, {}, "gearhead", 0)

@@ -29,8 +29,15 @@ from drivesizer.prediction.sampled_parts import Figures, SampledParts
 from drivesizer.results.prediction import Conditions
 
 __all__ = [
-    "Heating", "HeldAtRest", "SetAtVoltage", "at_rest", "hottest_phase", "in_the_long_run", "over_time",
-    "set_at_voltage", "time_to_limit",
+    "Heating",
+    "HeldAtRest",
+    "SetAtVoltage",
+    "hottest_phase",
+    "in_the_long_run",
+    "over_time",
+    "set_at_voltage",
+    "static_hold",
+    "time_to_limit",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -289,7 +296,7 @@ def _most_current(motor: Figures, controller: Figures | None, whole: Array) -> A
     return np.asarray((stall if inside and stall < _LIMITED * own else np.inf) * whole)
 
 
-def at_rest(one: SetAtVoltage, parts: SampledParts, torque_out: Any) -> HeldAtRest:
+def static_hold(one: SetAtVoltage, parts: SampledParts, torque_out: Any) -> HeldAtRest:
     r"""Current that holds a torque at rest, and the hottest phase as winding.
 
     Friction carries any part between :math:`M e / i - M_f` (it helps) and :math:`M / (i e) + M_f` (it has just been

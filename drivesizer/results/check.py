@@ -16,7 +16,7 @@ __all__ = [
     "Figure",
     "Status",
     "gravest",
-    "in_a_sentence",
+    "sentence_case",
     "tightest",
     "verdict",
     "worst",
@@ -86,7 +86,7 @@ class Figure:
         return show(self.value, self.unit, self.kind)
 
 
-def in_a_sentence(title: str) -> str:
+def sentence_case(title: str) -> str:
     """A title within a sentence: its first letter small, abbreviations as they are.
 
     >>> in_a_sentence("Motor nominal current (RMS)"), in_a_sentence("RMS torque")
@@ -154,10 +154,10 @@ def worst_of_cases(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Chec
         for check in checks:
             one = check if check.case or not name else replace(check, case=name)
             alike.setdefault((check.name, check.case), []).append(one)
-    return tuple(min(several, key=_how_bad) for several in alike.values())
+    return tuple(min(several, key=_severity) for several in alike.values())
 
 
-def _how_bad(check: Check) -> tuple[float, ...]:
+def _severity(check: Check) -> tuple[float, ...]:
     """Status, then margin; where there is none, the larger demand and the smaller figure that is to meet it."""
     if not isnan(check.margin):
         return GRAVEST.index(check.status), check.margin

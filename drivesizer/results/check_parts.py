@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from drivesizer.results.check import Check
 
-__all__ = ["PARTS", "by_part", "part_of"]
+__all__ = ["PARTS", "part_of", "sorted_by_part"]
 
 _OF_PART = (  # part, and how the names of its checks begin
     (
@@ -37,6 +37,6 @@ def part_of(name: str) -> str:
     return next((part for part, begins in _OF_PART if name.startswith(begins)), _MACHINE)
 
 
-def by_part(checks: Sequence[Check]) -> list[Check]:
+def sorted_by_part(checks: Sequence[Check]) -> list[Check]:
     """Checks sorted by part; those of one part in the order given."""
     return sorted(checks, key=lambda check: PARTS.index(part_of(check.name)))

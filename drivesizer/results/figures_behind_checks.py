@@ -13,13 +13,13 @@ from typing import Any
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.view.search_view import printed_field
-from drivesizer.results.check import in_a_sentence
+from drivesizer.results.check import sentence_case
 from drivesizer.results.check_kinds import CHECKS, EMF
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check
 from drivesizer.units import show
 
-__all__ = ["in_words", "marked_figures", "missing_figures", "rests_on", "unknown_figures"]
+__all__ = ["figure_words", "marked_figures", "missing_figures", "rests_on", "unknown_figures"]
 
 _DERATING = ("full_current_ambient", "derating_slope", "ambient_max")
 _MODEL = ("holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", "pull_out_share")
@@ -42,11 +42,11 @@ def rests_on(check: Check, drive_set: DriveSet) -> tuple[str, ...]:
     """
     found: list[str] = []
     for name in CHECKS[check.method][check.name].rests_on:
-        found += _of(name, drive_set) if name.isupper() else [name]
+        found += _figures_of_word(name, drive_set) if name.isupper() else [name]
     return tuple(dict.fromkeys(found))
 
 
-def _of(word: str, drive_set: DriveSet) -> list[str]:
+def _figures_of_word(word: str, drive_set: DriveSet) -> list[str]:
     motor, gearhead, encoder = drive_set.motor, drive_set.gearhead, drive_set.encoder
     if word == "COUNTS":
         absolute = encoder is not None and isnan(encoder.counts_per_turn)
@@ -93,7 +93,7 @@ def _reported(drive_set: DriveSet) -> tuple[Check, ...]:
 def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
     """The parts, or figures of parts, that a check lacks."""
     if check.name.startswith(("resistor_", "chopper_")) and isnan(check.limit) and not isnan(check.demand):
-        return [in_a_sentence(check.title)]  # the limit is the resistor's own figure
+        return [sentence_case(check.title)]  # the limit is the resistor's own figure
     lacking = []
     for name in rests_on(check, drive_set):
         role, _, field = name.partition(".")
@@ -101,11 +101,11 @@ def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
         if part is None:
             lacking.append(f"any {role}")
         elif name not in EMF and _is_unknown(getattr(part, field)):
-            lacking.append(in_words(role, field, bool(part.inside)))
+            lacking.append(figure_words(role, field, bool(part.inside)))
     return list(dict.fromkeys(lacking))
 
 
-def in_words(role: str, field: str, inside: bool = False) -> str:
+def figure_words(role: str, field: str, inside: bool = False) -> str:
     """A figure in words; of a part inside an actuator the one that is printed of that.
 
     Parameters
@@ -178,5 +178,5 @@ def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
         if mark in ("derived", "recalled", ESTIMATED):
             column = columns_of(section)[field]
             value = show(getattr(part, field), column.unit, column.kind, 3 if mark == ESTIMATED else 6)
-            found.append([in_words(role, field), value, mark, "; ".join(dict.fromkeys(titles))])
+            found.append([figure_words(role, field), value, mark, "; ".join(dict.fromkeys(titles))])
     return found

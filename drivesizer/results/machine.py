@@ -15,13 +15,13 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import OBJECTIVES
 from drivesizer.spec.several_axes.machine import MachineSpec
 
-__all__ = ["SUMMED", "AxisSizing", "CarriedMass", "MachineSizing", "of_all_drives"]
+__all__ = ["SUMMED", "AxisSizing", "CarriedMass", "MachineSizing", "objective_sum"]
 
 # objectives of which the sum over all drives is that of the machine
 SUMMED = tuple(name for name, kind in OBJECTIVES.items() if not kind.more_is_better and kind.kind != "temperature")
 
 
-def of_all_drives(objective: str, one: DriveSet, drives: int) -> float:
+def objective_sum(objective: str, one: DriveSet, drives: int) -> float:
     """An objective of all drives of an axis.
 
     Parameters
@@ -126,5 +126,5 @@ class MachineSizing:
         """Sum of the objective over all drives, SI; NaN where it is no sum, one is unknown, or an axis has no drive."""
         if self.objective not in SUMMED:
             return nan
-        found = [of_all_drives(self.objective, one.best, one.drives) if one.best else nan for one in self.axes]
+        found = [objective_sum(self.objective, one.best, one.drives) if one.best else nan for one in self.axes]
         return nan if any(map(isnan, found)) else fsum(found)

@@ -47,11 +47,11 @@ def objective_figure(drive_set: DriveSet, objective: str) -> Figure:
         In SI; NaN where it is unknown.
     """
     shown = OBJECTIVES[objective]
-    value = _of(drive_set, objective)
+    value = _objective_value(drive_set, objective)
     return Figure(name=objective, title=shown.title, value=value, kind=shown.kind, unit=shown.unit)
 
 
-def _of(drive_set: DriveSet, objective: str) -> float:
+def _objective_value(drive_set: DriveSet, objective: str) -> float:
     declared = OBJECTIVES[objective]
     if objective == "margin":
         tight = worst(drive_set.checks)

@@ -75,7 +75,7 @@ def continuous_speed_limit(
     CheckColumn
         Of the candidates.
     """
-    speed = np.where(_by_the_mean(gearhead), mean_speed, sustained_speed)
+    speed = np.where(_limits_mean_speed(gearhead), mean_speed, sustained_speed)
     limit = lasting_limit(gearhead["continuous_input_speed"], gearhead["intermittent_input_speed"])
     return at_most("gearhead_continuous_speed", speed * ratio, **limit, needed=needed)
 
@@ -119,7 +119,7 @@ def short_limit(short: Any, lasting: Any) -> dict[str, Any]:
 
 
 @once_per_part
-def _by_the_mean(gearhead: Figures) -> Any:
+def _limits_mean_speed(gearhead: Figures) -> Any:
     """Whether the maker limits the mean input speed."""
     return np.isin(gearhead["manufacturer"], _BY_THE_MEAN)
 
@@ -328,7 +328,7 @@ def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> Check
     return replace(column, failed=column.failed & (column.demand > most[0])) if most else column
 
 
-def in_range(name: str, ambient: float, least: Any, most: Any, *, waived: bool = False) -> CheckColumn:
+def ambient_range(name: str, ambient: float, least: Any, most: Any, *, waived: bool = False) -> CheckColumn:
     """The ambient within a range: outside of a known end it fails, within both it passes.
 
     An end that the maker does not state is that of IEC 60034-1, 6.2 and 6.4, at which it passes as an assumption.

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from drivesizer.results.drive_set import DriveParts
 
-__all__ = ["CRITERIA", "Choice", "Choices", "Scored", "by_weights", "multiples", "used_share"]
+__all__ = ["CRITERIA", "Choice", "Choices", "Scored", "multiples", "used_share", "weighted_order"]
 
 Array = NDArray[np.float64]
 CRITERIA = ("mass", "price", "energy", "margin")  # objectives that drives are compared by, whatever ranks them
@@ -100,7 +100,7 @@ def multiples(values: Array, known: NDArray[np.bool_]) -> Array:
     return found
 
 
-def by_weights(figures: Mapping[str, Array], weights: Mapping[str, float]) -> Scored:
+def weighted_order(figures: Mapping[str, Array], weights: Mapping[str, float]) -> Scored:
     """The order of drives by several figures with weights.
 
     Parameters

@@ -13,20 +13,20 @@ from drivesizer.search.columns.bought import chosen
 from drivesizer.search.columns.candidates import Candidates, candidates, pairs
 from drivesizer.search.columns.evaluation import Evaluation, evaluate, smallest_margin
 from drivesizer.search.order import ranking
-from drivesizer.search.order.families import best_of_others
-from drivesizer.search.order.found import Found, Judge, Passing
-from drivesizer.search.order.in_order import but_for, failing_before, in_order, without_rejected
+from drivesizer.search.order.families import best_of_other_families
+from drivesizer.search.order.found import Judge, Passing, SearchResult
+from drivesizer.search.order.in_order import but_for, failing_before, ordered_in_machine, without_rejected
 from drivesizer.search.order.rank import Rank
 from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.order.sifting import UNKNOWN
 from drivesizer.search.paper.rule import FEW
 
-__all__ = ["by_the_paper"]
+__all__ = ["search_by_paper"]
 
 Rows = NDArray[np.int64]
 
 
-def by_the_paper(
+def search_by_paper(
     problem: Problem,
     top: int,
     objective: Ranking,
@@ -34,7 +34,7 @@ def by_the_paper(
     pareto: tuple[str, ...],
     judge: Judge | None,
     others: int,
-) -> Found:
+) -> SearchResult:
     """Search all candidates by the paper's rule.
 
     Parameters
@@ -47,10 +47,10 @@ def by_the_paper(
     Found
         The best, the closest rejected, the front, those of other families, and the counts.
     """
-    every = _judged(problem, objective, rejected=misses is not None)
+    every = _paper_order(problem, objective, rejected=misses is not None)
     found, sets = every.evaluation, every.evaluation.candidates
     of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
-    kept = in_order(judge, sets, of_parts.on, every.passing, len(sets.motor) if pareto else top)
+    kept = ordered_in_machine(judge, sets, of_parts.on, every.passing, len(sets.motor) if pareto else top)
     best, short = kept.best[:top], kept.rejected[:top]
     near = every.rejected[: _closest(misses, top, len(best), every.counts.feasible)]
     on_front = best[:0]
@@ -60,19 +60,19 @@ def by_the_paper(
         on_front = kept.best[of_all]
     unlike = best[:0]
     if others:
-        unlike = best_of_others(
+        unlike = best_of_other_families(
             judge, problem.catalog, sets, found.on, every.passing, best[:1], others, every.rank.columns
         )
     few = np.concatenate([best, near, but_for(on_front, best), short, but_for(unlike, best)])
     places = {int(row): n for n, row in enumerate(few)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
-    return Found(
+    return SearchResult(
         found.on(few), len(best), without_rejected(every.counts, kept, ~found.unknown), front, below,
         failing_before(kept, every.passing), others=beside, every=every.all_passing(best),
     )  # fmt: skip
 
 
-class _Judged(NamedTuple):
+class _PaperOrder(NamedTuple):
     """All candidates by the rule, in order."""
 
     evaluation: Evaluation
@@ -93,7 +93,7 @@ class _Judged(NamedTuple):
         )  # fmt: skip
 
 
-def _judged(problem: Problem, objective: Ranking, rejected: bool) -> _Judged:
+def _paper_order(problem: Problem, objective: Ranking, rejected: bool) -> _PaperOrder:
     """Evaluate all candidates; of the rejected perhaps not all."""
     every = _all_candidates(problem)
     found = evaluate(problem, every, rejected=rejected)
@@ -115,7 +115,7 @@ def _judged(problem: Problem, objective: Ranking, rejected: bool) -> _Judged:
         left_out=left_out, failed_by=tally,
     )  # fmt: skip
     rank = Rank(unknown.astype(np.int64), missing, value)
-    return _Judged(found, margin, figures, rank, order[passes[order]], order[~passes[order]], counts)
+    return _PaperOrder(found, margin, figures, rank, order[passes[order]], order[~passes[order]], counts)
 
 
 def _closest(misses: int | None, top: int, given: int, feasible: int) -> int:

@@ -24,7 +24,7 @@ from drivesizer.catalog.view.stepper_view import has_steppers
 from drivesizer.physics.extremes import undominated
 from drivesizer.results.check import Status, verdict
 from drivesizer.results.problem import Problem
-from drivesizer.results.weights import CRITERIA, Choice, Choices, by_weights, used_share
+from drivesizer.results.weights import CRITERIA, Choice, Choices, used_share, weighted_order
 from drivesizer.search.columns.bought import chosen
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
@@ -98,11 +98,11 @@ def choices(
     given = np.searchsorted(alike, best)  # the first of them is the best of all
     looked_at = picked(_cheap(problem, sets, figures, names), given, _affordable(problem)).rows
     found, given = every.evaluated(alike[looked_at]), np.searchsorted(looked_at, given)
-    few = picked(_in_full(found, names), given, _JUDGED if judge else most)
+    few = picked(_objectives(found, names), given, _JUDGED if judge else most)
     found, first = found.on(few.rows), int(np.searchsorted(few.rows, given[0]))
     passing = judge(found.candidates, found.on, len(few.rows)).best if judge else np.arange(len(few.rows))
     status = {row: _status(found, row, weigh if judge else None) for row in passing.tolist()}
-    kept = _by_margin(found, [row for row, one in status.items() if one == status[first]])
+    kept = _margin_order(found, [row for row, one in status.items() if one == status[first]])
     return Choices(
         drives=_records(found, kept, names), first=kept.index(first), weights=ranking.weights_of(objective),
         passing=len(alike), judged=judge is not None, whole=few.whole and not judge and len(looked_at) == len(alike),
@@ -115,7 +115,7 @@ def _status(found: Evaluation, row: int, weigh: Weigh | None) -> Status:
     return verdict((*found.checks_of(row), *budget)) if budget else found.status(row)
 
 
-def _by_margin(found: Evaluation, rows: list[int]) -> list[int]:
+def _margin_order(found: Evaluation, rows: list[int]) -> list[int]:
     """Some drives, the larger smallest margin first, then by part number."""
     some = found.on(np.array(rows, np.int64))
     margin = smallest_margin(some.checks)  # infinite where it is unknown
@@ -126,21 +126,21 @@ def _by_margin(found: Evaluation, rows: list[int]) -> list[int]:
     return [rows[place] for place in order.tolist()]
 
 
-def _known(found: Evaluation) -> dict[str, Array]:
+def _counted_figures(found: Evaluation) -> dict[str, Array]:
     """Figures that objectives count beside those of the catalogue."""
     parts = chosen(found.encoder, found.controller, found.brake, needs_encoder=not found.spec.steps)
     return {**found.figures, "margin": smallest_margin(found.checks), **parts}
 
 
-def _in_full(found: Evaluation, names: Sequence[str]) -> dict[str, Array]:
+def _objectives(found: Evaluation, names: Sequence[str]) -> dict[str, Array]:
     """Objectives of drives, less is better, NaN unknown."""
-    known = _known(found)
+    known = _counted_figures(found)
     return {name: _lessened(found.catalog, found.candidates, known, name) for name in names}
 
 
 def _records(found: Evaluation, rows: Sequence[int], names: Sequence[str]) -> tuple[Choice, ...]:
     """Drives with their figures."""
-    known = _known(found)
+    known = _counted_figures(found)
     columns = {name: _figure(found.catalog, found.candidates, known, name) for name in names}
     return tuple(
         Choice(parts=drive_parts(found, row), figures={name: float(column[row]) for name, column in columns.items()})
@@ -230,7 +230,7 @@ def _best_places(columns: Mapping[str, Array]) -> NDArray[np.int64]:
     """The best place of each row in several orders: by each figure alone, by each two of them, by all together."""
     names = [*columns]
     several = [*combinations(names, 1), *combinations(names, 2), tuple(names)]
-    orders = [by_weights(columns, dict.fromkeys(some, 1.0)).order for some in several]
+    orders = [weighted_order(columns, dict.fromkeys(some, 1.0)).order for some in several]
     found: NDArray[np.int64] = np.minimum.reduce([np.argsort(order) for order in orders])
     return found
 

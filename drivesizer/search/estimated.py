@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 
 from drivesizer.catalog import Catalog, columns_of
-from drivesizer.catalog.estimates.estimate import in_words, kept
+from drivesizer.catalog.estimates.estimate import law_text, shipped_laws
 from drivesizer.catalog.view.stepper_view import has_steppers
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.results.check import Check
@@ -18,7 +18,7 @@ from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.order.open_checks import Turn, passing, turns
 from drivesizer.units import show
 
-__all__ = ["decided", "estimated"]
+__all__ = ["estimated", "resolved_checks"]
 
 _PART = {
     "motors": "motor",
@@ -48,7 +48,7 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
     """
     catalog, candidates = evaluation.catalog, evaluation.candidates
     motor, gearhead = int(candidates.motor[index]), int(candidates.gearhead[index])
-    loss = _of_the_stage(evaluation, index)
+    loss = _stage_loss(evaluation, index)
     if not catalog.ends:
         return loss
     inside = str(catalog.motors["inside"][motor])
@@ -57,15 +57,15 @@ def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]
     chosen = zip(_CONTROLLING, (evaluation.encoder, evaluation.controller), strict=True)
     rows_of = {section: int(rows[index]) for section, rows in chosen if rows[index] >= 0}
     places |= {section: row for section, row in rows_of.items() if not catalog.table(section)["inside"][row]}
-    found = [(section, one) for section, row in places.items() for one in _of_part(catalog, section, row)]
+    found = [(section, one) for section, row in places.items() for one in _part_bands(catalog, section, row)]
     weighed = evaluation.spec.budget is not None and evaluation.spec.budget.weighs
     if (brake := int(evaluation.brake[index])) >= 0:
-        found += [("brakes", one) for one in _of_part(catalog, "brakes", brake)]
+        found += [("brakes", one) for one in _part_bands(catalog, "brakes", brake)]
     weighing = (one for section, one in found if weighed or section not in _CONTROLLING or one.figure != "mass")
     return (*weighing, *loss)
 
 
-def _of_the_stage(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]:
+def _stage_loss(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]:
     """The loss of a controller of which none is printed, with its band."""
     row = int(evaluation.controller[index])
     controller = evaluation.catalog.controllers.record(row) if row >= 0 else None
@@ -77,19 +77,19 @@ def _of_the_stage(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, 
     return (EstimatedFigure("controller", "loss_voltage", ASSUMED_LOSS, low, high, "voltage", "V", law),)
 
 
-def _of_part(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:
+def _part_bands(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:
     names = catalog.estimates.get(section, {})
     found = {name: one for name in names if (one := catalog.estimate_of(section, row, name)) is not None}
     columns = columns_of(section)
     return [
         EstimatedFigure(
-            _PART[section], name, *one[:3], columns[name].kind, columns[name].unit, in_words(kept()[one.fit])
+            _PART[section], name, *one[:3], columns[name].kind, columns[name].unit, law_text(shipped_laws()[one.fit])
         )
         for name, one in found.items()
     ]
 
 
-def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], float]:
+def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], float]:
     """The checks of a drive, its open ones with the value at which they turn and how probable it is that they pass.
 
     Parameters
@@ -113,7 +113,9 @@ def decided(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], floa
     probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
     own = bool(evaluation.catalog.motors["inside"][evaluation.candidates.motor[index]])
     open_ = {name: (probable[name], _turning(turning.get(name), own)) for name in names}
-    return tuple(_with(check, *open_[check.name]) if check.name in names else check for check in checks), probable[""]
+    return tuple(
+        _with_probability(check, *open_[check.name]) if check.name in names else check for check in checks
+    ), probable[""]
 
 
 def _with_assumption(evaluation: Evaluation, index: int, check: Check) -> Check:
@@ -126,7 +128,7 @@ def _with_assumption(evaluation: Evaluation, index: int, check: Check) -> Check:
     return replace(check, note="; ".join(text for text in (check.note, note) if text)) if note else check
 
 
-def _with(check: Check, probability: float, note: str) -> Check:
+def _with_probability(check: Check, probability: float, note: str) -> Check:
     return replace(check, probability=probability, note="; ".join(text for text in (note, check.note) if text))
 
 

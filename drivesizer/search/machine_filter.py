@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.budgets import MachineBudget, machine_budget, of_the_machine
-from drivesizer.results.check import in_a_sentence
+from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_requirements
+from drivesizer.results.check import sentence_case
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check, verdict
@@ -19,9 +19,9 @@ from drivesizer.search.budget_columns import certain_failures
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.least_drawn import battery_failures
-from drivesizer.search.order.found import Evaluated, Found, Judge, Kept
+from drivesizer.search.order.found import BudgetFilter, Evaluated, Judge, SearchResult
 from drivesizer.search.order.ranking import Ranking
-from drivesizer.search.search import any_found, search
+from drivesizer.search.search import any_drive, search
 from drivesizer.search.set_record import drive_parts, drive_set
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ __all__ = [
     "any_in_machine",
     "best_in_machine",
     "divided",
-    "in_machine",
+    "machine_filter",
     "passes_budgets",
     "shortfall",
     "weighing",
@@ -75,7 +75,7 @@ def weighing(problem: Problem, machine: MechanicalBudget | None, *, brief: bool 
     return weigh
 
 
-def in_machine(
+def machine_filter(
     problem: Problem,
     machine: MechanicalBudget | None,
     weigh: Weigh,
@@ -105,10 +105,12 @@ def in_machine(
     if not (spec.battery or spec.budget or machine or spec.limits_the_bus):
         return None
 
-    def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> Kept:
+    def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> BudgetFilter:
         count = len(sets.motor)
         if machine and _fails(problem, machine.checks):
-            return Kept(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count)))
+            return BudgetFilter(
+                np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count))
+            )
         early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
         rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
         most = max(_FEWEST, _CELLS // max(case.at_belt.pieces for case in problem.cases))
@@ -122,12 +124,12 @@ def in_machine(
                 break
         judged = best[-1] + 1 if len(best) == wanted else count
         by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in early.items()})
-        return Kept(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
+        return BudgetFilter(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
 
     return judge
 
 
-def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int, counted: bool) -> Kept:
+def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int, counted: bool) -> BudgetFilter:
     """Of evaluated drives those that pass: by columns where these decide, else one by one."""
 
     def budget(row: int) -> tuple[Check, ...]:
@@ -135,7 +137,9 @@ def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted:
 
     count = len(sets.candidates.motor)
     if wanted <= count and not any(_fails(sets.problem, budget(row)) for row in range(wanted)):
-        return Kept(np.arange(wanted), np.arange(0), wanted, Counter())  # in most machines: no need of the columns
+        return BudgetFilter(
+            np.arange(wanted), np.arange(0), wanted, Counter()
+        )  # in most machines: no need of the columns
     few = not counted and not sets.figures and count <= _FEW  # columns are to be computed, and cost more than so many
     certain = _looked_at({} if few else certain_failures(sets), aside)
     rejected, best, by = _any_of(certain, count), list[int](), Counter[str]()
@@ -150,7 +154,7 @@ def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted:
             break
     judged = best[-1] + 1 if len(best) == wanted else count
     by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in certain.items()})
-    return Kept(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
+    return BudgetFilter(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
 
 
 def _looked_at(found: dict[str, NDArray[np.bool_]], aside: frozenset[str]) -> dict[str, NDArray[np.bool_]]:
@@ -186,8 +190,8 @@ def any_in_machine(problem: Problem) -> bool:
     bool
         Whether ``best_in_machine`` would find one, by any objective.
     """
-    machine = of_the_machine(problem.machine)
-    return any_found(problem, in_machine(problem, machine, weighing(problem, machine)))
+    machine = machine_requirements(problem.machine)
+    return any_drive(problem, machine_filter(problem, machine, weighing(problem, machine)))
 
 
 def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] = frozenset()) -> DriveSet | None:
@@ -205,8 +209,8 @@ def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] 
     DriveSet or None
         With its own checks.
     """
-    machine = of_the_machine(problem.machine)
-    judge = in_machine(problem, machine, weighing(problem, machine), aside)
+    machine = machine_requirements(problem.machine)
+    judge = machine_filter(problem, machine, weighing(problem, machine), aside)
     found = search(problem, top=1, objective=objective, misses=None, judge=judge)
     return drive_set(found.evaluation, 0, 1, objective) if found.passing else None
 
@@ -226,7 +230,7 @@ def passes_budgets(problem: Problem, one: DriveParts) -> bool:
     bool
         Whether none fails, and unknown ones are allowed.
     """
-    machine = of_the_machine(problem.machine)
+    machine = machine_requirements(problem.machine)
     if machine and _fails(problem, machine.checks):
         return False
     return not _fails(problem, machine_budget(problem, one, machine).checks)
@@ -242,7 +246,7 @@ def _failed(checks: tuple[Check, ...]) -> set[str]:
     return {check.name for check in checks if check.status == "fail"}
 
 
-def divided(found: Found, weigh: Weigh, top: int, rows: Iterable[int], *, short: bool = False) -> list[int]:
+def divided(found: SearchResult, weigh: Weigh, top: int, rows: Iterable[int], *, short: bool = False) -> list[int]:
     """Of some rows the best drives that pass the machine's budgets, or the first ones that fail on those.
 
     Parameters
@@ -288,7 +292,7 @@ def shortfall(short: Iterable[MachineBudget], better: int, *, any_passes: bool) 
     list[str]
         One sentence or none.
     """
-    names = sorted({in_a_sentence(check.title) for one in short for check in one.checks if check.status == "fail"})
+    names = sorted({sentence_case(check.title) for one in short for check in one.checks if check.status == "fail"})
     if not better or not names:
         return []
     if any_passes:

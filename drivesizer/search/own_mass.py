@@ -13,13 +13,13 @@ from drivesizer.search.machine_filter import best_in_machine
 from drivesizer.search.order.ranking import Ranking
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["found_by_objective", "problem_with_drive_mass"]
+__all__ = ["depends_on_ranking", "problem_with_drive_mass"]
 
 _SAME = 1e-9  # kg: of drives out of a catalogue one is found again, or another is heavier
 _ITERATED = frozenset({"mass_sized_for"})  # holds once the rounds have settled, and not before
 
 
-def found_by_objective(spec: RobotSpec) -> bool:
+def depends_on_ranking(spec: RobotSpec) -> bool:
     """Whether the problem of a machine hangs on what ranks drives: by its own drive's mass, or a screw left open."""
     counts = spec.budget is not None and spec.budget.drive_counts and isinstance(spec.load, WheeledVehicle)
     return counts or wants_screw(spec)
@@ -52,7 +52,7 @@ def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Rankin
         from drivesizer.search.screw_choice import problem_with_screw
 
         return problem_with_screw(spec, catalog, objective)
-    if not found_by_objective(spec) or not isinstance(load, WheeledVehicle):
+    if not depends_on_ranking(spec) or not isinstance(load, WheeledVehicle):
         return problem(spec, catalog), ()
 
     def weighing(mass: float) -> RobotSpec:

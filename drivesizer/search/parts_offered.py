@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import DIRECT, Catalog, load, one_of
+from drivesizer.catalog import DIRECT, Catalog, load, singular
 from drivesizer.catalog.view.stepper_view import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.spec.robot import RobotSpec
@@ -91,8 +91,8 @@ def _row(catalog: Catalog, section: str, part: str, counts: NDArray[np.bool_] | 
     table = catalog.table(section)
     rows = [row for row in table.called(part) if counts is None or counts[row]]
     if not rows:
-        raise InputError(f"{one_of(section)} {quoted(part)} is in no catalogue{nearest(part, table.rows)}")
+        raise InputError(f"{singular(section)} {quoted(part)} is in no catalogue{nearest(part, table.rows)}")
     if len(rows) > 1:
         names = ", ".join(table["part"][rows].tolist())
-        raise InputError(f"{one_of(section)} {quoted(part)} is several parts; expected one of {names}")
+        raise InputError(f"{singular(section)} {quoted(part)} is several parts; expected one of {names}")
     return rows[0]

@@ -75,7 +75,7 @@ def relaxations(
         going_on()
         return any_in_machine(moved)
 
-    return tuple(_found(problem, _Passing(passes, best)))
+    return tuple(_helping_changes(problem, _Passing(passes, best)))
 
 
 def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
@@ -106,7 +106,7 @@ def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
 
     if problem.spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
         return tuple(_other_reductions(problem, one))
-    return (*_other_reductions(problem, one), *_found(problem, _Passing(passes, own)))
+    return (*_other_reductions(problem, one), *_helping_changes(problem, _Passing(passes, own)))
 
 
 def tried(problem: Problem) -> tuple[str, ...]:
@@ -147,7 +147,7 @@ def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]
         )
 
 
-def _found(problem: Problem, passing: _Passing) -> list[Relaxation]:
+def _helping_changes(problem: Problem, passing: _Passing) -> list[Relaxation]:
     """Each figure that helps when it moves alone."""
     found = [*_scaled(problem, passing), *_cooler(problem, passing)]
     return sorted(found, key=lambda r: (r.share, r.field))

@@ -45,13 +45,13 @@ def assumptions(problem: Problem, spec: RobotSpec, sets: Iterable[DriveSet]) -> 
         One sentence each.
     """
     return (
-        *_of_method(problem.spec),
+        *_method_remarks(problem.spec),
         *_waits(problem.machine),
         *altitude_words(problem.spec),
         *mounting_words(problem.spec),
-        *_held(problem),
+        *_static_remarks(problem),
         *pulleys.assumptions(problem),
-        *_of_data(spec, sets),
+        *_data_remarks(spec, sets),
     )
 
 
@@ -76,14 +76,14 @@ def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     return (
         *_mains(picked.problem.machine),
         *picked.weighed,
-        *_of_best(picked.problem, sets),
+        *_best_drive_warnings(picked.problem, sets),
         *nearest_figures(picked.problem.machine, sets[:1]),
-        *_held_back(picked, sets),
+        *_held_back_remarks(picked, sets),
         *budgets,
     )
 
 
-def _of_data(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
+def _data_remarks(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
     """Motors whose figures are of a temperature that nobody states, and parts without an ambient range; by physics."""
     if spec.method != "physics":
         return ()
@@ -138,7 +138,7 @@ def _waits(spec: RobotSpec) -> tuple[str, ...]:
     return (f"it is at rest after its motion until the machine's cycle of {cycle} is over",)
 
 
-def _of_method(spec: RobotSpec) -> tuple[str, ...]:
+def _method_remarks(spec: RobotSpec) -> tuple[str, ...]:
     """Assumptions of the method, as sentences."""
     if spec.steps:
         return STEPPER_ASSUMPTIONS
@@ -173,7 +173,7 @@ def _of_method(spec: RobotSpec) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _held(problem: Problem) -> tuple[str, ...]:
+def _static_remarks(problem: Problem) -> tuple[str, ...]:
     """Assumption of a load case in which nothing moves, as a sentence."""
     if problem.spec.method != "physics" or all(case.at_belt.acts[SPEED] for case in problem.cases):
         return ()
@@ -183,7 +183,7 @@ def _held(problem: Problem) -> tuple[str, ...]:
     )
 
 
-def _of_best(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
+def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: what the method leaves out, and what limits the best drive."""
     spec = problem.spec
     sentences = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
@@ -214,7 +214,7 @@ def _of_best(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _held_back(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[str]:
+def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[str]:
     """Drives better than the best one but for a missing figure, and the figure that would decide it."""
     row = picked.found.held_back
     if row is None or not sets or not isinstance(picked.objective, str):

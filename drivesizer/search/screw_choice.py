@@ -56,7 +56,7 @@ class _Case(NamedTuple):
     force: Ends  # N, on the nut of one screw
 
 
-class _Held(NamedTuple):
+class _ScrewOfLead(NamedTuple):
     """The screw of a lead, or why there is none."""
 
     lead: float  # m
@@ -100,11 +100,11 @@ def problem_with_screw(spec: RobotSpec, catalog: Catalog, objective: Ranking) ->
     InputError
         When no screw is of the required kind or holds its own limits, or as ``machine.problem`` does.
     """
-    held = _by_lead(spec, catalog)
+    held = _smallest_by_lead(spec, catalog)
     screws = [one.screw for one in held if one.screw is not None]
     if not screws:
         raise InputError(f"{spec.where(('load', 'screw'))}: no screw holds: the leads {_reasons(held)}")
-    problems = [_with(spec, catalog, screw) for screw in screws]
+    problems = [_with_screw(spec, catalog, screw) for screw in screws]
     tried = [_Tried(problem=one, best=best_in_machine(one, objective)) for one in problems]
     able = [one for one in tried if one.best is not None]
     if able:
@@ -114,7 +114,7 @@ def problem_with_screw(spec: RobotSpec, catalog: Catalog, objective: Ranking) ->
     return chosen, (_words(held, tried, objective),)
 
 
-def _with(spec: RobotSpec, catalog: Catalog, screw: Part) -> Problem:
+def _with_screw(spec: RobotSpec, catalog: Catalog, screw: Part) -> Problem:
     """The problem with one screw."""
     return replace(problem(with_screw(spec, screw), catalog), screw=chosen_of(spec, screw))
 
@@ -122,9 +122,9 @@ def _with(spec: RobotSpec, catalog: Catalog, screw: Part) -> Problem:
 # --- the screw of each lead -------------------------------------------------------------------------------------------
 
 
-def _by_lead(spec: RobotSpec, catalog: Catalog) -> list[_Held]:
+def _smallest_by_lead(spec: RobotSpec, catalog: Catalog) -> list[_ScrewOfLead]:
     """For each lead of the catalogues the smallest screw that holds in all load cases; known limits before unknown."""
-    rows, table = _offered(spec, catalog), catalog.screws
+    rows, table = _screw_rows(spec, catalog), catalog.screws
     cases = [_case(one) for _, one in spec.load_cases if leaves_open(one)]
     found = []
     for lead in np.unique(table["lead"][rows]).tolist():
@@ -134,20 +134,20 @@ def _by_lead(spec: RobotSpec, catalog: Catalog) -> list[_Held]:
     return found
 
 
-def _smallest(lead: float, screws: Iterator[Part], cases: Sequence[_Case]) -> _Held:
+def _smallest(lead: float, screws: Iterator[Part], cases: Sequence[_Case]) -> _ScrewOfLead:
     unsure, failed = None, Counter[str]()
     for screw in screws:
-        fails, lacks = _judged(screw, cases)
+        fails, lacks = _screw_verdict(screw, cases)
         if fails:
             failed[fails] += 1
         elif not lacks:
-            return _Held(lead, screw, "")
+            return _ScrewOfLead(lead, screw, "")
         elif unsure is None:
             unsure = screw
-    return _Held(lead, unsure, failed.most_common(1)[0][0] if failed and unsure is None else "")
+    return _ScrewOfLead(lead, unsure, failed.most_common(1)[0][0] if failed and unsure is None else "")
 
 
-def _judged(screw: Part, cases: Sequence[_Case]) -> tuple[str, bool]:
+def _screw_verdict(screw: Part, cases: Sequence[_Case]) -> tuple[str, bool]:
     """The first limit that a screw fails, and whether one is unknown."""
     lacks = False
     for case in cases:
@@ -171,7 +171,7 @@ def _case(spec: RobotSpec) -> _Case:
     return _Case(spec, moved, force_along(moved, load, spec.environment.gravity, load.mass) / load.motors)
 
 
-def _offered(spec: RobotSpec, catalog: Catalog) -> NDArray[np.int64]:
+def _screw_rows(spec: RobotSpec, catalog: Catalog) -> NDArray[np.int64]:
     """Rows of the screws of the required kind, maker and size."""
     load, table = spec.load, catalog.screws
     assert isinstance(load, Screw)
@@ -221,18 +221,18 @@ def _order(able: Sequence[_Tried], objective: Ranking) -> tuple[NDArray[np.float
     for name in names_of(objective):
         value += weights[name] * _shares(np.array([_figure(one, name) for one in able]), name)
     size = np.array([one.chosen.least_mass for one in able])
-    unknown = np.array([float(sum(isnan(_own(one, name)) for name in weights)) for one in able])
+    unknown = np.array([float(sum(isnan(_screw_share(one, name)) for name in weights)) for one in able])
     return sure, unknown, value, size
 
 
 def _figure(one: _Tried, name: str) -> float:
     """An objective of the best drive, of mass and price with the screw's as far as that is known."""
     assert one.best is not None
-    own = _own(one, name)
+    own = _screw_share(one, name)
     return objective_figure(one.best, name).value + (0.0 if isnan(own) else own)
 
 
-def _own(one: _Tried, name: str) -> float:
+def _screw_share(one: _Tried, name: str) -> float:
     """Share of the screw in an objective; NaN unknown."""
     return {"mass": one.chosen.least_mass, "price": one.chosen.screw.price}.get(name, 0.0)
 
@@ -254,7 +254,7 @@ def _nearness(one: Problem, objective: Ranking) -> float:
 # --- words ------------------------------------------------------------------------------------------------------------
 
 
-def _words(held: Sequence[_Held], tried: Sequence[_Tried], objective: Ranking) -> str:
+def _words(held: Sequence[_ScrewOfLead], tried: Sequence[_Tried], objective: Ranking) -> str:
     """The leads and the best drive of each, in a sentence."""
     drives = "; ".join(_drive_of(one, objective) for one in tried)
     left = _reasons(held)
@@ -272,7 +272,7 @@ def _drive_of(one: _Tried, objective: Ranking) -> str:
     return f"{screw}: {one.best.motor_name} {figure}{beside}".rstrip()
 
 
-def _reasons(held: Sequence[_Held]) -> str:
+def _reasons(held: Sequence[_ScrewOfLead]) -> str:
     """Leads without a screw that holds, by the limit that most of its screws fail."""
     leads: dict[str, list[str]] = {}
     for one in held:

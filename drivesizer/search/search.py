@@ -15,24 +15,24 @@ from numpy.typing import NDArray
 
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
-from drivesizer.search.by_the_paper import by_the_paper
+from drivesizer.search.by_the_paper import search_by_paper
 from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.search.order import ranking
-from drivesizer.search.order.families import alike_of_others, best_of_others
-from drivesizer.search.order.found import Found, Judge, Kept, Passing
-from drivesizer.search.order.in_order import but_for, failing_before, in_order, without_rejected
-from drivesizer.search.order.looked_at import LookedAt, by_margin
-from drivesizer.search.order.rank import Rank, equals_of_the_last, held_back, ranked, waveforms
+from drivesizer.search.order.families import best_of_other_families, margin_candidates
+from drivesizer.search.order.found import BudgetFilter, Judge, Passing, SearchResult
+from drivesizer.search.order.in_order import but_for, failing_before, ordered_in_machine, without_rejected
+from drivesizer.search.order.looked_at import FullDrives, drives_by_margin
+from drivesizer.search.order.rank import Rank, better_but_unknown, equals_of_the_last, ranked, waveforms
 from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.order.sifting import Progress, Sifted, any_passes, examined_by, sifted
 
-__all__ = ["any_found", "search"]
+__all__ = ["any_drive", "search"]
 
 Rows = NDArray[np.int64]
 _QUICK = "mass"  # objective that needs no waveform
 
 
-class _Wanted(NamedTuple):
+class _SearchOptions(NamedTuple):
     """Results that a search is to give, as ``search`` takes them."""
 
     top: int
@@ -52,7 +52,7 @@ class _Searched(NamedTuple):
     kept: Sifted
     rank: Rank
     order: Rows  # of those kept, the best first
-    looked_at: LookedAt
+    looked_at: FullDrives
 
 
 def search(
@@ -67,7 +67,7 @@ def search(
     others: int = 0,
     margins: bool = False,
     made: dict[Hashable, Any] | None = None,
-) -> Found:
+) -> SearchResult:
     """Search all candidates.
 
     Parameters
@@ -100,8 +100,8 @@ def search(
         The best, the closest rejected, the front, those of other families, and the counts.
     """
     if problem.spec.method == "paper":
-        return by_the_paper(problem, top, objective, misses, pareto, judge, others)
-    names, wanted = {*ranking.names_of(objective), *pareto}, _Wanted(top, misses, pareto, others)
+        return search_by_paper(problem, top, objective, misses, pareto, judge, others)
+    names, wanted = {*ranking.names_of(objective), *pareto}, _SearchOptions(top, misses, pareto, others)
     made, key = {} if made is None else made, examined_by(names, margins)
     one = None if pareto else objective
     several = 4 * top if judge else top
@@ -113,36 +113,38 @@ def search(
     order = rank.order(problem.catalog, kept.sets)
     tied, rest = np.split(order, [equals_of_the_last(problem, rank, order, top)])
     alone = not (judge or pareto or others)  # then no more than the first are looked at
-    looked_at, tied = by_margin(
-        problem, kept, rank, tied, _beside(problem, kept, rank, order, len(tied), others), rejected,
+    looked_at, tied = drives_by_margin(
+        problem, kept, rank, tied, _drives_beside(problem, kept, rank, order, len(tied), others), rejected,
         wanted.closest(tied), top if alone else len(tied),
     )  # fmt: skip
     found = _Searched(problem, kept, rank, np.concatenate([tied, rest]), looked_at)
-    in_machine = in_order(judge, kept.sets, looked_at.at, found.order, len(order) if pareto else top)
+    in_machine = ordered_in_machine(judge, kept.sets, looked_at.at, found.order, len(order) if pareto else top)
     return _shown(found, wanted, judge, in_machine, counts)
 
 
-def _beside(problem: Problem, kept: Sifted, rank: Rank, order: Rows, first: int, others: int) -> Rows:
+def _drives_beside(problem: Problem, kept: Sifted, rank: Rank, order: Rows, first: int, others: int) -> Rows:
     """Drives that may be shown and are not among the first; none where waveforms take long.
 
     Those of other motor families, and one that is held back.
     """
-    found = held_back(problem, kept, rank, order[:1])
+    found = better_but_unknown(problem, kept, rank, order[:1])
     if others:
-        alike = alike_of_others(problem.catalog, kept.sets, order, first, others, rank.columns)
+        alike = margin_candidates(problem.catalog, kept.sets, order, first, others, rank.columns)
         found = np.concatenate([but_for(found, alike), alike])
     found = but_for(found, order[:first])
     return found if first + len(found) <= waveforms(problem) else order[:0]
 
 
-def _shown(found: _Searched, wanted: _Wanted, judge: Judge | None, in_machine: Kept, counts: Counts) -> Found:
+def _shown(
+    found: _Searched, wanted: _SearchOptions, judge: Judge | None, in_machine: BudgetFilter, counts: Counts
+) -> SearchResult:
     """The best, the closest rejected and the others in full."""
     problem, kept, rank, order, looked_at = found
     best, short = in_machine.best[: wanted.top], in_machine.rejected[: wanted.top]
     misses = min(wanted.closest(best), len(looked_at.nearest.motor))  # a budget of the machine may reject all
     on_front = _front(found, wanted, in_machine.best)
-    held = held_back(problem, kept, rank, best)
-    unlike = best_of_others(
+    held = better_but_unknown(problem, kept, rank, best)
+    unlike = best_of_other_families(
         judge, problem.catalog, kept.sets, looked_at.at, order, best[:1], wanted.others, rank.columns,
         None if waveforms(problem) else looked_at.by_bounds,
     )  # fmt: skip
@@ -151,14 +153,14 @@ def _shown(found: _Searched, wanted: _Wanted, judge: Judge | None, in_machine: K
     places |= {int(row): len(best) + misses + n for n, row in enumerate(extra)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
     counts = without_rejected(counts, in_machine, kept.passes)
-    return Found(
+    return SearchResult(
         looked_at.shown(best, misses, extra), len(best), counts, front, below,
         failing_before(in_machine, order), next((places[int(row)] for row in held), None), beside,
         Passing(kept.sets, kept.certainty, kept.figures, best, looked_at.anew),
     )  # fmt: skip
 
 
-def _front(found: _Searched, wanted: _Wanted, passing: Rows) -> Rows:
+def _front(found: _Searched, wanted: _SearchOptions, passing: Rows) -> Rows:
     """Of the drives that pass those on the Pareto front, where one is wanted."""
     if not wanted.pareto:
         return passing[:0]
@@ -166,7 +168,7 @@ def _front(found: _Searched, wanted: _Wanted, passing: Rows) -> Rows:
     return passing[ranking.front(found.problem.catalog, found.kept.sets.on(passing), figures, wanted.pareto)]
 
 
-def any_found(problem: Problem, judge: Judge | None) -> bool:
+def any_drive(problem: Problem, judge: Judge | None) -> bool:
     """Whether a search finds a drive, whatever ranks it: without waveforms of all, and no more examined than needed.
 
     Parameters
@@ -180,11 +182,11 @@ def any_found(problem: Problem, judge: Judge | None) -> bool:
         Whether any passes or may pass.
     """
     if problem.spec.method == "paper":
-        return by_the_paper(problem, 1, _QUICK, None, (), judge, 0).passing > 0
+        return search_by_paper(problem, 1, _QUICK, None, (), judge, 0).passing > 0
     if judge is None:
         return any_passes(problem)
     kept, _, _ = sifted(problem, {_QUICK}, None)
     value = ranking.values(problem.catalog, kept.sets, kept.figures, _QUICK)
     order = ranking.order(problem.catalog, kept.sets, *value, before=[kept.certainty])
-    found = in_order(judge, kept.sets, lambda rows: by_physics(problem, kept.sets.on(rows), True), order, 1)
+    found = ordered_in_machine(judge, kept.sets, lambda rows: by_physics(problem, kept.sets.on(rows), True), order, 1)
     return len(found.best) > 0

@@ -35,7 +35,7 @@ from drivesizer.search.columns.controllers import none_suits
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
 from drivesizer.search.columns.shaft_limits import life_of_gearheads
 from drivesizer.search.columns.shaft_loads import shaft_loads
-from drivesizer.search.estimated import decided, estimated
+from drivesizer.search.estimated import estimated, resolved_checks
 from drivesizer.search.order import ranking
 from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.stepper_figures import stepper_figures
@@ -119,7 +119,7 @@ def drive_set(
         With its checks, requirements and figures.
     """
     parts = drive_parts(evaluation, index)
-    checks, probability = decided(evaluation, index)
+    checks, probability = resolved_checks(evaluation, index)
     checks = tuple(_why_none(evaluation, index, checks))
     return DriveSet(
         **_sums(evaluation, index, objective, parts),
@@ -169,7 +169,7 @@ def drive_in_brief(
         rank=rank,
         status=gravest((evaluation.status(index), verdict(budget.checks))),
         checks=evaluation.tightest_of(index),
-        figures=tuple(_of_the_cycle(evaluation, index)) if evaluation.figures else (),
+        figures=tuple(_cycle_figures(evaluation, index)) if evaluation.figures else (),
         budget=budget.checks,
         reliability=reliability,
         **_NOT_IN_BRIEF,
@@ -279,7 +279,7 @@ _TABLE = (
 )
 
 
-def _of_the_cycle(evaluation: Evaluation, index: int) -> list[Figure]:
+def _cycle_figures(evaluation: Evaluation, index: int) -> list[Figure]:
     """Figures of a drive over one cycle that are computed of every candidate."""
     values = evaluation.figures
     return [Figure(name=n, title=t, value=float(values[n][index]), kind=k, unit=u) for n, t, k, u in _TABLE]
@@ -290,10 +290,10 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
     values = {name: float(column[index]) for name, column in evaluation.figures.items()}
     if parts.steps:
         return stepper_figures(evaluation.problem, parts, values)
-    found = _of_the_cycle(evaluation, index)
-    found += [*_held(evaluation, parts), *_braking(evaluation, index, parts)]
+    found = _cycle_figures(evaluation, index)
+    found += [*_static_temperatures(evaluation, parts), *_braking(evaluation, index, parts)]
     found += _gearhead_life(evaluation, index, parts.gearhead)
-    found += _on_the_shaft(evaluation, parts)
+    found += _shaft_loads(evaluation, parts)
     motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
     if controller is None:
         return tuple(found)
@@ -315,7 +315,7 @@ _HELD = {
 }
 
 
-def _held(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
+def _static_temperatures(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
     """Temperatures of the first load case in which nothing moves; none where there is no such case."""
     case = next((one for one in evaluation.problem.cases if not one.at_belt.acts[SPEED]), None)
     if case is None:
@@ -330,7 +330,7 @@ def _held(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
     ]
 
 
-def _on_the_shaft(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
+def _shaft_loads(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
     """Equivalent mean loads of the output shaft in the first load case; none where the spec has none."""
     case = evaluation.problem.cases[0]
     loads = shaft_loads(case.spec, case.at_belt.behind(parts.belt_ratio), parts.belt_drive)

@@ -13,19 +13,19 @@ import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.machine.budgets import check_battery, of_the_machine
+from drivesizer.machine.budgets import check_battery, machine_requirements
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.reliability import Reliability, Uncertainty
 from drivesizer.results.weights import Choices
 from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.controllers import matching, offered_buses, offers
-from drivesizer.search.machine_filter import Weigh, divided, in_machine, weighing
-from drivesizer.search.order.families import family_of, first_of_each
-from drivesizer.search.order.found import Found, Judge
+from drivesizer.search.machine_filter import Weigh, divided, machine_filter, weighing
+from drivesizer.search.order.families import family_firsts, family_of
+from drivesizer.search.order.found import Judge, SearchResult
 from drivesizer.search.order.ranking import COUNTED, Ranking, names_of
 from drivesizer.search.order.sifting import Progress
-from drivesizer.search.own_mass import found_by_objective, problem_with_drive_mass
+from drivesizer.search.own_mass import depends_on_ranking, problem_with_drive_mass
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
@@ -43,7 +43,7 @@ class Shortlist:
 
     problem: Problem
     objective: Ranking
-    found: Found
+    found: SearchResult
     weigh: Weigh  # budgets of the machine with a drive in it
     best: list[int]  # that pass, in order
     top: int  # how many were requested
@@ -138,15 +138,15 @@ def shortlist(
     _known_choices(spec, catalog)
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})
-    made = {} if made is None or found_by_objective(spec) else made
+    made = {} if made is None or depends_on_ranking(spec) else made
     if "problem" not in made:
         made["problem"] = problem_with_drive_mass(spec, catalog, objective)
     problem, weighed = made["problem"]
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    machine = of_the_machine(problem.machine)
+    machine = machine_requirements(problem.machine)
     weigh = weighing(problem, machine, brief=checks_alone)
-    judge = in_machine(problem, machine, weigh, counted=not checks_alone)
+    judge = machine_filter(problem, machine, weigh, counted=not checks_alone)
     found = search(
         problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge,
         others=0 if pool else others, margins=choices > 0, made=made,
@@ -169,14 +169,14 @@ def shortlist(
         reliability=_reliability(sampled, [*best, *unsure], finalists),
         uncertainty=_uncertainty(sampled),
         weighed=weighed,
-        others=_of_other_families(found, best)[:others] if pool else list(found.others),
+        others=_family_alternatives(found, best)[:others] if pool else list(found.others),
         choices=_choices(problem, found, objective, 0 if pool else choices, judge, weigh),
         checks_alone=checks_alone,
     )
 
 
 def _choices(
-    problem: Problem, found: Found, objective: Ranking, most: int, judge: Judge | None, weigh: Weigh
+    problem: Problem, found: SearchResult, objective: Ranking, most: int, judge: Judge | None, weigh: Weigh
 ) -> Choices | None:
     """Drives to choose from by weights, where any are wanted."""
     if not most or not found.every:
@@ -186,13 +186,13 @@ def _choices(
     return choices(problem, found.every, objective, most, judge=judge, weigh=weigh)
 
 
-def _of_other_families(found: Found, best: list[int]) -> list[int]:
+def _family_alternatives(found: SearchResult, best: list[int]) -> list[int]:
     """The best of each other motor family among drives that reach the required probability."""
     family = family_of(found.evaluation.catalog, found.evaluation.candidates.motor[best])
-    return [best[n] for n in first_of_each(family)[1:]]
+    return [best[n] for n in family_firsts(family)[1:]]
 
 
-def _sampled(found: Found, rows: Sequence[int], how: Sampling, brief: bool) -> SampledDrives:
+def _sampled(found: SearchResult, rows: Sequence[int], how: Sampling, brief: bool) -> SampledDrives:
     """Some drives over samples, with their checks by physics whatever the method."""
     from drivesizer.search.uncertainty.run import sample_drives, subject  # where nothing is sampled it need not load
 

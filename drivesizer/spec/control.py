@@ -14,7 +14,7 @@ from drivesizer.files.fields import (
     Section,
     Share,
     Stiffness,
-    at_defaults,
+    all_defaults,
 )
 
 __all__ = ["Control", "Plant"]
@@ -63,10 +63,10 @@ class Control(Section):
     ki: Gain = Field(default=0, description="integral gain of voltage_pid [V per rad]")
     kd: Gain = Field(default=0, description="derivative gain of voltage_pid [V per rad/s^2]")
     bandwidth: Frequency | None = Field(default=None, description="closed-loop bandwidth to design voltage_pid for")
-    current: CurrentLoop = at_defaults()
-    velocity: VelocityLoop = at_defaults()
+    current: CurrentLoop = all_defaults()
+    velocity: VelocityLoop = all_defaults()
     position: PositionLoop | None = None
-    feedforward: Feedforward = at_defaults()
+    feedforward: Feedforward = all_defaults()
     rate: Frequency | None = Field(
         default=None, description="at which the velocity loop runs; the controller's own where not given"
     )

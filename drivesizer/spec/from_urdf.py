@@ -65,7 +65,7 @@ def spec_of(path: Path, joint: str | None = None) -> str:
     wheels = [] if joint is not None else _wheels(robot)
     if wheels:
         return _vehicle(robot, wheels)
-    return _arm(robot, _chosen(robot, joint))
+    return _arm(robot, _arm_joint(robot, joint))
 
 
 def has_wheels(path: Path) -> bool:
@@ -132,7 +132,7 @@ def _vehicle(robot: Robot, wheels: list[tuple[Joint, float]]) -> str:
     )  # fmt: skip
 
 
-def _chosen(robot: Robot, name: str | None) -> Joint:
+def _arm_joint(robot: Robot, name: str | None) -> Joint:
     """The joint of the arm."""
     if name is not None:
         if name not in robot.joints:

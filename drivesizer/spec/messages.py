@@ -143,7 +143,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
         case "string_too_long":
             return f"{found} is too long; expected at most {fault['ctx']['max_length']} characters"
         case "value_error":
-            return _of_values(str(fault["ctx"]["error"]), fault["input"], path)
+            return _validator_text(str(fault["ctx"]["error"]), fault["input"], path)
         case "literal_error":
             return _not_known(fault.get("input"), fault["ctx"]["expected"])
         case "union_tag_invalid":
@@ -157,7 +157,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return f"{found}: {text.replace('input ', '')}"
 
 
-def _of_values(text: str, found: Any, path: Path_) -> str:
+def _validator_text(text: str, found: Any, path: Path_) -> str:
     """Words of a validator: of a field with what was found there, of several fields, whose names it has, as it is."""
     own = text.removeprefix(f"{'.'.join(map(str, path))}: ")
     if own != text:

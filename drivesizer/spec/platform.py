@@ -23,7 +23,7 @@ from drivesizer.files.fields import (
     Speed,
     Thickness,
     Turning,
-    at_defaults,
+    all_defaults,
     default,
     no_entries,
 )
@@ -144,13 +144,13 @@ class Platform(Section):
         description="about the vertical through the centre of mass, without payloads; of a homogeneous box of the "
         "size where not given",
     )
-    centre_of_mass: CentreOfMass = at_defaults()
+    centre_of_mass: CentreOfMass = all_defaults()
     payloads: Annotated[list[PayloadSection], Field(max_length=100)] = no_entries(
         description="part of the load's mass; inertia and centre_of_mass are without them"
     )
     size: SizeSection | None = None
     passages: Annotated[list[PassageSection], Field(max_length=100)] = no_entries()
-    limits: Limits = at_defaults()
+    limits: Limits = all_defaults()
     uphill: Bearing = default("0 deg", description="direction of the load's slope in the world")
     failed: Annotated[list[Annotated[int, Field(ge=1)]], Field(max_length=100)] = no_entries(
         description="wheels whose motor has failed, by number: for a load case"
@@ -158,8 +158,8 @@ class Platform(Section):
     blocked: bool = Field(
         default=False, description="whether those are held by brake or gear; they turn freely otherwise"
     )
-    misjudged: Unknown = at_defaults(description="for `drivesizer drive --follow`")
-    following: Following = at_defaults(description="for `drivesizer drive --follow`")
+    misjudged: Unknown = all_defaults(description="for `drivesizer drive --follow`")
+    following: Following = all_defaults(description="for `drivesizer drive --follow`")
 
     @model_validator(mode="after")
     def _moves(self) -> Self:

@@ -21,7 +21,7 @@ from drivesizer.files.fields import (
     Pause,
     Place,
     Section,
-    at_defaults,
+    all_defaults,
     default,
     exactly_one,
     no_entries,
@@ -181,16 +181,16 @@ class RobotSection(Section):
     law: Literal["fastest", "poly5"] = Field(
         default="fastest", description="of moves between waypoints: fastest within limits, or a polynomial of 5th order"
     )
-    limits: dict[Name, JointLimits] = at_defaults(
+    limits: dict[Name, JointLimits] = all_defaults(
         description="of moves between waypoints, by joint; `all` for those that are not named"
     )
-    held: dict[Name, Position] = at_defaults(description="positions of joints that do not move; 0 where not given")
+    held: dict[Name, Position] = all_defaults(description="positions of joints that do not move; 0 where not given")
     payload: PointMass | None = Field(default=None, description="or its mass alone", json_schema_extra=_or_mass)
     payloads: Annotated[list[PayloadCase], Field(max_length=100)] = no_entries(
         description="other payloads at the same point, as load cases"
     )
     holds: Annotated[list[Hold], Field(max_length=100)] = no_entries(description="poses that are held, as load cases")
-    mounting: Mounting = at_defaults(description="of the base; upright where not given")
+    mounting: Mounting = all_defaults(description="of the base; upright where not given")
     friction: Literal["keep", "leave"] = Field(
         default="keep", description="of the joints in the description: kept as that of bearings, or left out"
     )
@@ -198,7 +198,7 @@ class RobotSection(Section):
         default="without",
         description="of the links: without the drives, which are added where they ride, or with_drives already",
     )
-    drives: dict[Name, DrivePlace] = at_defaults(
+    drives: dict[Name, DrivePlace] = all_defaults(
         description="by joint; at the joint on the link before it where not given"
     )
 

@@ -32,7 +32,7 @@ from drivesizer.files.fields import (
     TorqueAbove,
     Turning,
     Voltage,
-    at_defaults,
+    all_defaults,
     default,
 )
 from drivesizer.spec.lives import Life
@@ -240,11 +240,11 @@ class Case(Section):
     lasting: Duration | None = Field(
         default=None, description="of a case with a share, uninterrupted; one cycle where not given"
     )
-    load: dict[str, Any] = at_defaults()
-    motion: dict[str, Any] = at_defaults()
-    supply: dict[str, Any] = at_defaults()
-    environment: dict[str, Any] = at_defaults()
-    platform: dict[str, Any] = at_defaults()
+    load: dict[str, Any] = all_defaults()
+    motion: dict[str, Any] = all_defaults()
+    supply: dict[str, Any] = all_defaults()
+    environment: dict[str, Any] = all_defaults()
+    platform: dict[str, Any] = all_defaults()
 
 
 _Line = Annotated[str, Field(min_length=1, max_length=200)]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from drivesizer.files.fields import Names, Ratio, Section, at_defaults
+from drivesizer.files.fields import Names, Ratio, Section, all_defaults
 
 __all__ = [
     "ASSUMABLE", "BOUGHT", "OBJECTIVES", "Choice", "ControllerChoice", "EncoderChoice", "MotorChoice", "Objective",
@@ -107,11 +107,11 @@ class Select(Section):
     """Permitted parts, and the objective of the ranking."""
 
     catalogs: Names = Field(default=["maxon"])
-    motor: MotorChoice = at_defaults()
-    gearhead: Choice = at_defaults()
-    encoder: EncoderChoice = at_defaults()
-    controller: ControllerChoice = at_defaults()
-    brake: Choice = at_defaults()
+    motor: MotorChoice = all_defaults()
+    gearhead: Choice = all_defaults()
+    encoder: EncoderChoice = all_defaults()
+    controller: ControllerChoice = all_defaults()
+    brake: Choice = all_defaults()
     objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
     unknown: Literal["allow", "reject"] = Field(default="allow", description="drives with a check that is unknown")
     assume: list[Literal["ambient_range", "backlash", "peak_time"]] = Field(

@@ -25,7 +25,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.units import KINDS, from_si, kind_of_unit, noun, number, scale, show
 
-__all__ = ["SHAPES", "Toleranced", "has_tolerance", "taken", "tolerance"]
+__all__ = ["SHAPES", "Toleranced", "has_tolerance", "split_tolerances", "tolerance"]
 
 SHAPES = "normal(24 V, 0.5 V), uniform(23 V, 25 V) or triangular(23 V, 24 V, 26 V)"
 _WIDTH = re.compile(r"(?P<nominal>.*?)\s*(?:\+\s?/?\s?[-−]|±)\s*(?P<width>.*)")
@@ -92,7 +92,7 @@ def has_tolerance(text: str) -> bool:
     )
 
 
-def taken(source: YamlSource, without: YamlSource | None = None) -> tuple[Any, tuple[Toleranced, ...]]:
+def split_tolerances(source: YamlSource, without: YamlSource | None = None) -> tuple[Any, tuple[Toleranced, ...]]:
     """Split a spec's data into nominal values and the figures with tolerances.
 
     Parameters
@@ -190,7 +190,7 @@ def tolerance(text: str, path: Path_ = ()) -> Toleranced:
     ('45 kg', 42.75, 47.25)
     """
     bare = text.strip()
-    for pattern, read in ((_SHAPE, _of_a_shape), (_ENDS, _of_ends), (_WIDTH, _of_a_width)):
+    for pattern, read in ((_SHAPE, _distribution), (_ENDS, _range_ends), (_WIDTH, _plus_minus)):
         match = pattern.fullmatch(bare)
         if match:
             nominal, distribution, kind, unit = read(match, bare)
@@ -208,7 +208,7 @@ def _nominal(figure: _Figure, kind: str) -> tuple[str, float]:
 _Read = tuple[_Figure, Distribution, str, str]
 
 
-def _of_a_width(match: re.Match[str], text: str) -> _Read:
+def _plus_minus(match: re.Match[str], text: str) -> _Read:
     """A nominal value and how far it may be off, either way."""
     nominal, width = _figure(match["nominal"], text), _figure(match["width"], text)
     if not width.value > 0.0:
@@ -230,7 +230,7 @@ def _centred(nominal: _Figure, width: _Figure, text: str) -> tuple[_Figure, floa
     return nominal, _si(nominal, kind), half, kind, unit
 
 
-def _of_ends(match: re.Match[str], text: str) -> _Read:
+def _range_ends(match: re.Match[str], text: str) -> _Read:
     """A nominal value and both ends."""
     figures = _alike([_figure(match[name], text) for name in ("nominal", "low", "high")])
     kind, unit = _kind(figures, text)
@@ -244,7 +244,7 @@ def _of_ends(match: re.Match[str], text: str) -> _Read:
     return figures[0], Distribution("uniform", low, high, (low + high) / 2.0), kind, unit
 
 
-def _of_a_shape(match: re.Match[str], text: str) -> _Read:
+def _distribution(match: re.Match[str], text: str) -> _Read:
     """A distribution by name."""
     shape = match["shape"].casefold()
     count = {"normal": 2, "uniform": 2, "triangular": 3}.get(shape)

@@ -6,7 +6,7 @@ from pydantic import BeforeValidator, Field
 
 from drivesizer.catalog.tolerances.classes import NOT_OF_STEPPERS, OF_STEPPERS
 from drivesizer.catalog.tolerances.factors import share
-from drivesizer.files.fields import Section, Share, at_defaults
+from drivesizer.files.fields import Section, Share, all_defaults
 
 __all__ = ["FEWEST", "MOST", "ControllerTolerances", "GearheadTolerances", "MotorTolerances", "Tolerances"]
 
@@ -66,9 +66,9 @@ class Tolerances(Section):
         default=64, description="of the best drives in closed loop, where a confidence is required; 0 for none"
     )
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = Field(default=1, description="the same seed, the same figures")
-    motor: MotorTolerances = at_defaults()
-    gearhead: GearheadTolerances = at_defaults()
-    controller: ControllerTolerances = at_defaults()
+    motor: MotorTolerances = all_defaults()
+    gearhead: GearheadTolerances = all_defaults()
+    controller: ControllerTolerances = all_defaults()
 
     @property
     def given(self) -> dict[tuple[str, str], str]:

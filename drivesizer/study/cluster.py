@@ -17,7 +17,7 @@ from drivesizer.study.local import tasks
 from drivesizer.study.plan import Plan
 from drivesizer.study.variant import Part, rows_of
 
-__all__ = ["connected", "on_cluster"]
+__all__ = ["compute_on_cluster", "connected"]
 
 _PATIENCE = 5.0  # s, for a scheduler to answer, and for a worker to be there
 _AHEAD = 4  # chunks for each thread of a worker that wait for it
@@ -78,7 +78,7 @@ async def _identity(address: str) -> dict[str, Any]:
         comm.abort()
 
 
-def on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, Part]]:
+def compute_on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, Part]]:
     """Compute chunks on the workers of a scheduler; they are yielded in the order of completion.
 
     Other workers take over the tasks of a lost one.

@@ -18,22 +18,22 @@ from drivesizer.study.column import Column, Form, Row, cell
 from drivesizer.study.machine_columns import machine_columns
 from drivesizer.study.plan import Job, Plan
 
-__all__ = ["HEAD", "columns_of", "failed", "found"]
+__all__ = ["HEAD", "columns_of", "failed", "variant_rows"]
 
 
-class _Of(NamedTuple):
+class _DriveColumn(NamedTuple):
     """A column with a figure of a drive."""
 
     column: Column
     of: Callable[[DriveSet], Any]
 
 
-def _number(head: str, of: Callable[[DriveSet], Any], unit: str = "") -> _Of:
-    return _Of(Column(head, "number", unit), of)
+def _number(head: str, of: Callable[[DriveSet], Any], unit: str = "") -> _DriveColumn:
+    return _DriveColumn(Column(head, "number", unit), of)
 
 
-def _text(head: str, of: Callable[[DriveSet], Any]) -> _Of:
-    return _Of(Column(head, "text"), of)
+def _text(head: str, of: Callable[[DriveSet], Any]) -> _DriveColumn:
+    return _DriveColumn(Column(head, "text"), of)
 
 
 def _name(part: Any, name: str) -> str:
@@ -52,7 +52,7 @@ def _figure(name: str) -> Callable[[DriveSet], float]:
     return lambda one: next((figure.value for figure in one.figures if figure.name == name), nan)
 
 
-_DRIVE: tuple[_Of, ...] = (
+_DRIVE: tuple[_DriveColumn, ...] = (
     _text("set", lambda one: one.label),
     _text("motor_family", lambda one: one.motor.family),
     _text("motor_part", lambda one: one.motor.part),
@@ -114,7 +114,7 @@ def _form(axis: Any) -> Form:
     return "whole" if all(isinstance(axis.table_value(value), int) for value in axis.values) else "text"
 
 
-def found(head: Row, best: Best) -> list[Row]:
+def variant_rows(head: Row, best: Best) -> list[Row]:
     """Rows of a variant: one for each drive, or one with the check that the closest rejected drive fails most.
 
     Parameters
@@ -133,7 +133,7 @@ def found(head: Row, best: Best) -> list[Row]:
     if best.sets:
         return [
             [*head, best.objective, one.rank, one.status, *(cell(c, of(one)) for c, of in _DRIVE),
-             *_of_all(one, best.drives), *_smallest_margin(one), *counts, "", ""]
+             *_machine_totals(one, best.drives), *_smallest_margin(one), *counts, "", ""]
             for one in best.sets
         ]  # fmt: skip
     near = best.nearest
@@ -165,7 +165,7 @@ def failed(job: Job, head: Row, objective: str, message: str) -> list[Row]:
     return [[*head, objective, None, "error", *none, message]]
 
 
-def _of_all(one: DriveSet, drives: int) -> Row:
+def _machine_totals(one: DriveSet, drives: int) -> Row:
     """Number of drives of the machine, and mass and price of all of them."""
     return [drives, *(cell(c, drives * value) for c, value in zip(_TOTALS[1:], (one.mass, one.price), strict=True))]
 

@@ -85,7 +85,7 @@ def unknown_field(spec: YamlSource, path: Path_) -> str:
                 return f"entry {step + 1} does not exist, there are {found} in {spec.name}"
             data = data[step]
             continue
-        known = _known(spec, path[:n])
+        known = _known_names(spec, path[:n])
         if known is not None and step not in known:
             hint = nearest(step, known) or (f"; expected one of {', '.join(known)}" if known else "")
             return f"{quoted(step)} is no {_place(path[:n], is_machine(spec))}{hint}"
@@ -105,7 +105,7 @@ def _place(path: Path_, machine: bool) -> str:
     return f"field of {name or ('a machine' if machine else 'a spec')}"
 
 
-def _known(spec: YamlSource, path: Path_) -> list[str] | None:
+def _known_names(spec: YamlSource, path: Path_) -> list[str] | None:
     """Names that a place may have; None where a user gives them."""
     if is_machine(spec):
         if not path:
@@ -129,10 +129,10 @@ def _root(spec: YamlSource, path: Path_) -> tuple[type[BaseModel], Path_, Any]:
             return AxisFields, path, data
     elif is_machine(spec) and path[0] in MachineFields.model_fields and path[0] not in RobotSpec.model_fields:
         return MachineFields, path, data
-    return RobotSpec, _of_the_spec(path), data
+    return RobotSpec, _spec_path(path), data
 
 
-def _of_the_spec(path: Path_) -> Path_:
+def _spec_path(path: Path_) -> Path_:
     """A load case changes fields of the spec itself."""
     return path[2:] if path[:1] == ("cases",) and len(path) > 2 else path
 
@@ -164,7 +164,7 @@ def kind_of(spec: YamlSource, path: Path_, value: Any) -> str:
         return ""
     first = found[0]
     if isinstance(first, Either):
-        return _of_either(value, first.rotary, first.linear)
+        return _either_kind(value, first.rotary, first.linear)
     if first.grade and str(value).rstrip().endswith("%"):
         return "dimensionless"
     if not first.rotary:
@@ -172,7 +172,7 @@ def kind_of(spec: YamlSource, path: Path_, value: Any) -> str:
     load = data.get("load") if isinstance(data, dict) else None
     kind = load.get("kind") if isinstance(load, dict) else None
     if kind is None and is_machine(spec):  # shared by axes of which each has its load
-        return _of_either(value, first.rotary, first.kind)
+        return _either_kind(value, first.rotary, first.kind)
     return first.rotary if AXES.get(str(kind), "linear") == "rotary" else first.kind
 
 
@@ -182,7 +182,7 @@ def _values_by_name(model: type[BaseModel], path: Path_, data: Any) -> list[Quan
     return [mark for field in fields for value in get_args(field.annotation)[1:] for mark in _quantities((value,))]
 
 
-def _of_either(value: Any, rotary: str, linear: str) -> str:
+def _either_kind(value: Any, rotary: str, linear: str) -> str:
     """Of two kinds the one that a value is of; the first where it is of neither."""
     for kind in (rotary, linear):
         try:

@@ -19,7 +19,7 @@ from drivesizer.study.plan import Job, Plan, Variant
 from drivesizer.study.threads import can_be_copied, one_thread_each
 from drivesizer.study.variant import Part, rows_of
 
-__all__ = ["Pool", "Task", "cores", "on_processes", "started", "tasks"]
+__all__ = ["Pool", "Task", "compute_on_processes", "cores", "started", "tasks"]
 
 Task = tuple[int, list[Variant], list[Row]]  # chunk, its variants, and the first cells of their rows
 _AHEAD = 2  # pending chunks for each process
@@ -85,7 +85,7 @@ def started(processes: int) -> Iterator[Pool]:
             raise
 
 
-def on_processes(plan: Plan, chunks: Sequence[int], pool: Pool) -> Iterator[tuple[int, Part]]:
+def compute_on_processes(plan: Plan, chunks: Sequence[int], pool: Pool) -> Iterator[tuple[int, Part]]:
     """Compute chunks; they are yielded in the order of completion.
 
     Parameters

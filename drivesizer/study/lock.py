@@ -15,7 +15,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from drivesizer.errors import InputError, reason_of
-from drivesizer.files.writing import put, remove_all
+from drivesizer.files.writing import remove_files, write_files
 
 __all__ = ["locked"]
 
@@ -40,10 +40,10 @@ def locked(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise InputError(f"{folder / _LOCK}: cannot be written or locked ({reason_of(error)})") from None
     try:
-        put({folder / _HOLDER: f"process {os.getpid()} on {socket.gethostname()}".encode()})
+        write_files({folder / _HOLDER: f"process {os.getpid()} on {socket.gethostname()}".encode()})
         yield
     finally:
-        remove_all([folder / _HOLDER])
+        remove_files([folder / _HOLDER])
         lock.release()
 
 

@@ -19,7 +19,7 @@ from drivesizer.study.column import Column, Row, cell
 __all__ = ["machine_columns", "machine_row"]
 
 
-class _Of(NamedTuple):
+class _MachineColumn(NamedTuple):
     """A column with a figure of a machine."""
 
     column: Column
@@ -72,18 +72,18 @@ def _kinds(sizing: MachineSizing) -> int:
     return len({(one.best.motor.part, one.best.gearhead.part) for one in sizing.axes if one.best})
 
 
-_MACHINE: tuple[_Of, ...] = (
-    _Of(Column("drives", "whole"), lambda sizing: sum(one.drives for one in sizing.axes if one.best)),
-    _Of(Column("kinds", "whole"), _kinds),  # of motor and gearhead
-    _Of(Column("machine_mass_kg", "number", "kg"), _sum(lambda one: one.mass)),  # of motors and gearheads
-    _Of(Column("mass_lacks", "text"), _lacking(_unweighed)),
-    _Of(Column("machine_price_EUR", "number", "EUR"), _price),  # of all parts whose price is known
-    _Of(Column("price_lacks", "text"), _lacking(lambda one: unknown_of(one, one.price_of))),
-    _Of(Column("objective_si", "number"), lambda sizing: sizing.total),
-    _Of(Column("energy_J", "number", "J"), _energy),
-    _Of(Column("mean_W", "number", "W"), _power("mean")),
-    _Of(Column("peak_W", "number", "W"), _power("peak")),
-    _Of(Column("supply_none_fails", "number", "1"), _supply_none_fails),
+_MACHINE: tuple[_MachineColumn, ...] = (
+    _MachineColumn(Column("drives", "whole"), lambda sizing: sum(one.drives for one in sizing.axes if one.best)),
+    _MachineColumn(Column("kinds", "whole"), _kinds),  # of motor and gearhead
+    _MachineColumn(Column("machine_mass_kg", "number", "kg"), _sum(lambda one: one.mass)),  # of motors and gearheads
+    _MachineColumn(Column("mass_lacks", "text"), _lacking(_unweighed)),
+    _MachineColumn(Column("machine_price_EUR", "number", "EUR"), _price),  # of all parts whose price is known
+    _MachineColumn(Column("price_lacks", "text"), _lacking(lambda one: unknown_of(one, one.price_of))),
+    _MachineColumn(Column("objective_si", "number"), lambda sizing: sizing.total),
+    _MachineColumn(Column("energy_J", "number", "J"), _energy),
+    _MachineColumn(Column("mean_W", "number", "W"), _power("mean")),
+    _MachineColumn(Column("peak_W", "number", "W"), _power("peak")),
+    _MachineColumn(Column("supply_none_fails", "number", "1"), _supply_none_fails),
 )
 _MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
 _WHERE = Column("smallest_margin_axis", "text")

@@ -18,7 +18,7 @@ from drivesizer.spec.robot_section import RobotSection
 from drivesizer.spec.several_axes.machine_file import read_machine
 from drivesizer.study.best import Best
 from drivesizer.study.column import Row
-from drivesizer.study.columns import found
+from drivesizer.study.columns import variant_rows
 from drivesizer.study.machine_columns import machine_row
 from drivesizer.study.plan import Job
 
@@ -61,7 +61,7 @@ def machine_rows(
     machine = read_machine(source)
     sizing = size_machine(machine, top=job.top, objective=objective, brief=True, parts=parts, torques=torques)
     if job.axis is not None:
-        return found(head, _best(sizing.axis(job.axis), job.top))
+        return variant_rows(head, _best(sizing.axis(job.axis), job.top))
     return [machine_row(head, job.members, sizing)]
 
 

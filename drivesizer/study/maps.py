@@ -19,7 +19,7 @@ from drivesizer.study.map_figure import draw
 from drivesizer.study.map_panel import Dimension, Map, Panel
 from drivesizer.study.plan import Plan
 
-__all__ = ["MAPS", "MOST_POINTS", "Chosen", "Points", "chosen", "drawings", "points"]
+__all__ = ["MAPS", "MOST_POINTS", "MapAxes", "Points", "drawings", "map_axes", "points"]
 
 MOST_POINTS = 40_000
 _MOST_PANELS = 12
@@ -35,7 +35,7 @@ MAPS: tuple[Map, ...] = (
 )
 
 
-class Chosen(NamedTuple):
+class MapAxes(NamedTuple):
     """Axes of the maps."""
 
     across: Dimension
@@ -47,7 +47,7 @@ class Chosen(NamedTuple):
 Points = dict[tuple[Any, ...], list[dict[str, Any]]]  # rows by the values of the other axes
 
 
-def chosen(plan: Plan, names: Sequence[str]) -> Chosen | None:
+def map_axes(plan: Plan, names: Sequence[str]) -> MapAxes | None:
     """Axes of the maps: the two named, or the first two; None where nothing varies.
 
     Parameters
@@ -80,7 +80,7 @@ def chosen(plan: Plan, names: Sequence[str]) -> Chosen | None:
         raise InputError(f"--map: expected two fields that vary, e.g. --map {','.join(list(there)[:2])}")
     sampled = {axis.name for axis in plan.job.axes} if not grid else set()
     beside = tuple(one for name, one in there.items() if name not in picked and name not in sampled)
-    return Chosen(there[picked[0]], there[picked[1]] if len(picked) > 1 else None, beside, grid)
+    return MapAxes(there[picked[0]], there[picked[1]] if len(picked) > 1 else None, beside, grid)
 
 
 def _dimensions(plan: Plan) -> list[Dimension]:
@@ -95,7 +95,7 @@ def _dimensions(plan: Plan) -> list[Dimension]:
     return [one for n, one in enumerate(found) if len(one.values) > 1 or (sampled and n < len(plan.job.axes))]
 
 
-def points(plan: Plan, over: Chosen, chunks: Iterable[list[Row]]) -> Points:
+def points(plan: Plan, over: MapAxes, chunks: Iterable[list[Row]]) -> Points:
     """The best row of each variant by panel, with the columns that maps need.
 
     Parameters
@@ -129,7 +129,7 @@ def points(plan: Plan, over: Chosen, chunks: Iterable[list[Row]]) -> Points:
     return found
 
 
-def drawings(over: Chosen, found: Points) -> tuple[dict[str, Drawing], list[str]]:
+def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str]]:
     """Maps by name, and notes on panels that are not drawn.
 
     Parameters

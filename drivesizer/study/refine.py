@@ -40,14 +40,14 @@ def refined(plan: Plan, chunks: Iterable[list[Row]]) -> Plan | None:
     level = len(plan.rounds)
     if level >= plan.depth:
         return None
-    found = _found(plan, chunks)
+    found = _best_drives(plan, chunks)
     half = plan.parts >> level + 1
     new = {point for cell in _halved(plan, found, level) for point in _lattice(plan, cell, (0, half, 2 * half))}
     points = tuple(sorted(new - found.keys()))
     return replace(plan, rounds=(*plan.rounds, len(points)), added=(*plan.added, *points)) if points else None
 
 
-def _found(plan: Plan, chunks: Iterable[list[Row]]) -> _Found:
+def _best_drives(plan: Plan, chunks: Iterable[list[Row]]) -> _Found:
     heads = [column.head for column in columns_of(plan)]
     number, rank = heads.index("variant"), heads.index("rank")
     drives = {"set", *(f"{name}.set" for name in plan.job.members)}

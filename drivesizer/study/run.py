@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drivesizer.errors import InputError, reason_of
-from drivesizer.files.writing import remove_all
+from drivesizer.files.writing import remove_files
 from drivesizer.study.column import Column, Row
 from drivesizer.study.columns import columns_of
-from drivesizer.study.local import cores, on_processes, started
+from drivesizer.study.local import compute_on_processes, cores, started
 from drivesizer.study.lock import locked
 from drivesizer.study.plan import Plan
 from drivesizer.study.provenance import made_of, refuse_if_all_invalid
@@ -23,7 +23,7 @@ from drivesizer.study.table import has_parquet, write_csv, write_parquet
 from drivesizer.study.variant import Part
 
 if TYPE_CHECKING:
-    from drivesizer.study.maps import Chosen
+    from drivesizer.study.maps import MapAxes
 
 __all__ = ["Outcome", "carry_out"]
 
@@ -132,12 +132,12 @@ def _workers(processes: int, scheduler: str | None) -> Iterator[Compute]:
     """Function that computes chunks; a scheduler is reached before anything is written."""
     if scheduler is None:
         with started(processes) as pool:
-            yield lambda plan, chunks: on_processes(plan, chunks, pool)
+            yield lambda plan, chunks: compute_on_processes(plan, chunks, pool)
         return
-    from drivesizer.study.cluster import connected, on_cluster
+    from drivesizer.study.cluster import compute_on_cluster, connected
 
     with connected(scheduler) as client:
-        yield lambda plan, chunks: on_cluster(client, plan, chunks)
+        yield lambda plan, chunks: compute_on_cluster(client, plan, chunks)
 
 
 def _rounds(plan: Plan, store: Store, compute: Compute, progress: Progress | None) -> tuple[Plan, Store]:
@@ -166,17 +166,17 @@ def _compute(plan: Plan, store: Store, compute: Compute, progress: Progress | No
 
 def _tables(plan: Plan, store: Store, outcome: Outcome) -> None:
     columns, (as_csv, as_parquet) = columns_of(plan), store.results
-    write_csv(as_csv, columns, _counted(columns, store, outcome))
+    write_csv(as_csv, columns, _row_count(columns, store, outcome))
     outcome.written.append(as_csv)
     if has_parquet():
         write_parquet(as_parquet, columns, store.every_row())
         outcome.written.append(as_parquet)
     else:
-        remove_all([as_parquet])
+        remove_files([as_parquet])
         outcome.notes.append("no results.parquet, which needs pyarrow: install drivesizer[study]")
 
 
-def _counted(columns: Sequence[Column], store: Store, outcome: Outcome) -> Iterator[list[Row]]:
+def _row_count(columns: Sequence[Column], store: Store, outcome: Outcome) -> Iterator[list[Row]]:
     """All rows; variants are counted meanwhile."""
     heads = [column.head for column in columns]
     status, rank, examined = (heads.index(name) for name in ("status", "rank", "sets_examined"))
@@ -188,14 +188,14 @@ def _counted(columns: Sequence[Column], store: Store, outcome: Outcome) -> Itera
         yield rows
 
 
-def _over(plan: Plan, names: Sequence[str]) -> Chosen | None:
+def _over(plan: Plan, names: Sequence[str]) -> MapAxes | None:
     """The fields that maps are over; drawing is loaded where there are any."""
-    from drivesizer.study.maps import chosen
+    from drivesizer.study.maps import map_axes
 
-    return chosen(plan, names)
+    return map_axes(plan, names)
 
 
-def _maps(plan: Plan, store: Store, chosen: Chosen, outcome: Outcome) -> None:
+def _maps(plan: Plan, store: Store, chosen: MapAxes, outcome: Outcome) -> None:
     from drivesizer.output.report.figure_files import figures_into
     from drivesizer.study.maps import MOST_POINTS, drawings, points
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.cache import digest_of
-from drivesizer.files.writing import put, remove_all
+from drivesizer.files.writing import remove_files, write_files
 from drivesizer.study.column import Row
 from drivesizer.study.plan import Plan
 from drivesizer.study.variant import Part
@@ -74,7 +74,7 @@ class Store:
         head = json.dumps({"chunk": chunk, "digest": digest_of(lines)}).encode()
         path = self.path(chunk)
         path.parent.mkdir(exist_ok=True)
-        put({path: head + b"\n" + lines})
+        write_files({path: head + b"\n" + lines})
 
     def _lines(self, chunk: int) -> bytes | None:
         """The rows of a chunk as written; None where they are missing or damaged."""
@@ -133,9 +133,9 @@ def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool 
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({reason_of(error)})") from None
     killed = (folder / _CHUNKS).glob("*/.drivesizer-*.part"), folder.glob("results.*.part")
-    remove_all(chain(*killed))  # of a process that was killed while writing
+    remove_files(chain(*killed))  # of a process that was killed while writing
     if fresh or before is None:
-        put({folder / _MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode()})
+        write_files({folder / _MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode()})
     return store
 
 
@@ -166,4 +166,4 @@ def _cleared(store: Store) -> None:
     """Remove the files of a study, and no others."""
     own = [*store.results, store.folder / _MANIFEST]
     own += [*(store.folder / _CHUNKS).glob("*/*.jsonl"), *store.maps.glob("*.svg"), *store.maps.glob("*.png")]
-    remove_all(own)
+    remove_files(own)

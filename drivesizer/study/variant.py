@@ -19,7 +19,7 @@ from drivesizer.spec.several_axes.any_spec import is_machine
 from drivesizer.spec.several_axes.machine_file import read_machine
 from drivesizer.study.best import best
 from drivesizer.study.column import Row
-from drivesizer.study.columns import failed, found
+from drivesizer.study.columns import failed, variant_rows
 from drivesizer.study.fields import changed
 from drivesizer.study.plan import Job, Variant
 from drivesizer.version import __version__
@@ -171,7 +171,7 @@ def _rows(job: Job, variant: Variant, head: Row, made: dict[str, str], alike: di
         if "spec" not in alike:
             alike["spec"] = spec_of(job, variant)
         spec = alike["spec"]
-        return found(head, best(spec, parts(spec), objective=objective, top=job.top, made=alike))
+        return variant_rows(head, best(spec, parts(spec), objective=objective, top=job.top, made=alike))
     except DrivesizerError as error:
         return failed(job, head, title, " ".join(str(error).split()))
     except (ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:

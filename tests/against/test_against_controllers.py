@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from textbook_machine import RUBS, SHAFT, STEEP, driven, on_slope, task_of, textbook
 
 from drivesizer.control.cascade import Cascade, Rates
-from drivesizer.control.cascade_design import Wanted, design_cascade
+from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, simulate
 
 RATES = Rates(4e-5, 4e-4, 1.2e-3)  # s: current, velocity, position
@@ -235,7 +235,7 @@ def servo(spec, catalog, degrees, more, **limits):
     """A servo drive with every path of the cascade in use, and its task."""
     _, train = on_slope(spec, catalog, degrees)
     bandwidth = 8.0 if more else 30.0  # Hz; the shaft rings at 87
-    c, _ = design_cascade(train, RATES, Wanted(bandwidth=bandwidth, position=True))
+    c, _ = design_cascade(train, RATES, CascadeRequirements(bandwidth=bandwidth, position=True))
     c = replace(c, feedforward_velocity=1e-4, velocity_kd=1e-4, filter_time=1e-3)
     m = replace(train, stiction=1.5 * train.friction, **RUBS, **more)
     supply = Supply(voltage=17.0, resistance=0.05, sets=4, max_duty=0.9, voltage_drop=1.0)

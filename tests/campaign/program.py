@@ -26,7 +26,7 @@ from drivesizer.commands.ends import ended
 from drivesizer.commands.usage import parsed
 from drivesizer.files import cache, text
 from drivesizer.live.engine import JOBS, done
-from drivesizer.live.held import Held
+from drivesizer.live.held import EngineMemory
 from drivesizer.live.requests import REQUESTS, request_of
 from drivesizer.study import run as study_run
 from drivesizer.study import variant
@@ -127,15 +127,15 @@ def _emptied(folder: Path) -> None:
 @contextlib.contextmanager
 def _own_folder(folder: Path) -> Iterator[None]:
     """A study's variants computed in this process; nothing else is replaced."""
-    before = study_run.started, study_run.on_processes
+    before = study_run.started, study_run.compute_on_processes
     study_run.started = contextlib.nullcontext  # type: ignore[assignment, misc]
-    study_run.on_processes = lambda plan, chunks, _: (  # type: ignore[assignment]
+    study_run.compute_on_processes = lambda plan, chunks, _: (  # type: ignore[assignment]
         (chunk, variant.rows_of(plan.job, given, heads)) for chunk, given, heads in tasks(plan, chunks)
     )
     try:
         yield
     finally:
-        study_run.started, study_run.on_processes = before
+        study_run.started, study_run.compute_on_processes = before
 
 
 def _forgotten() -> None:
@@ -211,7 +211,7 @@ def _sized() -> str:
 def _live_request(words: list[str]) -> int:
     """A request of the page: refused as malformed, or answered in pieces that are JSON."""
     request = request_of(REQUESTS[words[1]], Path("request.json").read_bytes())
-    held = Held("robot.yaml")
+    held = EngineMemory("robot.yaml")
     assert words[1] in JOBS
     for piece in islice(done(held, words[1], request), _PIECES):
         print(

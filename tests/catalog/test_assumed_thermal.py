@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load, shipped
-from drivesizer.catalog.estimates.assumed import ASSUMED, DENSITY, by_rating
+from drivesizer.catalog.estimates.assumed import ASSUMED, DENSITY, estimates_by_rated_current
 from drivesizer.catalog.estimates.estimate import estimates
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.physics.thermal import resistance_25
@@ -108,7 +108,7 @@ def test_the_temperature_at_the_nominal_current_is_the_permitted_one(everything)
     """Where maxon prints both, of 309 brushed motors: by copper alone 5 % less rise in the median, never 1 % more."""
     table = everything.motors
     columns = {**table.columns, "max_winding_temperature": np.full(len(table), np.nan)}
-    found = by_rating(replace(table, columns=columns), {})["max_winding_temperature"]
+    found = estimates_by_rated_current(replace(table, columns=columns), {})["max_winding_temperature"]
     rows, printed = found.rows, table["max_winding_temperature"][found.rows]
     some = (table["manufacturer"][rows] == "maxon") & (table["kind"][rows] == "brushed") & ~np.isnan(printed)
     ratio = (found.low[some] - 298.15) / (printed[some] - 298.15)

@@ -13,7 +13,7 @@ import pytest
 
 from drivesizer.catalog import Catalog, Table, load, shipped
 from drivesizer.catalog.estimates import of_catalog
-from drivesizer.catalog.estimates.estimate import estimates, estimates_of, kept, written
+from drivesizer.catalog.estimates.estimate import estimates, estimates_of, shipped_laws, written
 from drivesizer.catalog.estimates.fit import fit, fits, left_out, widening
 from drivesizer.catalog.estimates.laws import LAWS, Law, column, constructions_of, members_of
 from drivesizer.catalog.identities import as_printed
@@ -47,7 +47,7 @@ def test_nine_in_ten_parts_of_families_never_seen_lie_in_the_band(everything):
 
     The interval is that of prediction, x' (X' W X)^-1 x, with the column of ones in X and 1 / parts of the family in W.
     """
-    for law in (law for law in kept() if not law.source):
+    for law in (law for law in shipped_laws() if not law.source):
         table = everything.table(law.law.section)
         terms = [np.log(column(table, name)) for name in law.law.terms]
         y = np.log(column(table, law.law.figure))
@@ -133,7 +133,7 @@ def test_a_printed_figure_wins_and_an_unknown_one_is_estimated(everything):
     columns = {name: values[row : row + 1].copy() for name, values in motors.columns.items()}
     columns["rotor_inertia"][0] = np.nan
     found = estimates(Table("motors", columns, motors.source[:1], motors.excluded[:1]))["rotor_inertia"]
-    by = kept()[found.fit[0]]
+    by = shipped_laws()[found.fit[0]]
     known = {"mass": 0.13, "diameter": 0.025, "motor_constant": 0.0234**2 / 2.32, "length": 0.0545}
     terms = sum(b * log(known[name]) for b, name in zip(by.coefficients[1:], by.law.terms, strict=True))
     assert found.value[0] == pytest.approx(exp(by.coefficients[0] + terms), rel=2e-3)
@@ -193,7 +193,7 @@ def test_a_law_serves_constructions_among_its_peers(everything):
     weighed = np.isfinite(table["mass"][found.rows])
     assert len(set(table["manufacturer"][found.rows][weighed])) == 5
     for number in set(found.fit[weighed].tolist()):
-        assert "frameless" in kept()[number].constructions, kept()[number].law
+        assert "frameless" in shipped_laws()[number].constructions, shipped_laws()[number].law
 
 
 def test_where_no_law_has_seen_a_construction_the_band_is_twice_as_wide(everything):
@@ -208,7 +208,7 @@ def test_where_no_law_has_seen_a_construction_the_band_is_twice_as_wide(everythi
             table.columns[rating][:] = np.nan
         found = estimates(table)
         for place, row in enumerate(found[figure].rows):
-            by = kept()[found[figure].fit[place]]
+            by = shipped_laws()[found[figure].fit[place]]
             if "frameless" in by.constructions:
                 continue
             assert by.constructions == ("inrunner", "outrunner") and by.peers is not None
@@ -224,9 +224,11 @@ def test_laws_to_choose_among_can_be_given():
     """As samples of one part do, for which a term drawn far off must not call for another law."""
     table = made(1)
     table.columns["rotor_inertia"][:] = np.nan
-    free = kept()[estimates(table)["rotor_inertia"].fit[0]]
-    other = next(one for one in kept() if one.law.figure == "rotor_inertia" and one.law.of == "brushed" and one != free)
-    assert kept()[estimates(table, {other})["rotor_inertia"].fit[0]] == other
+    free = shipped_laws()[estimates(table)["rotor_inertia"].fit[0]]
+    other = next(
+        one for one in shipped_laws() if one.law.figure == "rotor_inertia" and one.law.of == "brushed" and one != free
+    )
+    assert shipped_laws()[estimates(table, {other})["rotor_inertia"].fit[0]] == other
 
 
 def test_a_part_far_from_all_that_were_fitted_is_not_estimated():
@@ -245,7 +247,7 @@ def test_another_maker_gets_the_wider_band():
         "diameter": np.array([0.025]),
     }
     found = estimates(replace(table, columns=unknown))["rotor_inertia"]
-    by = kept()[found.fit[0]]
+    by = shipped_laws()[found.fit[0]]
     ends = by.other_makers or (2 * by.band[0], 2 * by.band[1])
     assert by.peers is not None
     wide = widening(by.peers, np.log([[{"mass": 0.1, "diameter": 0.025}[name] for name in by.law.terms]])).item()

@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, columns_of, load, shipped
 from drivesizer.catalog.lookup import origins
-from drivesizer.catalog.query import Hit, every, open_all
+from drivesizer.catalog.query import Hit, every, open_catalogs
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.units import from_si, to_si
 
@@ -35,13 +35,13 @@ Figures = dict[str, str]
 @pytest.fixture(scope="module")
 def shelf() -> dict[str, Catalog]:
     """The catalogues tested here, by name."""
-    return open_all(name for name in shipped() if name not in ELSEWHERE)
+    return open_catalogs(name for name in shipped() if name not in ELSEWHERE)
 
 
 @pytest.fixture(scope="module")
 def full() -> dict[str, Catalog]:
     """All that ship, by name."""
-    return open_all()
+    return open_catalogs()
 
 
 def _noted(catalog: Catalog, part: str, field: str, *, accepted: bool) -> bool:

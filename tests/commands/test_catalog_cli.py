@@ -18,7 +18,7 @@ from drivesizer.catalog.conditions import option, where
 from drivesizer.catalog.coverage import coverage
 from drivesizer.catalog.exchange.exporting import digits, plain, safe
 from drivesizer.catalog.lookup import find, origins, partners
-from drivesizer.catalog.query import Hit, open_all, select
+from drivesizer.catalog.query import Hit, open_catalogs, select
 
 SMALL = """\
 catalog: 1
@@ -166,7 +166,7 @@ def test_an_unknown_figure_meets_nothing_and_is_counted(run, small):
     assert document["parts"][1]["mass"] is None
     assert document["units"]["motors"]["mass"] == "kg"
     assert document["parts"][0]["mass"] == pytest.approx(0.054)
-    unknown = select(open_all([str(small)]), "motors", [where("motors", "assigned_power!=3 W")])
+    unknown = select(open_catalogs([str(small)]), "motors", [where("motors", "assigned_power!=3 W")])
     assert [hit.part for hit in unknown.hits] == ["M1", "007"]
 
 
@@ -305,7 +305,7 @@ def test_what_goes_with_a_gearhead(run, small):
     assert "motors: 4 in 1 family: M 20 (4)" in words(run("show", "G27", "--catalog", small)[1])
     assert "motors: none is listed; one may still exist" in words(run("show", "G5", "--catalog", small)[1])
     assert "excluded from sizing by a note" in words(run("show", "M4", "--catalog", small)[1])
-    assert partners(find(open_all([str(small)]), "C50")[0]) == {}
+    assert partners(find(open_catalogs([str(small)]), "C50")[0]) == {}
 
 
 def test_the_papers_motor_is_shown_as_the_catalogue_has_it(run):
@@ -328,7 +328,7 @@ def test_parts_side_by_side(run, small):
     assert document["differs"]["nominal_voltage"] is True
     assert document["differs"]["diameter"] is False
     assert document["differs"]["assigned_power"] is None
-    hits = find(open_all([str(small)]), "M1") + find(open_all([str(small)]), "007")
+    hits = find(open_catalogs([str(small)]), "M1") + find(open_catalogs([str(small)]), "007")
     assert next(row for row in side_by_side(hits) if row.column.name == "mass").differs is None
 
 

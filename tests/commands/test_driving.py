@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drivesizer.cli import main
-from drivesizer.control.path_following.runs import FollowingRun, follow_all, follow_case
+from drivesizer.control.path_following.runs import FollowingRun, follow_case, follow_runs
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
@@ -388,7 +388,7 @@ def test_a_platform_that_tips_over_is_not_followed():
     tall = PLATFORM.replace("height: 0 mm", "height: 3.5 m")
     spec = spec_of(VEHICLE.replace("slope: 2 deg", "slope: 0 deg"), tall, AHEAD)
     with pytest.raises(InputError, match=r"platform\.centre_of_mass: the platform tips over .* 11\.33 mm beyond its"):
-        follow_all(driving(spec), None)
+        follow_runs(driving(spec), None)
 
 
 # --- the speed that a drive permits in each direction -----------------------------------------------------------------

@@ -19,7 +19,7 @@ from drivesizer import cli
 from drivesizer.commands import ends
 from drivesizer.errors import InputError
 from drivesizer.files.cache import keep
-from drivesizer.files.writing import new, put, ready_all
+from drivesizer.files.writing import check_targets, new, write_files
 from drivesizer.output.export.fmu import render as render_fmu
 from drivesizer.output.terminal.tables import console
 
@@ -88,7 +88,7 @@ def test_devices_and_pipes_are_written_into_and_stay_what_they_are(folder):
     (folder / "nowhere.csv").symlink_to(os.devnull)
     with subprocess.Popen(["cat", "pipe.csv"], stdout=subprocess.PIPE) as reader:
         held = os.open("pipe.csv", os.O_WRONLY)  # waits until somebody reads
-        put({Path("pipe.csv"): b"through", Path("nowhere.csv"): b"away", Path("file.csv"): b"kept"})
+        write_files({Path("pipe.csv"): b"through", Path("nowhere.csv"): b"away", Path("file.csv"): b"kept"})
         os.close(held)
         assert reader.communicate(timeout=30)[0] == b"through"
     assert stat.S_ISFIFO(Path("pipe.csv").stat().st_mode)
@@ -99,7 +99,7 @@ def test_devices_and_pipes_are_written_into_and_stay_what_they_are(folder):
 def test_a_pipe_that_nobody_reads_is_refused_and_nothing_else_is_written(folder):
     os.mkfifo("pipe.csv")
     with pytest.raises(InputError, match=r"pipe\.csv: cannot be written"):
-        put({Path("file.csv"): b"new", Path("pipe.csv"): b"new"})
+        write_files({Path("file.csv"): b"new", Path("pipe.csv"): b"new"})
     assert not Path("file.csv").exists() and not list(folder.glob(".drivesizer*"))
 
 
@@ -135,18 +135,18 @@ def test_what_is_protected_or_no_place_for_a_file_is_refused(folder, monkeypatch
     Path("astray.csv").symlink_to("nothing/there.csv")
     for name in ("kept.csv", "loop.csv", "astray.csv", "a" * 300 + ".csv", "a\0.csv", "no/file.csv", "."):
         with pytest.raises(InputError, match="cannot be written"):
-            put({Path(name): b"new"})
+            write_files({Path(name): b"new"})
     assert Path("kept.csv").read_text() == "older"
     Path("a.csv").symlink_to("b.csv")
     with pytest.raises(InputError, match=r"written twice, as a\.csv too"):
-        ready_all([Path("a.csv"), Path("b.csv")])
+        check_targets([Path("a.csv"), Path("b.csv")])
 
 
 def test_a_file_keeps_its_permissions(folder):
     """A report that only its owner may read stays so."""
     Path("private.csv").write_text("older")
     Path("private.csv").chmod(0o600)
-    put({Path("private.csv"): b"new"})
+    write_files({Path("private.csv"): b"new"})
     assert stat.S_IMODE(Path("private.csv").stat().st_mode) == 0o600
 
 
@@ -236,7 +236,7 @@ def test_an_import_is_written_before_its_reader_can_go_away(run, monkeypatch):
     def gone(*_, **__):
         raise BrokenPipeError
 
-    monkeypatch.setattr("drivesizer.output.terminal.findings.taken", gone)
+    monkeypatch.setattr("drivesizer.output.terminal.findings.imported", gone)
     Path("parts.csv").write_text(TABLE)
     Path("map.yaml").write_text(MAP)
     words = ("catalog", "import", "parts.csv", "--section", "motors", "--map", "map.yaml", "-o", "new.yaml")

@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import expm
 
 from drivesizer.control.cascade import Cascade, Rates, controller_gains, rates
-from drivesizer.control.cascade_design import Wanted, design_cascade
+from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.cascade_rules import (
     feedforward,
     magnitude_optimum,
@@ -62,7 +62,7 @@ J = J_M + J_L / (E * K * K)  # driving
 
 
 def designed(train=TRAIN, every=EPOS4, **wanted):
-    return design_cascade(train, every, Wanted(**wanted))[0]
+    return design_cascade(train, every, CascadeRequirements(**wanted))[0]
 
 
 def dead(time):
@@ -484,7 +484,7 @@ def test_bad_input_is_one_line(given, said):
 
 def test_a_bandwidth_below_the_friction_s_own_is_refused():
     with pytest.raises(InputError, match="the friction alone makes the drive faster"):
-        design_cascade(replace(TRAIN, viscous=1e-3), EPOS4, Wanted(bandwidth=0.1))
+        design_cascade(replace(TRAIN, viscous=1e-3), EPOS4, CascadeRequirements(bandwidth=0.1))
 
 
 def test_design_loads_neither_control_nor_scipy():

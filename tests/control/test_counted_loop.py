@@ -16,7 +16,7 @@ import yaml
 from scipy.linalg import expm
 
 from drivesizer.control.cascade import Rates, rates
-from drivesizer.control.cascade_design import Wanted, design_cascade
+from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.drive_train import Regime, drive_train, modes
 from drivesizer.control.engine import Drive, Resolution, Supply, Task, simulate
 from drivesizer.control.loop_analysis import analyse
@@ -184,7 +184,7 @@ def test_the_cascade_has_the_margin_of_its_rule(spec, chosen, rate):
     stated = math.degrees(math.atan(2.0) - math.atan(0.5))
     train, cascade, said = designed(controlled(spec, structure="cascade", rate=rate, speed_from="exact"), chosen)
     every, _ = rates(chosen.controller, rate)
-    by_rule, _ = design_cascade(train, every, Wanted())
+    by_rule, _ = design_cascade(train, every, CascadeRequirements())
     assert math.degrees(analyse(train, by_rule).velocity.phase_margin) < 30.0
     assert math.degrees(analyse(train, cascade).velocity.phase_margin) == pytest.approx(stated, abs=0.5)
     assert math.degrees(analyse(train, cascade).velocity.phase_margin) >= stated

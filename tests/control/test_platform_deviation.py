@@ -12,7 +12,7 @@ from routes import route
 from drivesizer import explain, size
 from drivesizer.control.path_following.deviation import deviation, extremes
 from drivesizer.control.path_following.following import follow, sampled
-from drivesizer.control.path_following.runs import at_wheel, drawn, follow_all
+from drivesizer.control.path_following.runs import drawn, follow_runs, wheel_drive
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_drive import driving, with_trajectory
 from drivesizer.load_cases.platform_record import platform_of
@@ -96,7 +96,7 @@ def test_figure_13_of_the_paper_is_in_the_examples(example):
 @pytest.mark.slow
 def test_every_model_and_controller(example):
     """Feed-forward halves what soft loops lag by at least; an integral finds it itself; misjudged radii are in all."""
-    runs = follow_all(example, explain(example.spec, "118752", "406764")[0])
+    runs = follow_runs(example, explain(example.spec, "118752", "406764")[0])
     assert len(runs) == 10 and all(run.imbalance < 1e-5 for run in runs.values())
     worst = {name: np.abs(deviation(run).position).max() for name, run in runs.items()}
     assert worst["dynamic, P, open loop, all"] < worst["kinematic, P, open loop, all"] / 2.0
@@ -116,13 +116,13 @@ def test_the_papers_drive_at_its_wheel(example):
     """10.8 g*cm^2 of rotor and 0.5 g*cm^2 of gearhead behind 29.54; 3.2 N*m of the gearhead behind 1.1 at 95 %."""
     (drive,) = explain(example.spec, "118752", "406764")
     ratio = 1.1 * 3249 / 121
-    found = at_wheel(example.spec.platform.following, drive)
+    found = wheel_drive(example.spec.platform.following, drive)
     assert found.inertia == pytest.approx(ratio**2 * 10.8e-7, rel=0.06) and found.inertia > ratio**2 * 10.8e-7
     assert found.torque == pytest.approx(3.2 * 1.1 * 0.95)
     assert (
         explain(example.spec, "118752", "406764")[0].label == size(example.spec, top=1).shown.label
     )  # what it selects
-    assert at_wheel(example.spec.platform.following, None) == (0.0, math.inf)
+    assert wheel_drive(example.spec.platform.following, None) == (0.0, math.inf)
 
 
 def test_the_figure():

@@ -9,7 +9,7 @@ import re
 import pytest
 from docs_pages import ROOT, blocks, held_against_the_page, page, rows
 
-from drivesizer.control.path_following.runs import follow_all
+from drivesizer.control.path_following.runs import follow_runs
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform_drive import driving
 from drivesizer.output.json import documents as json_documents
@@ -95,7 +95,7 @@ def driven():
     found = driving(spec)
     return [
         json.loads(json_documents.as_text(json_driving.driving(found, None, runs)))
-        for runs in ({}, follow_all(found, None))
+        for runs in ({}, follow_runs(found, None))
     ]
 
 

@@ -8,7 +8,7 @@ import pytest
 from textbook_machine import SHAFT
 
 from drivesizer.control.cascade import Rates
-from drivesizer.control.cascade_design import Wanted, design_cascade
+from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.drive_train import Regime
 
 ENDS = ((3.0, Regime.FORWARD_DRIVING), (-6.0, Regime.FORWARD_BRAKING))  # slope in degrees, mode
@@ -32,7 +32,7 @@ def one_mode(run, regime):
 
 def servo(train, shaft, **more):
     """A cascade without feedforward, that a shaft bears."""
-    c, _ = design_cascade(train, RATES, Wanted(bandwidth=5.0 if shaft else 30.0, position=True))
+    c, _ = design_cascade(train, RATES, CascadeRequirements(bandwidth=5.0 if shaft else 30.0, position=True))
     fed = {f"feedforward_{name}": 0.0 for name in ("velocity", "friction", "acceleration")}
     return replace(c, velocity_kd=2e-5 if shaft else 1e-3, filter_time=1e-3, **fed, **more)
 

@@ -14,7 +14,7 @@ from drivesizer.files.text import hand_over
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import done
-from drivesizer.live.held import Held, take_over
+from drivesizer.live.held import EngineMemory, take_over
 from drivesizer.live.requests import REQUESTS, request_of
 
 NAME = "dropped/mine.yaml"
@@ -29,15 +29,15 @@ select: {catalogs: [dropped/mine.yaml]}
 
 
 @pytest.fixture(scope="module")
-def held(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Held]:
-    made = Held(str(tmp_path_factory.mktemp("live") / "robot.yaml"))
+def held(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EngineMemory]:
+    made = EngineMemory(str(tmp_path_factory.mktemp("live") / "robot.yaml"))
     take_over(made, {NAME: RIGHT.encode()})
     yield made
     hand_over({})
 
 
 @pytest.fixture(scope="module")
-def do(held: Held) -> Callable[..., Any]:
+def do(held: EngineMemory) -> Callable[..., Any]:
     """The one piece of a job, its request as the page sends it."""
 
     def of(job: str, text: str = "name: x", **body: Any) -> Any:

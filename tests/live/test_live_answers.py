@@ -18,7 +18,7 @@ from drivesizer.commands.proving import proven
 from drivesizer.errors import InputError
 from drivesizer.files import text as text_files
 from drivesizer.live.engine import JOBS, done
-from drivesizer.live.held import Held, StoppedError
+from drivesizer.live.held import EngineMemory, StoppedError
 from drivesizer.output.json import documents
 from drivesizer.output.report import write
 from drivesizer.output.text import margin
@@ -42,7 +42,7 @@ def pieces_of(job: str, text: str, **more: Any) -> list[dict[str, Any]]:
     """All pieces of a job, as they cross the pipe."""
     return [
         json.loads(json.dumps(piece, allow_nan=False))
-        for piece in done(Held("robot.yaml"), job, {"text": text, **more})
+        for piece in done(EngineMemory("robot.yaml"), job, {"text": text, **more})
     ]
 
 
@@ -169,7 +169,7 @@ def test_files_are_those_of_the_command_line(tmp_path: Path) -> None:
 
 
 def test_a_job_that_nobody_waits_for_stops() -> None:
-    held = Held("robot.yaml", stopped=lambda: True)
+    held = EngineMemory("robot.yaml", stopped=lambda: True)
     pieces = done(held, "answer", {"text": SPEC})
     assert next(pieces)["kind"] == "spec"
     with pytest.raises(StoppedError):
@@ -189,7 +189,7 @@ def test_other_files_of_the_machine_are_not_read(tmp_path: Path, monkeypatch: py
     for path in (named, other, inside):
         path.write_text("a: 1", encoding="utf-8")
     (tmp_path / "link.yaml").symlink_to(other)
-    text_files.read_no_others([named], [inside.parent])
+    text_files.restrict_reading([named], [inside.parent])
     assert text_files.read_text(named) == text_files.read_text(inside) == "a: 1"
     (inside.parent / "out.yaml").symlink_to(other)
     away = (other, tmp_path / "link.yaml", inside.parent / "out.yaml", inside.parent / ".." / "other.yaml")

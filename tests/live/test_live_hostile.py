@@ -11,7 +11,7 @@ from own_catalogue import RIGHT
 
 from drivesizer.files.text import hand_over
 from drivesizer.live.engine import done
-from drivesizer.live.held import Held, take_over
+from drivesizer.live.held import EngineMemory, take_over
 
 SCRIPT = '<script>alert(1)</script><img src=x onerror=alert(2)>"><svg/onload=alert(3)>{{7*7}}'
 SPEC = f"""\
@@ -48,7 +48,7 @@ class Elements(HTMLParser):
 
 
 def test_script_in_any_text_is_shown_and_not_run(tmp_path: Path) -> None:
-    held = Held(str(tmp_path / "robot.yaml"))
+    held = EngineMemory(str(tmp_path / "robot.yaml"))
     take_over(held, {"dropped/mine.yaml": CATALOGUE.encode()})
     try:
         pieces = {}
@@ -79,9 +79,9 @@ def test_script_in_any_text_is_shown_and_not_run(tmp_path: Path) -> None:
     ids=range(18),
 )  # fmt: skip
 def test_absurd_yaml_is_refused_in_a_few_lines(text: str) -> None:
-    *_, last = done(Held("robot.yaml"), "answer", {"text": text})
+    *_, last = done(EngineMemory("robot.yaml"), "answer", {"text": text})
     assert last["kind"] == "wrong" and len(last["lines"]) <= 10
     for line in last["lines"]:
         assert "\n" not in line and len(line) < 1500 and line.isprintable() and "fault" not in line
-    rest: Any = done(Held("robot.yaml"), "document", {"text": text, "edits": [[["new", "field"], "1", False]]})
+    rest: Any = done(EngineMemory("robot.yaml"), "document", {"text": text, "edits": [[["new", "field"], "1", False]]})
     assert next(rest)["kind"] == "wrong"

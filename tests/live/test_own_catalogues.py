@@ -16,22 +16,22 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.text import hand_over
 from drivesizer.live.engine import done
-from drivesizer.live.held import Held, take_over
+from drivesizer.live.held import EngineMemory, take_over
 from drivesizer.live.own_catalogues import taken
 
 NAME = "dropped/mine.yaml"
 
 
 @pytest.fixture
-def held(tmp_path: Path) -> Iterator[Held]:
-    yield Held(str(tmp_path / "robot.yaml"))
+def held(tmp_path: Path) -> Iterator[EngineMemory]:
+    yield EngineMemory(str(tmp_path / "robot.yaml"))
     hand_over({})
 
 
 class Checking:
     """A process of the engine that is here."""
 
-    def __init__(self, held: Held) -> None:
+    def __init__(self, held: EngineMemory) -> None:
         self.held = held
 
     async def answer(self, _: str, job: str, request: dict[str, Any]) -> AsyncIterator[bytes]:
@@ -84,8 +84,8 @@ def test_names_and_amounts_are_bounded(drop, monkeypatch):
         assert drop(RIGHT, name)["kind"] == "wrong"
     assert drop(RIGHT, "../../my parts (1).yaml")["kind"] == "wrong"
     assert drop(RIGHT, "my parts (1).yml")["name"] == "dropped/my_parts_1_.yml"
-    assert asyncio.run(taken(["no body"], {}, Checking(Held("")))) == drop(RIGHT, "")
-    assert asyncio.run(taken({"name": "a.yaml", "content": "%"}, {}, Checking(Held(""))))["kind"] == "wrong"
+    assert asyncio.run(taken(["no body"], {}, Checking(EngineMemory("")))) == drop(RIGHT, "")
+    assert asyncio.run(taken({"name": "a.yaml", "content": "%"}, {}, Checking(EngineMemory(""))))["kind"] == "wrong"
     for n in range(3):
         assert drop(RIGHT, f"{n}.yaml")["kind"] == "kept"
     assert "4 catalogues are here already" in drop(RIGHT, "one_more.yaml")["lines"][0]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.platform_wheels import held_by_the_floor
+from drivesizer.load_cases.platform_wheels import floor_friction
 from drivesizer.load_cases.warnings import grip_warning
 from drivesizer.loads.course import Profile
 from drivesizer.loads.kinds import AXES
@@ -219,10 +219,10 @@ supply: {nominal: 24 V}
 def test_the_places_of_a_platform_tell_what_its_wheels_carry():
     """40 kg, their centre 0.16 of 0.4 m behind the axle: 60 % on the axle; 2 · 20 N ahead at 0.3 m take 30 N off it."""
     spec = read_spec(YamlSource(CASTERS % VEHICLE, "x.yaml"))
-    assert held_by_the_floor(spec, 0.0) == pytest.approx(0.5 * 0.6 * 40.0 * G / 2)
-    assert held_by_the_floor(spec, 20.0) == pytest.approx(0.5 * (0.6 * 40.0 * G - 2 * 20.0 * 0.3 / 0.4) / 2)
+    assert floor_friction(spec, 0.0) == pytest.approx(0.5 * 0.6 * 40.0 * G / 2)
+    assert floor_friction(spec, 20.0) == pytest.approx(0.5 * (0.6 * 40.0 * G - 2 * 20.0 * 0.3 / 0.4) / 2)
     low = read_spec(YamlSource((CASTERS % VEHICLE).replace(", height: 0.3 m", ""), "x.yaml"))
-    assert math.isnan(held_by_the_floor(low, 20.0))
+    assert math.isnan(floor_friction(low, 20.0))
     with pytest.raises(InputError, match=r"x\.yaml.*load\.driven_share: each wheel's share follows from the platform"):
         read_spec(YamlSource(CASTERS % f"{VEHICLE}, driven_share: 60 %", "x.yaml"))
 

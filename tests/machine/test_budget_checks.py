@@ -15,7 +15,7 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_record import platform_of
 from drivesizer.load_cases.requirement_checks import requirement_checks
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.machine.platform_budget import mass_part, of_load_cases, platform_part
+from drivesizer.machine.platform_budget import mass_part, platform_part, worst_case_budget
 from drivesizer.machine.platform_checks import PlatformOnFloor, envelope_checks, grip_checks, machine_mass, mass_checks
 from drivesizer.machine.platform_checks import stability_checks as footing
 from drivesizer.platform.dynamics import dynamics
@@ -376,7 +376,7 @@ def test_a_posture_has_a_door_of_its_own():
         "cases": [{"name": "door", "share": 0.1, "motion": {"speed": "0.3 m/s", "cruise_time": "3 s"},
                    "platform": folded}],
     }  # fmt: skip
-    found = of(of_load_cases(load_spec(base)).checks)
+    found = of(worst_case_budget(load_spec(base)).checks)
     assert (found["passage_height"].demand, found["passage_height"].status) == (0.184, "pass")
     assert found["lift_off"].case == "as specified"  # a wheel carries m g / 4 - m a h (cos / 2 L + sin / 2 W)
     assert found["lift_off"].limit == pytest.approx(G / 4 / (0.150 / 2 * math.hypot(1 / 0.477, 1 / 0.270)))

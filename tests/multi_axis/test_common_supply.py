@@ -12,7 +12,7 @@ from kernel_cycles import supplied
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.waiting import held_torque
+from drivesizer.load_cases.waiting import static_torque
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.problem import problem
@@ -166,13 +166,13 @@ def test_an_axis_that_is_done_waits_at_rest(shelf, drive):
     motion = "{speed: 0.1 m/s, acceleration_time: 0.1 s, cruise_time: 1 s, rest_time: %s}"
     for rest in ("0 s", "1 s"):
         spec = read_spec(YamlSource(lift + motion % rest, "x.yaml"))
-        held = held_torque(problem(spec, load_parts(spec, shelf)).cases[0].cycle)
+        held = static_torque(problem(spec, load_parts(spec, shelf)).cases[0].cycle)
         assert held == pytest.approx(2.0 * 9.80665 * 0.01, rel=1e-6)
     cycle = problem(spec, load_parts(spec, shelf)).cases[0].cycle
     for acceleration, found in ((0.0, 0.3), (-1.0, math.nan)):  # at the end of a recording, whose inertia is unknown
         one = replace(cycle, inertia=math.nan, torque=cycle.torque * 0.0 + 0.3, acceleration=cycle.acceleration * 0.0)
         one.acceleration[-1, 1] = acceleration
-        assert held_torque(one) == pytest.approx(found, nan_ok=True)
+        assert static_torque(one) == pytest.approx(found, nan_ok=True)
 
 
 def test_an_axis_that_repeats_is_in_step_with_the_others_or_at_any_phase(shelf, drive):

@@ -18,7 +18,7 @@ from small_arms import catalogue
 from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import torques_of
 from drivesizer.joints.record import Array
-from drivesizer.load_cases import at_driven_shaft
+from drivesizer.load_cases import driven_shaft_cycle
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.export import files as exported
 from drivesizer.output.export.gains import torque_law
@@ -297,7 +297,7 @@ def test_a_further_gear_is_one_with_the_drive(tmp_path):
     for drive in of.robot.drives:
         spec, train = sizing.axis(drive.joint).spec, drive.of.train
         torque, rise, speed = (np.full((1, 2), value) for value in (3.0, 7.0, 11.0))  # of what the gear turns
-        before = at_driven_shaft(spec, LoadCycle("driving", np.ones(1), speed, rise, torque, 0.0))
+        before = driven_shaft_cycle(spec, LoadCycle("driving", np.ones(1), speed, rise, torque, 0.0))
         i, e = before.speed[0, 0] / 11.0, train.efficiency
         motor = before.torque[0, 0] / (train.ratio * e) + train.friction
         motor += train.motor_inertia * train.ratio * i * 7.0 + train.viscous * train.ratio * i * 11.0

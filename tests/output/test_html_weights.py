@@ -14,7 +14,7 @@ from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.html.templates import section_html
 from drivesizer.output.report.html.weights import weights_section
 from drivesizer.output.report.sections.content import Content
-from drivesizer.results.weights import by_weights, used_share
+from drivesizer.results.weights import used_share, weighted_order
 
 
 def section(result):
@@ -145,7 +145,7 @@ def test_initial_scores_are_those_of_the_rule(page, weighed):
     """By two objectives of the spec, a drive without a price behind all others."""
     both = replace(weighed, choices=replace(weighed.choices, weights={"mass": 2.0, "price": 1.0}))
     drives = weighed.choices.drives
-    found = by_weights(
+    found = weighted_order(
         {name: np.array([one.figures[name] for one in drives]) for name in ("mass", "price")}, both.choices.weights
     )
     tree = section(both)

@@ -15,7 +15,7 @@ from drivesizer.output.report.html.page import filled_page
 from drivesizer.output.report.html.weights import weights_section
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
-from drivesizer.results.weights import by_weights
+from drivesizer.results.weights import weighted_order
 
 pytestmark = pytest.mark.slow
 COUNT = 45  # drives; 20 are seen at first
@@ -74,7 +74,7 @@ def test_the_rule_gives_the_same_order_in_the_browser_and_in_python(page):
     given = [[{k: [None if isnan(x) else x for x in c.tolist()] for k, c in f.items()}, w] for f, w in tasks]
     answers = page.evaluate("(tasks) => tasks.map(([figures, weights]) => byWeights(figures, weights))", given)
     for (figures, weights), answer in zip(tasks, answers, strict=True):
-        found = by_weights(figures, weights)
+        found = weighted_order(figures, weights)
         assert answer["order"] == found.order.tolist() and answer["lacking"] == found.lacking.tolist()
         assert [nan if score is None else score for score in answer["score"]] == pytest.approx(
             found.score.tolist(), rel=0, abs=0, nan_ok=True
@@ -97,7 +97,7 @@ def test_keys_move_a_weight_and_the_address_keeps_it(page, weighed, browser):
     assert page.evaluate("document.activeElement.value") == "2"
     drives = weighed.choices.drives
     columns = {name: np.array([one.figures[name] for one in drives]) for name in ("mass", "energy")}
-    order = by_weights(columns, {"mass": 1.0, "energy": 2.0}).order
+    order = weighted_order(columns, {"mass": 1.0, "energy": 2.0}).order
     wanted = [drives[n].parts.motor_name for n in order]
     spec = wanted.index(drives[weighed.choices.first].parts.motor_name)
     assert spec >= 1 and names(page) == wanted[:20] + ([wanted[spec]] if spec >= 20 else [])

@@ -29,7 +29,7 @@ from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
 from drivesizer.output.terminal import sizing as terminal
 from drivesizer.output.terminal.loops import loops
-from drivesizer.output.thinning import extremes, on_curves
+from drivesizer.output.thinning import curve_points, extremes
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
@@ -335,14 +335,14 @@ def test_thinning_keeps_peaks_wherever_they_are_and_no_more_than_was_asked_for()
         for place in (1, count // 3, count - 2):
             smooth, peaked = np.linspace(1.0, 0.0, count), np.zeros(count)
             peaked[place] = 7.0
-            rows = on_curves((smooth, peaked), 200)
+            rows = curve_points((smooth, peaked), 200)
             assert place in rows and {0, count - 1} <= set(rows.tolist()) and len(rows) <= 200
             assert np.all(np.diff(rows) > 0)
             assert place in extremes(-peaked, 300)  # in the last bin, which is not full, as well
 
 
 def test_few_points_stay_all():
-    assert on_curves((np.arange(7.0),), 200).tolist() == list(range(7)) == extremes(np.arange(7.0), 200).tolist()
+    assert curve_points((np.arange(7.0),), 200).tolist() == list(range(7)) == extremes(np.arange(7.0), 200).tolist()
 
 
 # -- the block diagram

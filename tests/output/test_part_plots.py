@@ -12,8 +12,8 @@ import pytest
 
 from drivesizer.catalog import load
 from drivesizer.catalog.lookup import find
-from drivesizer.catalog.query import Hit, every, open_all
-from drivesizer.machine.part_curves import at_nominal_voltage, gear_efficiency, line
+from drivesizer.catalog.query import Hit, every, open_catalogs
+from drivesizer.machine.part_curves import gear_efficiency, line, nominal_voltage_curves
 from drivesizer.output.report.html.part_plots import part_plots
 
 V, R, K, I_0 = 24.0, 2.0, 0.024, 0.05
@@ -27,7 +27,7 @@ def own(tmp_path: Path, section: str, **figures: str) -> Hit:
         "catalog: 1\nmanufacturer: Anymaker\nsources:\n  sheet: {document: a sheet, confidence: quoted}\n"
         f"{section}:\n- family: F 1\n  source: sheet\n  common: {{{rows}}}\n  columns: [part]\n  rows: [[P1]]\n"
     )
-    return find(open_all([str(tmp_path / "own.yaml")]), "P1")[0]
+    return find(open_catalogs([str(tmp_path / "own.yaml")]), "P1")[0]
 
 
 def trace(plot: Any, begins: str) -> tuple[Any, Any]:
@@ -43,18 +43,22 @@ def test_the_best_efficiency_is_that_of_the_two_currents(tmp_path):
     """eta = (1 - sqrt(I_0/I_A))^2 at M = k_t (sqrt(I_0 I_A) - I_0), of any motor with constant R and k."""
     hit, stall = own(tmp_path, "motors", **IDEAL), V / R
     best = K * (sqrt(I_0 * stall) - I_0)
-    speed, current, efficiency = at_nominal_voltage(hit, np.array([0.0, best, line(hit).torque]))
+    speed, current, efficiency = nominal_voltage_curves(hit, np.array([0.0, best, line(hit).torque]))
     assert efficiency[1] == pytest.approx((1.0 - sqrt(I_0 / stall)) ** 2)
     assert current == pytest.approx([I_0, sqrt(I_0 * stall), stall])
     assert speed[[0, 2]] == pytest.approx([(V - R * I_0) / K, 0.0]) and efficiency[[0, 2]] == pytest.approx([0.0, 0.0])
-    assert at_nominal_voltage(hit, np.array([best * 1.1]))[2] < efficiency[1] > at_nominal_voltage(hit, best * 0.9)[2]
+    assert (
+        nominal_voltage_curves(hit, np.array([best * 1.1]))[2]
+        < efficiency[1]
+        > nominal_voltage_curves(hit, best * 0.9)[2]
+    )
 
 
 def test_the_best_efficiency_is_the_printed_one():
     """maxon prints it in whole percents, of figures of three digits: 646 windings."""
     off = []
     for hit in every({"maxon": load(["maxon"])}, ["motors"]):
-        found = at_nominal_voltage(hit, np.linspace(0.0, line(hit).torque, 400))[2] - hit["max_efficiency"]
+        found = nominal_voltage_curves(hit, np.linspace(0.0, line(hit).torque, 400))[2] - hit["max_efficiency"]
         off += [np.nanmax(found)] if not np.isnan(found).all() else []
     assert len(off) > 600
     assert abs(np.median(off)) < 0.005 and np.quantile(np.abs(off), 0.95) < 0.015
@@ -86,7 +90,7 @@ def test_what_is_unknown_or_contradicts_itself_is_not_drawn(tmp_path):
 
 def test_a_gearhead_has_its_printed_efficiency_at_its_rated_torque():
     """Wittenstein NPT 045, 25:1: 95 % at full load, 0.39 N*m to turn it without load."""
-    (hit,) = find(open_all(["wittenstein"]), "NPT 045 MF/MA 25:1")
+    (hit,) = find(open_catalogs(["wittenstein"]), "NPT 045 MF/MA 25:1")
     rated, idle, ratio = 350.0, 0.39, 25.0
     found = gear_efficiency(hit, np.array([1e-6, rated / 2, rated]))
     assert found[2] == pytest.approx(0.95) and found[0] < 1e-6
@@ -97,7 +101,7 @@ def test_a_gearhead_has_its_printed_efficiency_at_its_rated_torque():
 
 
 def test_a_familys_torques_are_those_of_the_catalogue():
-    (hit,) = find(open_all(["maxon"]), "110313")
+    (hit,) = find(open_catalogs(["maxon"]), "110313")
     plot = part_plots(hit)["torque-ratio"]
     table = hit.table
     family = [row for row in range(len(table)) if table["family"][row] == hit["family"] and not table.excluded[row]]
@@ -122,7 +126,7 @@ def test_a_printed_pull_out_curve_is_drawn_as_it_is():
 
 
 def test_an_estimated_one_has_its_band_and_never_more_than_the_model():
-    hit = next(every(open_all(["oukeda"]), ["steppers"]))
+    hit = next(every(open_catalogs(["oukeda"]), ["steppers"]))
     plot = part_plots(hit)["pull-out"]
     assert "estimated" in plot["title"]
     _, torque = trace(plot, "24 V supply")
@@ -133,8 +137,8 @@ def test_an_estimated_one_has_its_band_and_never_more_than_the_model():
 
 
 def test_run_times_are_the_printed_ones_else_those_of_the_rule():
-    (hit,) = find(open_all(["yuasa"]), "NP4-12")  # as Yuasa prints it: 0.2 A for 20 h ... 3.75 A for half an hour
+    (hit,) = find(open_catalogs(["yuasa"]), "NP4-12")  # as Yuasa prints it: 0.2 A for 20 h ... 3.75 A for half an hour
     assert trace(part_plots(hit)["discharge-current"], "down to 10.2 V")[0][[0, -1]].tolist() == [0.2, 3.75]
-    (cell,) = find(open_all(["samsung"]), "Samsung 25R")  # 2.5 A*h at any current
+    (cell,) = find(open_catalogs(["samsung"]), "Samsung 25R")  # 2.5 A*h at any current
     current, time = trace(part_plots(cell)["discharge"], "rated charge")
     assert current * time == pytest.approx(np.full(len(current), 2.5), rel=1e-4) and current[-1] == 20.0

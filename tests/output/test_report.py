@@ -17,8 +17,8 @@ from synthetic_validation import synthetic_validation
 
 import drivesizer
 from drivesizer.errors import InputError
-from drivesizer.files.writing import put
-from drivesizer.output.derivation import found_failures, step
+from drivesizer.files.writing import write_files
+from drivesizer.output.derivation import evaluated_failures, step
 from drivesizer.output.report import pdf, write, write_series, write_sets
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.table import csv as csv_tables
@@ -177,7 +177,7 @@ def test_the_kept_failures_of_printed_forms_are_those_that_are_found():
     kept = json.loads(
         (Path(drivesizer.__file__).parent / "output" / "printed_failures.json").read_text(encoding="utf-8")
     )
-    assert kept == found_failures() and set(kept) == {"acceleration_torque", "no_load_speed"}
+    assert kept == evaluated_failures() and set(kept) == {"acceleration_torque", "no_load_speed"}
 
 
 # -- every kind of load, load cases, margins, fronts
@@ -346,7 +346,7 @@ def test_no_file_changes_when_one_of_several_cannot_be_written(tmp_path, monkeyp
 
     monkeypatch.setattr(Path, "open", refuse)
     with pytest.raises(InputError, match=r"b\.csv: cannot be written \(permission denied\)"):
-        put({first: b"new", second: b"new"})
+        write_files({first: b"new", second: b"new"})
     assert first.read_bytes() == b"older"
     assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
 
@@ -358,7 +358,7 @@ def test_a_link_stays_a_link(tmp_path):
         link.symlink_to(tmp_path / "real.csv")
     except OSError:
         pytest.skip("no links here")
-    put({link: b"new"})
+    write_files({link: b"new"})
     assert link.is_symlink() and (tmp_path / "real.csv").read_bytes() == b"new"
 
 

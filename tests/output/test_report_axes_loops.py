@@ -18,7 +18,7 @@ from printed import blank_figures, text_of
 from two_axes import STEPPER, two_axes
 
 import drivesizer.simulate
-from drivesizer.commands.machine import report_all, validate_axes
+from drivesizer.commands.machine import report_machine, validate_axes
 from drivesizer.commands.proving import proven_axes
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.output.json.documents import as_text
@@ -52,7 +52,7 @@ def files(machine: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[di
     folder = tmp_path_factory.mktemp("report")
     paths = [folder / f"a.{kind}" for kind in ("json", "csv", "xlsx", "html", "pdf")]
     with blank_figures():
-        assert report_all(machine, paths, {}, 1, None, (), None, None, "a4", None) == 0
+        assert report_machine(machine, paths, {}, 1, None, (), None, None, "a4", None) == 0
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 

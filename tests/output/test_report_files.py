@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.files.writing import put
+from drivesizer.files.writing import write_files
 from drivesizer.output.report import KNOWN, write
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
@@ -138,7 +138,7 @@ def test_a_render_that_fails_touches_nothing(suffix, error, result, tmp_path, mo
 def test_a_name_that_a_killed_run_left_is_passed_over(tmp_path):
     left = tmp_path / f".drivesizer-{os.getpid()}-0.part"
     left.write_bytes(b"half of an older one")
-    put({tmp_path / "a.csv": b"new"})
+    write_files({tmp_path / "a.csv": b"new"})
     assert (tmp_path / "a.csv").read_bytes() == b"new"
     assert left.read_bytes() == b"half of an older one"
 
@@ -166,7 +166,7 @@ def test_a_full_disk_changes_no_file(tmp_path, monkeypatch):
         Path, "open", lambda p, *a, **k: Full(real(p, *a, **k)) if "-1.part" in p.name else real(p, *a, **k)
     )
     with pytest.raises(InputError, match=r"b\.csv: cannot be written \(no space left on device\)"):
-        put({tmp_path / "a.csv": b"new", tmp_path / "b.csv": b"new"})
+        write_files({tmp_path / "a.csv": b"new", tmp_path / "b.csv": b"new"})
     assert {path.read_bytes() for path in tmp_path.iterdir()} == {b"older"}
     assert names(tmp_path) == ["a.csv", "b.csv"]
 
@@ -175,7 +175,7 @@ def test_a_folder_in_the_place_of_the_second_file_stops_the_first(tmp_path):
     (tmp_path / "a.csv").write_bytes(b"older")
     (tmp_path / "b.csv").mkdir()
     with pytest.raises(InputError, match=r"b\.csv: cannot be written, it is a folder"):
-        put({tmp_path / "a.csv": b"new", tmp_path / "b.csv": b"new"})
+        write_files({tmp_path / "a.csv": b"new", tmp_path / "b.csv": b"new"})
     assert (tmp_path / "a.csv").read_bytes() == b"older"
     assert names(tmp_path) == ["a.csv", "b.csv"]
 
@@ -198,7 +198,7 @@ def test_files_of_one_report_are_all_of_one_run(at, content, tmp_path, monkeypat
     monkeypatch.setattr(Path, "open", step(real_open))
     monkeypatch.setattr(Path, "replace", step(real_replace))
     with pytest.raises(KeyboardInterrupt):
-        put({tmp_path / "a.csv": b"new", tmp_path / "b.csv": b"new"})
+        write_files({tmp_path / "a.csv": b"new", tmp_path / "b.csv": b"new"})
     monkeypatch.undo()
     assert {path.read_bytes() for path in tmp_path.iterdir()} == {content}
     assert names(tmp_path) == ["a.csv", "b.csv"]
@@ -209,7 +209,7 @@ def test_two_runs_at_once_do_not_meet(tmp_path):
     from threading import Thread
 
     target = tmp_path / "report.csv"
-    runs = [Thread(target=put, args=({target: bytes([65 + n]) * 200_000},)) for n in range(8)]
+    runs = [Thread(target=write_files, args=({target: bytes([65 + n]) * 200_000},)) for n in range(8)]
     for run in runs:
         run.start()
     for run in runs:
@@ -224,6 +224,6 @@ def test_a_slow_reader_of_the_older_file_keeps_it(tmp_path):
     with target.open("rb") as reader:
         first = reader.read(10)
         time.sleep(0.01)
-        put({target: b"new"})
+        write_files({target: b"new"})
         assert first + reader.read() == b"older" * 1000
     assert target.read_bytes() == b"new"

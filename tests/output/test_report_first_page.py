@@ -18,7 +18,7 @@ from synthetic_validation import labels
 from drivesizer.load_cases import load_cycle
 from drivesizer.output.part.datasheet import _row
 from drivesizer.output.parts import machine_parts
-from drivesizer.output.report.figures.field import torque_speed_each
+from drivesizer.output.report.figures.field import torque_speed_panels
 from drivesizer.output.report.figures.field_panels import TOGETHER, Panel, alone, leading, panels
 from drivesizer.output.report.figures.load_and_loop import Row, Trace
 from drivesizer.output.report.figures.time_strips import Window
@@ -31,7 +31,7 @@ from drivesizer.output.report.sections import SECTIONS
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.document import document
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.results.check_parts import PARTS, by_part, part_of
+from drivesizer.results.check_parts import PARTS, part_of, sorted_by_part
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.sections import TitleBlock
 
@@ -156,7 +156,7 @@ def test_every_check_has_a_part():
 
 def test_checks_are_grouped_by_part_and_keep_their_order_within(result):
     best = result.sets[0]
-    ordered = by_part(best.checks)
+    ordered = sorted_by_part(best.checks)
     places = [PARTS.index(part_of(check.name)) for check in ordered]
     assert places == sorted(places)
     for part in PARTS:
@@ -181,7 +181,7 @@ def test_four_load_cases_have_a_diagram_each(result):
     four = [Panel(cases=tuple((number, f"wheel {n}", field) for n in range(1, 5)))]
     assert len(leading(four).cases) == 1 and len(leading([panel]).cases) == 1 and alone([panel]) == []
     assert [[name for _, name, _ in one.cases] for one in alone(four)] == [[f"wheel {n}"] for n in range(1, 5)]
-    said = labels(torque_speed_each(alone(four)))
+    said = labels(torque_speed_panels(alone(four)))
     assert {f"wheel {n}" for n in range(1, 5)} | {"winding hot", "winding cold", "load cycle"} <= said
     two = [Panel(cases=four[0].cases[:TOGETHER])]
     assert leading(two) is two[0] and alone(two) == []

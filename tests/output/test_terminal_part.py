@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from drivesizer.catalog.lookup import find
-from drivesizer.catalog.query import Hit, open_all
+from drivesizer.catalog.query import Hit, open_catalogs
 from drivesizer.machine.part_curves import continuous_curve, line, overload_times, permitted_current
 from drivesizer.output.part import heat as part_heat
 from drivesizer.output.terminal import part as terminal_part
@@ -54,7 +54,7 @@ def part(tmp_path):
     def make(section: str = "motors", **changed: str | None) -> Hit:
         figures = (MOTOR if section == "motors" else OUTPUT) | changed
         known = {name: text for name, text in figures.items() if text is not None}
-        return find(open_all([str(write(tmp_path / "own.yaml", section, **known))]), "P1")[0]
+        return find(open_catalogs([str(write(tmp_path / "own.yaml", section, **known))]), "P1")[0]
 
     return make
 
@@ -309,7 +309,7 @@ def test_a_wide_page_sets_tables_side_by_side(part, shown):
 
 
 def test_a_part_without_torque_and_speed_has_its_figures(tmp_path, shown):
-    hit = find(open_all([str(write(tmp_path / "own.yaml", "encoders", counts_per_turn="500"))]), "P1")[0]
+    hit = find(open_catalogs([str(write(tmp_path / "own.yaml", "encoders", counts_per_turn="500"))]), "P1")[0]
     said = words(shown(hit))
     assert "counts per turn 500" in said
     assert "heat" not in said

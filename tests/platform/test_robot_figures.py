@@ -18,11 +18,11 @@ from drivesizer.platform.matrix_equation import PLATFORM
 from drivesizer.platform.robot_figures import (
     _OF_ITS,
     Instant,
-    at_instant,
     figures,
     matrices,
     mobility,
     numbers_of,
+    robot_at_instant,
     wheel_table,
 )
 from drivesizer.platform.wheels import Platform
@@ -105,7 +105,7 @@ def test_equations_that_are_written_for_the_papers_robot_are_refused_for_another
 def test_forces_are_those_of_their_causes():
     """By hand: m (v̇_x − θ̇ v_y) and m (v̇_y + θ̇ v_x) of the body, the wheels' inertia, the weight on the slope."""
     ground = Ground(slope=0.1, uphill=0.4, gravity=10.0)
-    _, found = at_instant(dynamics(mecanum()), AT._replace(ground=ground))
+    _, found = robot_at_instant(dynamics(mecanum()), AT._replace(ground=ground))
     force, torque = found.values[:, :3], found.values[:, 3:]
     assert force[-1] == pytest.approx(force[:-1].sum(axis=0), rel=1e-12)
     wheels = 4 * WHEEL / RADIUS**2
@@ -125,7 +125,7 @@ def test_the_instant_is_that_of_the_largest_torque_straight_ahead():
     )
     assert (found.time, found.wheel) == (2.0, 1)
     assert found.instant.posture == pytest.approx([0.75 * 2.0**2 / 2, 0.0, 0.0])
-    force = at_instant(found.dynamics, found.instant)[1].values[:, 0]
+    force = robot_at_instant(found.dynamics, found.instant)[1].values[:, 0]
     slope, weight = math.radians(3), 45 * 9.80665
     by_hand = [(45 + 4 * WHEEL / RADIUS**2) * 0.75, 0.0, weight * math.sin(slope), 0.02 * weight * math.cos(slope)]
     assert force == pytest.approx([*by_hand, sum(by_hand)], rel=1e-9)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drivesizer.results.weights import by_weights, multiples, used_share
+from drivesizer.results.weights import multiples, used_share, weighted_order
 from drivesizer.search.order.ranking import objective_of, values
 
 DRAW = random.Random(20260)
@@ -52,24 +52,24 @@ def test_the_order_is_that_of_a_plain_computation(count):
     for _ in range(15):
         figures = drawn(max(count, 8))
         weights = {name: DRAW.choice([0, DRAW.randint(1, 10), DRAW.uniform(0, 3)]) for name in figures}
-        found = by_weights({name: np.array(column) for name, column in figures.items()}, weights)
+        found = weighted_order({name: np.array(column) for name, column in figures.items()}, weights)
         assert found.order.tolist() == plain_order(figures, weights), weights
 
 
 def test_by_hand():
     """Two thirds mass, a third price: 2/3 + 300/200/3 = 7/6, and 2/3 * 1.1 + 1/3 = 16/15; the third lacks a price."""
     figures = {"mass": np.array([200.0, 220.0, 180.0]) / 1e3, "price": np.array([300.0, 200.0, nan])}
-    found = by_weights({"mass": figures["mass"][:2], "price": figures["price"][:2]}, {"mass": 2.0, "price": 1.0})
+    found = weighted_order({"mass": figures["mass"][:2], "price": figures["price"][:2]}, {"mass": 2.0, "price": 1.0})
     assert found.order.tolist() == [1, 0] and found.score == pytest.approx([7 / 6, 16 / 15])
-    found = by_weights(figures, {"mass": 2.0, "price": 1.0})  # the lightest has no price: not the cheapest
+    found = weighted_order(figures, {"mass": 2.0, "price": 1.0})  # the lightest has no price: not the cheapest
     assert found.order.tolist() == [1, 0, 2] and found.lacking.tolist() == [0, 0, 1]
-    assert by_weights(figures, {"mass": 2.0}).order.tolist() == [2, 0, 1]  # until a price does not count
+    assert weighted_order(figures, {"mass": 2.0}).order.tolist() == [2, 0, 1]  # until a price does not count
 
 
 def test_units_change_nothing():
     figures, weights = drawn(50), {"mass": 1.0, "price": 2.0, "energy": 3.0, "margin": 0.5}
     one, other = (
-        by_weights({name: factor * np.array(column) for name, column in figures.items()}, weights)
+        weighted_order({name: factor * np.array(column) for name, column in figures.items()}, weights)
         for factor in (1.0, 1024.0)
     )
     assert one.order.tolist() == other.order.tolist()
@@ -79,16 +79,16 @@ def test_units_change_nothing():
 def test_the_best_by_one_weight_is_the_best_of_that_figure():
     figures = {name: np.array(column) for name, column in drawn(50).items()}
     for name, column in figures.items():
-        assert by_weights(figures, {name: 3.0}).order[0] == np.flatnonzero(column == np.nanmin(column))[0]
+        assert weighted_order(figures, {name: 3.0}).order[0] == np.flatnonzero(column == np.nanmin(column))[0]
 
 
 def test_edges():
     none = np.full(3, nan)
     for weights in ({}, {"mass": 0.0}, {"mass": 1.0}):
-        found = by_weights({"mass": none}, weights)
+        found = weighted_order({"mass": none}, weights)
         assert found.order.tolist() == [0, 1, 2] and np.isnan(found.score).all()
         assert found.lacking.tolist() == [len([w for w in weights.values() if w])] * 3
-    assert by_weights({}, {"mass": 1.0}).order.tolist() == []
+    assert weighted_order({}, {"mass": 1.0}).order.tolist() == []
     assert multiples(np.zeros(2), np.array([True, True])).tolist() == [1.0, 1.0]
     assert used_share(np.array([0.25, 1.0, -1.0])) == pytest.approx([0.8, 0.5, 1e9])
 

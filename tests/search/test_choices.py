@@ -11,7 +11,7 @@ from forty_motors import MOTORS, catalogue
 from starters import starter
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.results.weights import by_weights, used_share
+from drivesizer.results.weights import used_share, weighted_order
 from drivesizer.search.choices import choices, picked
 from drivesizer.search.columns import bought
 from drivesizer.search.columns.evaluation import smallest_margin
@@ -67,7 +67,7 @@ def test_forty_motors_by_hand(tmp_path):
     for mass, energy in ((1.0, 4.0), (3.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)):
         scores = [mass * (300 + n) / 300 + energy * power(n) / power(MOTORS - 1) for n in every]
         columns = {name: np.array([one.figures[name] for one in chosen.drives]) for name in ("mass", "energy")}
-        first = numbers(chosen)[by_weights(columns, {"mass": mass, "energy": energy}).order[0]]
+        first = numbers(chosen)[weighted_order(columns, {"mass": mass, "energy": energy}).order[0]]
         assert first == min(every, key=scores.__getitem__)
         if (mass, energy) == (1.0, 4.0):  # the spec's own
             assert first == numbers(chosen)[chosen.first] == int(found.sets[0].motor.part[1:])
@@ -125,7 +125,7 @@ def test_the_best_of_all_that_pass_is_among_them(belt_axis):
         for name in NAMES:
             assert figures[name] == pytest.approx(columns[name][place], rel=1e-9, nan_ok=True)
     for weights in np.random.default_rng(5).dirichlet(np.full(4, 0.7), 300):
-        assert by_weights(columns, dict(zip(NAMES, weights, strict=True))).order[0] in among
+        assert weighted_order(columns, dict(zip(NAMES, weights, strict=True))).order[0] in among
 
 
 def test_where_waveforms_take_long_bounds_pick(belt_axis, monkeypatch):
@@ -137,7 +137,7 @@ def test_where_waveforms_take_long_bounds_pick(belt_axis, monkeypatch):
     among, draw = places(whole, found), np.random.default_rng(5)
 
     def lost(weights):
-        scored = by_weights(columns, weights)
+        scored = weighted_order(columns, weights)
         known = [place for place in among if not scored.lacking[place]]
         return scored.score[known].min() / scored.score[scored.order[0]] - 1.0
 
@@ -155,7 +155,7 @@ def test_the_search_ranks_by_weights_as_the_page_does(belt_axis):
         first = search(problem, top=1, objective=objective).evaluation.candidates
         columns = {name: np.array([one.figures[name] for one in found.drives]) for name in NAMES}
         columns["margin"] = used_share(columns["margin"])
-        best = found.drives[by_weights(columns, ranking.weights_of(objective)).order[0]].parts
+        best = found.drives[weighted_order(columns, ranking.weights_of(objective)).order[0]].parts
         catalog = problem.catalog
         assert (best.motor.part, best.gearhead.part) == (
             catalog.motors["part"][first.motor[0]], catalog.gearheads["part"][first.gearhead[0]]

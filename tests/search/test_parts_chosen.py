@@ -6,7 +6,7 @@ from specs import estimates_off
 from drivesizer.catalog import load
 from drivesizer.catalog.laws.check import check_file
 from drivesizer.catalog.lookup import find, look
-from drivesizer.catalog.query import open_all
+from drivesizer.catalog.query import open_catalogs
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json.documents import sizing
@@ -283,13 +283,13 @@ def test_rows_of_one_part_weigh_the_same(tmp_path):
 
 @pytest.mark.parametrize("name", ["STS3215", "st3215", "ST-3215-C001", "sts 3215 c001"])
 def test_one_servo_by_all_its_names(name):
-    (hit,) = find(open_all(["feetech", "robotis"]), name)
+    (hit,) = find(open_catalogs(["feetech", "robotis"]), name)
     assert (hit.part, hit["no_load_current"]) == ("ST-3215-C001", 0.15)
 
 
 def test_a_model_is_found_with_all_its_rows():
     """XM540-W270 by its buses' names too; one row by its own."""
-    shelf = open_all(["feetech", "robotis"])
+    shelf = open_catalogs(["feetech", "robotis"])
     rows = [f"XM540-W270 {volts} V" for volts in ("11.1", "12", "14.8")]
     for name in ("XM540-W270", "xm540w270", "XM540-W270-R"):
         assert [hit.part for hit in find(shelf, name)] == rows

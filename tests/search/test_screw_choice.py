@@ -92,7 +92,9 @@ def test_the_screw_of_each_lead_is_the_smallest_that_holds(catalog):
     """Against all screws of a maker from 12 mm of lead, each typed into a spec and through the whole load cycle."""
     found = {
         one.lead: one.screw
-        for one in screw_choice._by_lead(spec_of(LOAD | {"screw": {"maker": "hiwin", "lead_min": "12 mm"}}), catalog)
+        for one in screw_choice._smallest_by_lead(
+            spec_of(LOAD | {"screw": {"maker": "hiwin", "lead_min": "12 mm"}}), catalog
+        )
     }
     table = catalog.screws
     rows = [row for row, maker in enumerate(table["manufacturer"]) if maker == "HIWIN" and table["lead"][row] > 0.011]
@@ -118,7 +120,7 @@ def found(wide, catalog):
 
 
 def test_the_lead_is_that_of_the_lightest_drive_with_its_screw(wide, catalog, found):
-    screws = [one.screw for one in screw_choice._by_lead(wide, catalog) if one.screw is not None]
+    screws = [one.screw for one in screw_choice._smallest_by_lead(wide, catalog) if one.screw is not None]
     assert len(screws) >= 3
     masses = {}
     for screw in screws:

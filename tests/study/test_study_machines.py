@@ -20,7 +20,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.study import machine_rows
 from drivesizer.study.columns import columns_of
 from drivesizer.study.fields import kind_of, path_of
-from drivesizer.study.maps import chosen, drawings, points
+from drivesizer.study.maps import drawings, map_axes, points
 from drivesizer.study.plan import Plan, read_study
 from drivesizer.study.provenance import made_of
 from drivesizer.study.run import carry_out
@@ -131,7 +131,7 @@ def test_kept_chunks_and_their_order_change_no_byte(folder, monkeypatch):
     assert results(folder / "study") == before
     rows = list(csv.DictReader(io.StringIO(before["results.csv"].decode())))
     assert [row["variant"] for row in rows] == ["1", "2", "3", "4"]
-    over = chosen(plan, ())
+    over = map_axes(plan, ())
     drawn, notes = drawings(over, points(plan, over, opened(folder / "study", plan, made_of(plan)).every_row()))
     assert set(drawn) == {"mass", "price", "peak_power", "smallest_margin"} and not notes
 

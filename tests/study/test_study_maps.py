@@ -12,7 +12,7 @@ from drivesizer.sizing import size
 from drivesizer.study.map_figure import draw
 from drivesizer.study.map_legend import OTHERS, look_of, numbered
 from drivesizer.study.map_panel import Dimension, Panel, Scene, _edges, _face, _text
-from drivesizer.study.maps import MAPS, chosen, drawings, points
+from drivesizer.study.maps import MAPS, drawings, map_axes, points
 from drivesizer.study.plan import read_study
 from drivesizer.study.variant import rows_of, spec_of
 
@@ -28,7 +28,7 @@ def mapped(folder, study, names=(), spec=CHEAP):
     plan = read_study(laid(folder, study, spec))
     variants = [plan.variant(n) for n in range(1, plan.total + 1)]
     rows = rows_of(plan.job, variants, [plan.head(variant) for variant in variants]).rows
-    over = chosen(plan, names)
+    over = map_axes(plan, names)
     return over, points(plan, over, [rows]), plan
 
 
@@ -180,15 +180,15 @@ def test_one_thing_that_varies_is_a_line(tmp_path, study):
 
 def test_nothing_that_varies_is_no_map(tmp_path):
     plan = read_study(laid(tmp_path, "spec: robot.yaml\n"))
-    assert chosen(plan, ()) is None
+    assert map_axes(plan, ()) is None
     with pytest.raises(InputError, match="does not vary in this study"):
-        chosen(plan, ["load.mass"])
+        map_axes(plan, ["load.mass"])
 
 
 def test_one_name_alone_is_refused(tmp_path):
     plan = read_study(laid(tmp_path, GRID))
     with pytest.raises(InputError, match=r"expected two fields that vary, e\.g\. --map load\.mass,motion\.speed"):
-        chosen(plan, ["load.mass"])
+        map_axes(plan, ["load.mass"])
 
 
 @pytest.mark.slow

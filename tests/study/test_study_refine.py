@@ -29,7 +29,7 @@ PLACE = "load.mass (kg)", "motion.speed (m/s)"
 
 def carried(folder, study, compute=in_this_process, maps=None):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "on_processes", compute)
+        patch.setattr(run, "compute_on_processes", compute)
         return carry_out(read_study(laid(folder, study)), folder / "study", maps=maps)
 
 

@@ -32,7 +32,17 @@ from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
 from drivesizer.physics.stepper.starting import START_BAND
 from drivesizer.physics.thermal import continuous_current, rated_ambient, resistance_25, steady_winding_temperature
 
-__all__ = ["ASSUMED", "CONVECTION", "DENSITY", "MOUNTED", "RULE", "assumed_mass", "by_rating", "by_rule", "by_stall"]
+__all__ = [
+    "ASSUMED",
+    "CONVECTION",
+    "DENSITY",
+    "MOUNTED",
+    "RULE",
+    "assumed_mass",
+    "estimates_by_rated_current",
+    "peak_torque_estimates",
+    "rule_of_thumb_bands",
+]
 
 CONVECTION = 10.0  # W/m^2 K
 DENSITY = 2000.0  # kg/m^3, of an actuator whole
@@ -140,9 +150,9 @@ ASSUMED: tuple[Fit, ...] = (
         "what the nominal current brings about",
     ),
 )
-_RATED = -1  # the last of all laws: that of ``by_rating``
+_RATED = -1  # the last of all laws: that of ``estimates_by_rated_current``
 MOUNTED = -2  # and the one before it: that of ``catalog.view.mounted``
-_UP_TO_STALL = -3  # that of ``by_stall``
+_UP_TO_STALL = -3  # that of ``peak_torque_estimates``
 RULE = -4  # that of ``of_catalog``
 UNRATED = -5  # that of a permitted temperature without any rating
 _LEAST = {"brushed": 358.15, "brushless": 373.15}  # K: 85 and 100 degC, of 326 and 356 motors that print one
@@ -163,7 +173,7 @@ def assumed_mass(section: str) -> tuple[float, float, float]:
     return value, value * exp(low), value * exp(high)
 
 
-def by_rating(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
+def estimates_by_rated_current(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
     """Estimates in accord with the printed nominal current.
 
     At that current no winding is hotter in the long run than is permitted, or than the best thermal class is where no
@@ -230,7 +240,7 @@ def _unrated(table: Table[Any], rows: NDArray[np.int64]) -> Estimates:
     return Estimates(rows, np.sqrt(low * high), low, high, np.full(len(rows), UNRATED))
 
 
-def by_stall(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
+def peak_torque_estimates(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
     """Estimates with ratings that actuators do not print: peaks from the continuous figure to that at stall.
 
     A peak current is at least that of a printed peak torque; a continuous torque is a tenth to all of the peak.
@@ -271,7 +281,7 @@ def by_stall(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estima
     return found | more
 
 
-def by_rule(catalog: Catalog) -> dict[str, Estimates]:
+def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
     """Figures of actuators that are a rule of thumb, with a band from there to the stall.
 
     Parameters

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.assumed import ASSUMED, by_rating, by_stall
+from drivesizer.catalog.estimates.assumed import ASSUMED, estimates_by_rated_current, peak_torque_estimates
 from drivesizer.catalog.estimates.fit import Fit, Peers, widening
 from drivesizer.catalog.estimates.laws import Law, column, constructions_of, given_column, members_of
 from drivesizer.catalog.tables import Estimates, Table
@@ -25,8 +25,8 @@ __all__ = [
     "as_records",
     "estimates",
     "estimates_of",
-    "in_words",
-    "kept",
+    "law_text",
+    "shipped_laws",
     "written",
 ]
 
@@ -74,19 +74,19 @@ def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estima
     """
     found: dict[str, Estimates] = {}
     terms: dict[str, _Term] = {}
-    laws = [(number, fit) for number, fit in enumerate(kept()) if fit.law.section == table.section]
+    laws = [(number, fit) for number, fit in enumerate(shipped_laws()) if fit.law.section == table.section]
     given = {fit.law.figure for fit in only}
     laws = [(number, fit) for number, fit in laws if fit in only or fit.law.figure not in given]
     for figure in dict.fromkeys(fit.law.figure for _, fit in laws):
         one = _estimate(table, figure, [law for law in laws if law[1].law.figure == figure], terms)
         if len(one.rows):
-            name, found_of = _of_column(table, figure, one)
+            name, found_of = _column_estimates(table, figure, one)
             found |= {name: found_of} if len(found_of.rows) else {}
             terms[figure] = _completed(_printed(table, figure), one)
-    return by_stall(table, by_rating(table, found))
+    return peak_torque_estimates(table, estimates_by_rated_current(table, found))
 
 
-def _of_column(table: Table[Any], figure: str, one: Estimates) -> tuple[str, Estimates]:
+def _column_estimates(table: Table[Any], figure: str, one: Estimates) -> tuple[str, Estimates]:
     """Estimates of a column from one figure, of those parts that lack it."""
     some = table.taken(one.rows)
     values = [given_column(some, figure, values) for values in (one.value, one.low, one.high)]
@@ -101,8 +101,8 @@ def _estimate(table: Table[Any], figure: str, laws: list[tuple[int, Fit]], terms
     band, by = np.full((3, count), np.nan), np.full(count, -1)
     missing, width = np.isnan(column(table, figure)), np.full(count, np.inf)
     for number, law in laws if missing.any() else ():
-        stranger = ~_of_construction(law, constructions)
-        found = _by(law, table, terms, stranger)
+        stranger = ~_same_construction(law, constructions)
+        found = _law_value(law, table, terms, stranger)
         spread = found.above - found.below + np.where(stranger, _LAST, 0.0)
         better = missing & (spread < width) & ((by < 0) | (law.source == ""))
         for place, side in enumerate((np.zeros(count), found.below, found.above)):
@@ -113,13 +113,13 @@ def _estimate(table: Table[Any], figure: str, laws: list[tuple[int, Fit]], terms
     return Estimates(rows, value, low, high, by[rows])
 
 
-def _of_construction(fit: Fit, constructions: NDArray[np.str_]) -> NDArray[np.bool_]:
+def _same_construction(fit: Fit, constructions: NDArray[np.str_]) -> NDArray[np.bool_]:
     """Mask of the parts that are built as some peers of a law are; all where either is not known."""
     known = constructions if fit.constructions else np.full_like(constructions, "")
     return np.asarray(np.isin(known, ("", *fit.constructions)).all(axis=0))
 
 
-def _by(fit: Fit, table: Table[Any], terms: dict[str, _Term], stranger: NDArray[np.bool_]) -> _Term:
+def _law_value(fit: Fit, table: Table[Any], terms: dict[str, _Term], stranger: NDArray[np.bool_]) -> _Term:
     """The figure by one law; NaN where the law does not reach. Errors of terms add to it as independent ones."""
     taken = [terms[name] if name in terms else _printed(table, name) for name in fit.law.terms]
     x = np.column_stack([np.zeros((len(table), 0)), *(term.middle for term in taken)])
@@ -176,7 +176,7 @@ def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
     """
     found = estimates(table.taken(slice(row, row + 1)))
     return [
-        Estimate(figure, float(e.value[0]), float(e.low[0]), float(e.high[0]), kept()[e.fit[0]])
+        Estimate(figure, float(e.value[0]), float(e.low[0]), float(e.high[0]), shipped_laws()[e.fit[0]])
         for figure, e in found.items()
     ]
 
@@ -204,7 +204,7 @@ def as_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def in_words(fit: Fit) -> str:
+def law_text(fit: Fit) -> str:
     """A law in words: its terms, and the parts it was fitted to.
 
     >>> law = Law("motors", "brushed", "rotor_inertia", ("mass", "diameter"))
@@ -219,7 +219,7 @@ def in_words(fit: Fit) -> str:
 
 
 @cache
-def kept() -> tuple[Fit, ...]:
+def shipped_laws() -> tuple[Fit, ...]:
     """The fitted laws that ship, and behind them those that are assumed."""
     text = (resources.files("drivesizer.catalog.estimates") / "fitted.json").read_text(encoding="utf-8")
     return (*(_read(record) for record in json.loads(text)), *ASSUMED)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.assumed import by_rule
+from drivesizer.catalog.estimates.assumed import rule_of_thumb_bands
 from drivesizer.catalog.estimates.estimate import estimates
 from drivesizer.catalog.estimates.laws import LAWS
 from drivesizer.catalog.tables import Catalog, Estimates
@@ -54,7 +54,7 @@ def estimates_kept(catalog: Catalog) -> Found:
 
 def _with_rules(catalog: Catalog, found: Found) -> Found:
     """The estimates, and the figures of actuators that are a rule of thumb."""
-    rules = by_rule(catalog)
+    rules = rule_of_thumb_bands(catalog)
     return found | {"actuators": found.get("actuators", {}) | rules} if rules else found
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from drivesizer.catalog.exchange.import_map import Plan
 from drivesizer.catalog.parts import columns_of
 
-__all__ = ["currency_of", "in_their_currency"]
+__all__ = ["currency_of", "foreign_prices"]
 
 _SIGNS = {"$": "USD", "US$": "USD", "£": "GBP", "¥": "JPY", "€": "EUR"}
 
@@ -33,7 +33,7 @@ def currency_of(unit: str) -> str:
     return _SIGNS.get(unit, unit if re.fullmatch(r"[A-Z]{3}", unit) else "")
 
 
-def in_their_currency(
+def foreign_prices(
     units: Sequence[str], plan: Plan, taken: Mapping[str, int]
 ) -> tuple[list[str], Plan, dict[str, int]]:
     """Prices in another currency than euros, in the columns for them; nothing is converted.

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from drivesizer.catalog.catalog_file import RATIO, SCHEMA, parse
 from drivesizer.catalog.columns import Column
-from drivesizer.catalog.exchange.currencies import in_their_currency
+from drivesizer.catalog.exchange.currencies import foreign_prices
 from drivesizer.catalog.exchange.exporting import plain
 from drivesizer.catalog.exchange.import_map import Plan
 from drivesizer.catalog.parts import columns_of
@@ -72,7 +72,7 @@ def import_table(text: str, path: Path, plan: Plan, target: Path) -> Imported:
     """
     sheet = _sheet(text, path)
     taken = _columns(sheet, plan)
-    units, plan, taken = in_their_currency(sheet.units, plan, taken)
+    units, plan, taken = foreign_prices(sheet.units, plan, taken)
     sheet = sheet._replace(units=units)
     heads = {name: _head(sheet, place, columns_of(plan.section)[name]) for name, place in taken.items()}
     rows, skipped = _rows(sheet, taken, plan)

@@ -118,7 +118,7 @@ def check(catalog: Catalog) -> list[Finding]:
             here += _discharges(catalog)
         if section == "steppers":
             here += _pull_outs(catalog)
-        found += sorted((_judged(f, notes.get(f.part, [])) for f in here), key=lambda f: table.rows[f.part])
+        found += sorted((_accepted_by_note(f, notes.get(f.part, [])) for f in here), key=lambda f: table.rows[f.part])
     return [*found, *_dangling(catalog), *_alone(catalog)]
 
 
@@ -189,7 +189,7 @@ def _notes_by_part(catalog: Catalog, section: str) -> dict[str, list[Note]]:
     return notes
 
 
-def _judged(finding: Finding, notes: list[Note]) -> Finding:
+def _accepted_by_note(finding: Finding, notes: list[Note]) -> Finding:
     """The finding, with the text of a note that accepts one of its fields, or that excludes its part."""
     for note in notes:
         if note.exclude or not note.fields or set(note.fields) & set(finding.fields):

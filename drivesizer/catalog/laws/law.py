@@ -19,10 +19,36 @@ from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import Table
 
 __all__ = [
-    "BODY", "DEFINITION", "ENERGY", "HANDBOOK", "ROUNDED", "SLACK", "USAGE", "Band", "Beside", "Formula", "Law",
-    "Numbers", "Side", "above_zero", "bands", "beside", "cylinder", "decimal_places", "formulas", "groups",
-    "half_last_digit", "of_toothed_stages", "offered", "only", "orders", "reductions", "shares", "usual",
-    "whole_numbers", "words",
+    "BODY",
+    "DEFINITION",
+    "ENERGY",
+    "HANDBOOK",
+    "ROUNDED",
+    "SLACK",
+    "USAGE",
+    "Band",
+    "Beside",
+    "Formula",
+    "Law",
+    "Numbers",
+    "Side",
+    "above_zero",
+    "across_offers",
+    "against_similar",
+    "bands",
+    "cylinder",
+    "decimal_places",
+    "formulas",
+    "groups",
+    "half_last_digit",
+    "only",
+    "orders",
+    "per_stage",
+    "reductions",
+    "shares",
+    "usual",
+    "whole_numbers",
+    "words",
 ]  # fmt: skip
 
 Numbers = NDArray[np.float64]
@@ -127,7 +153,7 @@ def groups(table: Table[Any], *names: str) -> NDArray[np.intp]:
     return found
 
 
-def offered(table: Table[Any], figure: str, rows: NDArray[np.bool_], how: Callable[[Numbers], Any]) -> float:
+def across_offers(table: Table[Any], figure: str, rows: NDArray[np.bool_], how: Callable[[Numbers], Any]) -> float:
     """Median, least or greatest figure of some offered parts.
 
     Parameters
@@ -154,7 +180,9 @@ def usual(*names: str) -> Callable[[str], Side]:
     def side(figure: str) -> Side:
         def values(table: Table[Any]) -> Numbers:
             group = groups(table, *names)
-            medians = [offered(table, figure, group == k, np.median) for k in range(int(group.max(initial=-1)) + 1)]
+            medians = [
+                across_offers(table, figure, group == k, np.median) for k in range(int(group.max(initial=-1)) + 1)
+            ]
             alike = np.all([~np.isnan(table[n]) for n in names if columns_of(table.section)[n].kind != "text"], axis=0)
             return np.where(alike, np.array(medians, float)[group], np.nan)
 
@@ -163,7 +191,7 @@ def usual(*names: str) -> Callable[[str], Side]:
     return side
 
 
-def of_toothed_stages(table: Table[Any], gearing: str, base: float) -> Numbers:
+def per_stage(table: Table[Any], gearing: str, base: float) -> Numbers:
     """A number to the power of the stages, for planetary and spur gears.
 
     Parameters
@@ -278,7 +306,7 @@ def bands(rows: Iterable[Band]) -> Iterator[Law]:
                       source=BODY if "mass" in (figure, *fields) else USAGE)  # fmt: skip
 
 
-def beside(rows: Iterable[Beside]) -> Iterator[Law]:
+def against_similar(rows: Iterable[Beside]) -> Iterator[Law]:
     """A figure compared with the median of similar parts."""
     for section, figure, side, times, reason in rows:
         for relation, share, word in ((">=", 1 / times, "least"), ("<=", times, "most")):
@@ -311,7 +339,7 @@ def reductions(section: str, gearing: str) -> Iterator[Law]:
               fields=("stages",), reason="2.1 to 6.75 of 2215 maxon gearheads, Faulhaber from 1.76",
               source=USAGE)  # fmt: skip
     yield Law(section=section, name="ratio per stage, at most", meaning="10 to the power of the stages at most",
-              figure="ratio", relation="<=", expected=lambda g: of_toothed_stages(g, gearing, 10.0),
+              figure="ratio", relation="<=", expected=lambda g: per_stage(g, gearing, 10.0),
               fields=("stages", gearing), source=USAGE,
               reason="beyond, planets would touch; other kinds have no such bound")  # fmt: skip
 

@@ -19,8 +19,8 @@ from drivesizer.catalog.laws.law import (
     Law,
     Numbers,
     Side,
+    against_similar,
     bands,
-    beside,
     cylinder,
     formulas,
     orders,
@@ -36,7 +36,7 @@ __all__ = ["LAWS_OF_MORE_PARTS"]
 # --- actuators -------------------------------------------------------------------------------------------------------
 
 
-def _at_output(a: Table[Any]) -> Numbers:
+def _output_torque_constant(a: Table[Any]) -> Numbers:
     """Torque constant at the output, friction left out."""
     return np.asarray(a["ratio"] * a["efficiency"] * a["motor_torque_constant"])
 
@@ -63,10 +63,10 @@ _ACTUATOR_LAWS: list[Formula] = [
      None,
      (*_GEARED, "stall_current"), 0.02, "the rounding of I_0, which is little; efficiencies are worked out of it"),
     ("stall torque without friction", "not above i eta k_m I_A", "stall_torque", "<=",
-     lambda a: _at_output(a) * a["stall_current"], (*_GEARED, "stall_current"), 0.02,
+     lambda a: _output_torque_constant(a) * a["stall_current"], (*_GEARED, "stall_current"), 0.02,
      "5 per mille of 125, Dynamixel"),
     ("nominal torque without friction", "not above i eta k_m I_N", "nominal_torque", "<=",
-     lambda a: _at_output(a) * a["nominal_current"], (*_GEARED, "nominal_current"), 0.14,
+     lambda a: _output_torque_constant(a) * a["nominal_current"], (*_GEARED, "nominal_current"), 0.14,
      "brushless motors, whose k_m is not one number: LK-Tech by 11 %"),
     ("no-load speed without friction", "not above V / (i k_m)", "no_load_speed", "<=",
      lambda a: _idle_speed(a, 0.0), _IDLE, 0.1,
@@ -108,7 +108,7 @@ def _pitch_of_profile(b: Table[Any]) -> Numbers:
     return found
 
 
-def _of_toothed_parts(section: str) -> Iterator[Law]:
+def _toothed_part_laws(section: str) -> Iterator[Law]:
     yield Law(section=section, name="pitch of the profile", meaning="one in which the profile is made", figure="pitch",
               relation="=", expected=_pitch_of_profile, fields=("profile",), rounds=False,
               reason="none: a standard")  # fmt: skip
@@ -231,7 +231,7 @@ _BANDS: list[Band] = [
     ("actuators", "no-load speed beside (V - I_0 R) / (i k_m)", "no_load_speed",
      lambda a: _idle_speed(a, a["no_load_current"]), 0.8, 1.05, _IDLE,
      "drivers that cannot give all of V: 0.85 to 0.90 of RobStride, 0.91 to 1.01 of 86 others"),
-    ("actuators", "torque constant beside i eta k_m", "torque_constant", _at_output, 0.85, 1.05, _GEARED,
+    ("actuators", "torque constant beside i eta k_m", "torque_constant", _output_torque_constant, 0.85, 1.05, _GEARED,
      "some count friction, stall torque by stall current: 0.86 to 0.94 of Feetech; 0.96 to 1.01 of 45 others"),
     ("actuators", "output inertia beside i^2 J", "output_inertia", lambda a: a["ratio"] ** 2 * a["rotor_inertia"],
      1.0, 1.3, ("ratio", "ratio", "rotor_inertia"), "the flange and the last stage, which the motor hardly feels"),
@@ -350,11 +350,11 @@ LAWS_OF_MORE_PARTS: tuple[Law, ...] = (
     *_capacities(),
     *reductions("actuators", "gearing"),
     *map(_of_one_part, ("mass", "ratio", "output_inertia")),
-    *_of_toothed_parts("belts"),
-    *_of_toothed_parts("pulleys"),
+    *_toothed_part_laws("belts"),
+    *_toothed_part_laws("pulleys"),
     *orders(_ORDERS),
     *bands(_BANDS),
-    *beside(_BESIDE),
+    *against_similar(_BESIDE),
     *shares(_SHARES),
     *whole_numbers(_WHOLE),
 )

@@ -20,15 +20,15 @@ from drivesizer.catalog.laws.law import (
     Numbers,
     Side,
     above_zero,
+    across_offers,
+    against_similar,
     bands,
-    beside,
     cylinder,
     formulas,
     groups,
-    of_toothed_stages,
-    offered,
     only,
     orders,
+    per_stage,
     reductions,
     shares,
     usual,
@@ -56,7 +56,7 @@ def _one_stage_less(figure: str, how: Callable[[Numbers], Any]) -> Side:
         for k in range(int(group.max(initial=-1)) + 1):
             counts = np.unique(stages[(group == k) & ~np.isnan(stages)])
             for less, more in pairwise(counts):
-                lesser = offered(table, figure, (group == k) & (stages == less), how)
+                lesser = across_offers(table, figure, (group == k) & (stages == less), how)
                 found[(group == k) & (stages == more)] = lesser
         return found
 
@@ -248,7 +248,7 @@ _MAY_BE_ZERO = {"thermal_resistance_winding", "friction_torque", "viscous_fricti
 
 _OTHERS = (
     Law(section="gearheads", name="efficiency per stage, at least", meaning="0.75 to the power of the stages at least",
-        figure="efficiency", relation=">=", expected=lambda g: of_toothed_stages(g, "kind", 0.75),
+        figure="efficiency", relation=">=", expected=lambda g: per_stage(g, "kind", 0.75),
         fields=("stages", "kind"), reason="0.80 to 0.97 of 2215 maxon gearheads", source=USAGE),
     Law(section="gearheads", name="direction", meaning="every spur stage turns it round, a planetary stage does not",
         figure="direction", relation="=", expected=_direction, fields=("kind", "stages"), rounds=False,
@@ -259,7 +259,7 @@ _OTHERS = (
 )  # fmt: skip
 
 
-def _by_stages() -> Iterator[Law]:
+def _stage_laws() -> Iterator[Law]:
     for figure, relation in _STAGES:
         word, how = ("least", np.min) if relation == ">=" else ("greatest", np.max)
         yield Law(section="gearheads", name=f"{words(figure)} by stages", figure=figure, relation=relation,
@@ -273,8 +273,8 @@ LAWS: tuple[Law, ...] = (
     *reductions("gearheads", "kind"),
     *_OTHERS,
     *bands(_BANDS),
-    *beside(_BESIDE),
-    *_by_stages(),
+    *against_similar(_BESIDE),
+    *_stage_laws(),
     *shares(_SHARES),
     *whole_numbers(_WHOLE),
     *LAWS_OF_MORE_PARTS,

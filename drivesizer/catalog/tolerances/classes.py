@@ -23,10 +23,10 @@ __all__ = [
     "NOT_OF_STEPPERS",
     "OF_STEPPERS",
     "Class",
+    "class_from_stall",
     "class_of",
     "classes",
     "losses_from_stall",
-    "of_motor_from_stall",
 ]
 
 _PER_STAGE = 4.0  # ratio of a pair of spur gears, where the number of stages is unknown
@@ -106,7 +106,7 @@ def class_of(part: str, figure: str, text: str, why: str, whose: str = "") -> Cl
     return Class(part, figure, title, text, share(text), why, whose)
 
 
-def of_motor_from_stall(figure: str) -> Class:
+def class_from_stall(figure: str) -> Class:
     """The class of a resistance that is nominal voltage over stall current, or of a torque constant beside it."""
     one = _default()["from_stall"][figure]
     return class_of("motor", figure, one["tolerance"], one["why"], "from no load and stall")

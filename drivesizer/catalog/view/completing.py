@@ -53,7 +53,7 @@ def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Tab
     columns = dict(table.columns)
     for name, found in figures.items():
         columns[name] = columns[name].copy()
-        columns[name][found.rows] = found.value if end == MIDDLE else _at_end(table, found, name, end)
+        columns[name][found.rows] = found.value if end == MIDDLE else _at_band_end(table, found, name, end)
     if "no_load_current" in figures and table.section == "actuators":
         _keep_printed_points(table, columns, figures["no_load_current"].rows)
     return Table(table.section, columns, table.source, table.excluded)
@@ -80,7 +80,7 @@ def _keep_printed_points(table: Table[Any], columns: dict[str, NDArray[Any]], ro
         columns[name][rows[some]] = value[some]
 
 
-def _at_end(table: Table[Any], found: Estimates, name: str, end: End) -> NDArray[np.float64]:
+def _at_band_end(table: Table[Any], found: Estimates, name: str, end: End) -> NDArray[np.float64]:
     kind = _HARDER_WHEN_LOW.get(name)
     harder_when_low = (table["kind"][found.rows] == kind) if kind else np.full(len(found.rows), kind is not None)
     if name == "max_winding_temperature":  # without a rating it goes with nothing

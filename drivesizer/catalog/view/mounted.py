@@ -55,12 +55,14 @@ def with_mounting(catalog: Catalog, housings: tuple[Housing, Housing, Housing]) 
     """
     nominal, easy, hard = housings
     ends = catalog.ends or (catalog, catalog)
-    middle = _with(catalog, nominal, brushes=False)
-    found = replace(middle, ends=(_with(ends[0], easy, brushes=False), _with(ends[1], hard, brushes=True)))
+    middle = _with_housing(catalog, nominal, brushes=False)
+    found = replace(
+        middle, ends=(_with_housing(ends[0], easy, brushes=False), _with_housing(ends[1], hard, brushes=True))
+    )
     return replace(found, estimates=_estimates(found))
 
 
-def _with(catalog: Catalog, housing: Housing, *, brushes: bool) -> Catalog:
+def _with_housing(catalog: Catalog, housing: Housing, *, brushes: bool) -> Catalog:
     motors: Table[Any] = catalog.motors
     printed = motors["thermal_resistance_housing"]
     mounted = housing(printed)

@@ -37,7 +37,7 @@ def with_own_brake(catalog: Catalog, figures: Mapping[str, float | str]) -> Cata
     source = Source("section brake of the spec", "quoted")
     found = estimates(one) if catalog.ends else {}
     middle, *ends = (
-        replace(given, brakes=_with(given.brakes, _at(one, found, place)), sources=(*given.sources, source))
+        replace(given, brakes=_with_brake(given.brakes, _brake_at(one, found, place)), sources=(*given.sources, source))
         for given, place in zip((catalog, *catalog.ends), ("value", "low", "high"), strict=False)
     )
     if not found:
@@ -58,13 +58,13 @@ def _row(figures: Mapping[str, float | str], source: int) -> Table[Any]:
     return Table(_SECTION, columns, np.array([source], np.int32), np.zeros(1, bool))
 
 
-def _at(one: Table[Any], found: Mapping[str, Estimates], place: str) -> Table[Any]:
+def _brake_at(one: Table[Any], found: Mapping[str, Estimates], place: str) -> Table[Any]:
     """The brake with estimated figures at the middle or an end of their bands."""
     columns = dict(one.columns) | {name: getattr(each, place) for name, each in found.items()}
     return Table(_SECTION, columns, one.source, one.excluded)
 
 
-def _with(table: Table[Any], one: Table[Any]) -> Table[Any]:
+def _with_brake(table: Table[Any], one: Table[Any]) -> Table[Any]:
     columns = {name: np.concatenate([table[name], one[name]]) for name in table.columns}
     source, excluded = np.append(table.source, one.source), np.append(table.excluded, one.excluded)
     return Table(_SECTION, columns, source, excluded)

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.estimates.of_catalog import estimates_kept
 from drivesizer.catalog.no_gearhead import NO_GEARHEAD_SOURCE, with_no_gearhead
-from drivesizer.catalog.parts import DIRECT, EDGES, RELATIONS, columns_of, one_of
+from drivesizer.catalog.parts import DIRECT, EDGES, RELATIONS, columns_of, singular
 from drivesizer.catalog.tables import Catalog, Pairs, Table, unique_pairs
 from drivesizer.catalog.view.completing import ENDS, MIDDLE, completed
 from drivesizer.errors import CatalogError, quoted
@@ -144,10 +144,12 @@ def split_actuators(catalog: Catalog) -> Catalog:
     for section in ("motors", "gearheads", "encoders", "controllers"):
         twice = sorted(set(actuators["part"].tolist()) & set(catalog.table(section)["part"].tolist()))
         if twice:
-            raise CatalogError(f"part {quoted(twice[0])} is an actuator and a {one_of(section)} as well; rename one")
+            raise CatalogError(f"part {quoted(twice[0])} is an actuator and a {singular(section)} as well; rename one")
     inside = {"motors": _motor(actuators), "gearheads": _gearhead(actuators), "encoders": _encoder(actuators),
               "controllers": _controller(actuators)}  # fmt: skip
-    tables: dict[str, Any] = {name: _with(catalog.table(name), actuators, rows) for name, rows in inside.items()}
+    tables: dict[str, Any] = {
+        name: _with_actuators(catalog.table(name), actuators, rows) for name, rows in inside.items()
+    }
     first = len(catalog.motors)
     pairs: dict[str, Any] = {
         name: _paired(getattr(catalog, name), actuators, inside[right].of, first, len(catalog.table(right)))
@@ -157,7 +159,7 @@ def split_actuators(catalog: Catalog) -> Catalog:
     return catalog.with_tables(tables, pairs)
 
 
-def _with(table: Table[Any], actuators: Table[Any], inside: _Inside) -> Table[Any]:
+def _with_actuators(table: Table[Any], actuators: Table[Any], inside: _Inside) -> Table[Any]:
     """A table followed by the rows of the parts inside actuators."""
     columns: Columns = {}
     of = inside.of
@@ -291,7 +293,7 @@ def _with_controllers_inside(catalog: Catalog) -> Catalog:
         "buses": "",
     }
     rows = _Inside(of, _UNIT | figures | _supply(motors) | {"part": part.astype(str)})
-    return catalog.with_tables({"controllers": _with(catalog.controllers, motors, rows)}, {})
+    return catalog.with_tables({"controllers": _with_actuators(catalog.controllers, motors, rows)}, {})
 
 
 def with_clamping_hubs(catalog: Catalog) -> Catalog:

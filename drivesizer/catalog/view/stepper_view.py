@@ -84,13 +84,13 @@ def stepper_view(catalog: Catalog, estimates: bool = True, phase_current: float 
         return _viewed(catalog, phase_current)
     own = estimates_of(catalog.steppers)
     if "pull_out_share" in own:  # a printed curve needs none
-        own["pull_out_share"] = _without(own["pull_out_share"], catalog.pull_outs.stepper)
+        own["pull_out_share"] = _without_rows(own["pull_out_share"], catalog.pull_outs.stepper)
     found = replace(catalog, estimates={**estimates_kept(catalog), "steppers": own})
     middle, *ends = (_viewed(found.with_tables(completed(found, end), {}), phase_current) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
 
 
-def _without(one: Estimates, rows: NDArray[np.int32]) -> Estimates:
+def _without_rows(one: Estimates, rows: NDArray[np.int32]) -> Estimates:
     keep = ~np.isin(one.rows, rows)
     return Estimates(one.rows[keep], one.value[keep], one.low[keep], one.high[keep], one.fit[keep])
 

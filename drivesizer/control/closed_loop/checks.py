@@ -18,7 +18,7 @@ from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.control.closed_loop.set_up import FOLLOWS
 from drivesizer.control.loop_design import stated_margin
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.platform_wheels import held_by_the_floor
+from drivesizer.load_cases.platform_wheels import floor_friction
 from drivesizer.loads.course import Profile, course
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -269,7 +269,7 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
             _most(case, "rms_gear_torque_running", lambda x: torque(x if speed else 0.0)), note="while running"
         )
     else:
-        yield _check(torque(_held_torque(case)), note="of the load at rest")
+        yield _check(torque(_static_torque(case)), note="of the load at rest")
     yield _check(_most(case, "gear_torque", peak), case.figure("gear_torque_time"))
     mean, sustained = _lasting(case.profile)
     yield _check(
@@ -289,7 +289,7 @@ def _lasting(profile: Profile) -> tuple[Any, ...]:
     return tuple(lasting_speeds(moved.duration, moved.speed).values())
 
 
-def _held_torque(case: ClosedLoop) -> float:
+def _static_torque(case: ClosedLoop) -> float:
     """RMS torque at the gearhead of a load that never moves [N*m]: at rest a belt passes it on without loss."""
     recorded = isinstance(case.spec.load, Recorded)
     cycle = load_cycle(case.spec, None if recorded else case.profile)
@@ -326,7 +326,7 @@ def _load(case: ClosedLoop) -> Iterator[Check]:
 
     def held(torque: float) -> CheckColumn:
         force = torque * belt / case.train.radius
-        return at_most("traction", force, held_by_the_floor(case.spec, force))
+        return at_most("traction", force, floor_friction(case.spec, force))
 
     yield _check(
         _most(case, "gear_torque", held),

@@ -51,7 +51,7 @@ def _tracking(case: ClosedLoop) -> list[_Row]:
         ("position_error_peak", "Position error at the load, peak", case.figure("load_angle_error") * radius, travel,
          case.figure("load_angle_error_time")),
         ("distance_error", "Final position error, load", left, travel, None),
-        *(_of_the_motor(case) if case.train.flexible else ()),
+        *(_motor_errors(case) if case.train.flexible else ()),
         ("voltage_saturation", "Time at the voltage limit", case.figure("time_at_voltage_limit") / time, _SHARE, None),
         ("current_limitation", "Time at the current limit", case.figure("time_at_current_limit") / time, _SHARE, None),
         ("speed_quantum", "One encoder count, at the load",
@@ -60,7 +60,7 @@ def _tracking(case: ClosedLoop) -> list[_Row]:
     return rows if top else [row for row in rows if not row[0].endswith("_share")]
 
 
-def _of_the_motor(case: ClosedLoop) -> list[_Row]:
+def _motor_errors(case: ClosedLoop) -> list[_Row]:
     """The same errors of the motor's shaft, through the total ratio as if the shaft were stiff."""
     per_speed, time = case.train.motor_per_speed, case.figure("time")
     speed, travel = SPEED[case.spec.load.axis], _TRAVEL[case.spec.load.axis]

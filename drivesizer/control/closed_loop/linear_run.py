@@ -28,7 +28,7 @@ from drivesizer.control.loop_models import (
     velocity_open_loop,
     voltage_open_loop,
 )
-from drivesizer.control.validation import Beside, Gains, LinearRun
+from drivesizer.control.validation import Gains, LinearFigure, LinearRun
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.results.check import Figure
 
@@ -73,7 +73,7 @@ def linear_run(case: ClosedLoop) -> LinearRun:
         said += shortened
     else:
         said.append("an unstable loop has no response")
-    return LinearRun(train=case.train, figures=_beside(case, series), series=series, left_out=tuple(said))
+    return LinearRun(train=case.train, figures=_engine_figures(case, series), series=series, left_out=tuple(said))
 
 
 # --- the course: reference and load torque at the samples
@@ -107,7 +107,7 @@ def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
     if count > most:
         peaks = [case.figure(f"{figure}_time") for _, _, figure in _PEAKS.values()]
         places = [(peak - np.interp(peak, corners, gone) - kept[0]) / slow for peak in peaks]
-        stretches = _around(places, count, most // len(peaks), round(slow / h))
+        stretches = _stretches_around(places, count, most // len(peaks), round(slow / h))
 
     def course(first: int, end: int) -> _Course:
         t = kept[0] + h * np.arange(first, end + 1)
@@ -124,7 +124,7 @@ def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
     return [course(*stretch) for stretch in stretches], said
 
 
-def _around(places: list[float], count: int, most: int, step: int) -> list[tuple[int, int]]:
+def _stretches_around(places: list[float], count: int, most: int, step: int) -> list[tuple[int, int]]:
     """Stretches of so many samples at most around places in steps, without overlap; each of whole steps."""
     length, found = max(most // step, 1), list[tuple[int, int]]()
     for place in sorted(places):
@@ -249,7 +249,7 @@ def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Arra
 # --- beside the engine
 
 
-def _beside(case: ClosedLoop, series: dict[str, Array]) -> tuple[Beside, ...]:
+def _engine_figures(case: ClosedLoop, series: dict[str, Array]) -> tuple[LinearFigure, ...]:
     speed, radius, velocity = SPEED[case.spec.load.axis], case.train.radius, case.loops.velocity
     units = {"current": ("current", "A"), "error": speed, "voltage": ("voltage", "V")}
     of_loop = (
@@ -264,9 +264,9 @@ def _beside(case: ClosedLoop, series: dict[str, Array]) -> tuple[Beside, ...]:
         linear = Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at)
         factor = radius if column == "error" else 1.0
         own = replace(linear, value=case.figure(figure) * factor, at_time=case.figure(f"{figure}_time"))
-        found.append(Beside(linear, own))
+        found.append(LinearFigure(linear, own))
     analysed = [
-        Beside(Figure(name=name, title=title, value=getattr(velocity, name), kind=kind, unit=unit))
+        LinearFigure(Figure(name=name, title=title, value=getattr(velocity, name), kind=kind, unit=unit))
         for name, title, kind, unit in of_loop
     ]
     return (*found, *analysed)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from drivesizer.control.engine.batch import simulate, simulate_many
 from drivesizer.control.engine.figures import FIGURES, Simulation
-from drivesizer.control.engine.kernel import kept
+from drivesizer.control.engine.kernel import is_compiled
 from drivesizer.control.engine.task import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
 
 __all__ = [
@@ -32,7 +32,7 @@ __all__ = [
     "Simulation",
     "Supply",
     "Task",
-    "kept",
+    "is_compiled",
     "simulate",
     "simulate_many",
 ]  # fmt: skip

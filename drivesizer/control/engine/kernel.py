@@ -16,7 +16,7 @@ import drivesizer.control.engine.tallies as tallies
 import drivesizer.control.engine.warming as warming
 from drivesizer.files.machine_code import Kernel, defined_in, machine_code
 
-__all__ = ["KERNEL", "compiled", "kept"]
+__all__ = ["KERNEL", "compiled", "is_compiled"]
 
 _COMPILED = (
     modes,
@@ -44,6 +44,6 @@ def compiled() -> Callable[..., int]:
     return machine_code(KERNEL)
 
 
-def kept() -> bool:
+def is_compiled() -> bool:
     """Whether the simulation is at hand as machine code."""
     return KERNEL.kept

@@ -52,7 +52,7 @@ def alike(run: Run, before: Array, lap: Lap, earlier: Sequence[Lap], turned: flo
     if left < 1 or run.status:
         return 0
     exact = by_state and not run.p[at.EDGES] and _repeats(run, before, turned)
-    if not exact and not (_same(run.p, lap, earlier) and not _drifts(lap, earlier, left)):
+    if not exact and not (_same_sums(run.p, lap, earlier) and not _drifts(lap, earlier, left)):
         return 0
     until = _until_full(run, before, lap, _PERIODIC if exact else _FULL), _until_warm(run, before, lap, left)
     return int(min(left, *until))
@@ -82,7 +82,7 @@ def _compared(p: Array, s: Array) -> Array:
     return free[_COMPARED]
 
 
-def _same(p: Array, lap: Lap, earlier: Sequence[Lap]) -> bool:
+def _same_sums(p: Array, lap: Lap, earlier: Sequence[Lap]) -> bool:
     """Whether laps have the same sums: squares of current and torque, and the work done, without the copper's heat."""
     if not earlier or lap.count < (_LEAST if p[at.EDGES] else _LEAST_EXACT):
         return False

@@ -13,7 +13,7 @@ from drivesizer.errors import InputError
 from drivesizer.platform import equations_dynamics as eq
 from drivesizer.platform.contact_loads import Ground, contact_loads
 from drivesizer.platform.matrix_equation import Array
-from drivesizer.platform.misjudged import Misjudged, of_each
+from drivesizer.platform.misjudged import Misjudged, per_wheel
 from drivesizer.platform.wheels import Platform, Wheel
 
 __all__ = ["Arrays", "arrays", "first_state"]
@@ -57,7 +57,7 @@ def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: G
         raise InputError("following: expected one slope for the whole path")
     p, n = platform, len(platform.wheels)
     N0, S = _resting_loads(p, ground)
-    strength = of_each(misjudged.motor, n, "misjudged motor")
+    strength = per_wheel(misjudged.motor, n, "misjudged motor")
     W, K = np.zeros((n, at.COLUMNS)), np.zeros((len(p.casters), at.CASTER_COLUMNS))
     for i, w in enumerate(p.wheels):
         W[i] = *_wheel(w, i, contact), N0[i], *S[i], 1.0 + strength[i]

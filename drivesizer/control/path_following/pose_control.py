@@ -27,7 +27,7 @@ from drivesizer.control.cascade_rules import LATE, pole_placement, symmetrical_o
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import Dynamics, wheel_space
 from drivesizer.platform.kinematics import Kinematics
-from drivesizer.platform.misjudged import of_each
+from drivesizer.platform.misjudged import per_wheel
 
 __all__ = ["PoseLoop", "SpeedLoop", "inertias", "pose_loop", "speed_loop"]
 
@@ -118,7 +118,7 @@ def speed_loop(
         raise InputError("speed loop: a driven wheel has no inertia; give inertia or rotor_inertia")
     gains = tuple(symmetrical_optimum(j, 1.0, LATE * period)[0] for j in own)
     sums = tuple(pole_placement(most, 1.0, k / (2.0 * most), 1.0)[1] if integral else 0.0 for k in gains)
-    return SpeedLoop(period=period, proportional=gains, integral=sums, limit=of_each(limit, len(own), "torque limit"))
+    return SpeedLoop(period=period, proportional=gains, integral=sums, limit=per_wheel(limit, len(own), "torque limit"))
 
 
 def pose_loop(d: Dynamics, inner: SpeedLoop, *, period: float = 0.05, speed: float = 1.0) -> PoseLoop:

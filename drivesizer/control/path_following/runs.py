@@ -22,7 +22,7 @@ from drivesizer.spec.following import Following
 from drivesizer.spec.platform import Platform
 from drivesizer.units import show
 
-__all__ = ["AtWheel", "FollowingRun", "assumed", "at_wheel", "drawn", "follow_all", "follow_case"]
+__all__ = ["AtWheel", "FollowingRun", "assumed", "drawn", "follow_case", "follow_runs", "wheel_drive"]
 
 
 class FollowingRun(NamedTuple):
@@ -47,7 +47,7 @@ _COMPARED = (
 )  # fmt: skip
 
 
-def follow_all(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
+def follow_runs(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
     """The runs by name: kinematic and dynamic model, open-loop, and the dynamic one with pose feedback where possible.
 
     Where the spec compares, also both models with P and PI loops, with and without misjudged figures.
@@ -107,7 +107,7 @@ def follow_case(
     Parameters
     ----------
     found, chosen
-        The platform on its path, and its drive, as of ``follow_all``.
+        The platform on its path, and its drive, as of ``follow_runs``.
     case
         Robot model and controllers.
     misjudged
@@ -119,7 +119,7 @@ def follow_case(
         The simulated motion.
     """
     section = _section(found)
-    wheel = at_wheel(section.following, chosen)
+    wheel = wheel_drive(section.following, chosen)
     d = dynamics_of(found.spec, wheel.inertia)
     speeds = _speeds(d, section.following, wheel.torque, case.integral)
     poses = pose_loop(d, speeds, period=section.following.pose_period, speed=_fastest(found)) if case.poses else None
@@ -169,7 +169,7 @@ class AtWheel(NamedTuple):
     torque: float  # N*m, the largest; infinite: none is known
 
 
-def at_wheel(given: Following, chosen: DriveSet | None) -> AtWheel:
+def wheel_drive(given: Following, chosen: DriveSet | None) -> AtWheel:
     """Inertia and largest torque of a drive at its wheel: as the spec gives them, else of the drive as far as known.
 
     Parameters
@@ -208,7 +208,7 @@ def assumed(found: Driving, chosen: DriveSet | None) -> tuple[str, ...]:
     Parameters
     ----------
     found, chosen
-        The platform on its path, and its drive, as of ``follow_all``.
+        The platform on its path, and its drive, as of ``follow_runs``.
 
     Returns
     -------
@@ -216,7 +216,7 @@ def assumed(found: Driving, chosen: DriveSet | None) -> tuple[str, ...]:
         One sentence each.
     """
     given = _section(found).following
-    wheel = at_wheel(given, chosen)
+    wheel = wheel_drive(given, chosen)
     inertia, torque = show(wheel.inertia, "kg*cm^2", "inertia", 3), show(wheel.torque, "N*m", "torque", 3)
     period, poses = (show(value, "ms", "time") for value in (given.period, given.pose_period))
     slip = show(given.slip_speed, "mm/s", "speed") + (

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.writing import put, ready
+from drivesizer.files.writing import ready, write_files
 from drivesizer.output.export.common import Export, check_wheel, export_of
 
 __all__ = ["FORMATS", "WHOLE", "Export", "Format", "accept", "check_wheel", "export_of", "files", "write"]
@@ -109,4 +109,4 @@ def write(of: Any, form: str, path: Path, room: str = "") -> list[Path]:
         The files written.
     """
     accept(form, path)
-    return put(files(of, form, path, room))
+    return write_files(files(of, form, path, room))

@@ -141,7 +141,7 @@ def _settled(archive: bytes, of: Export) -> bytes:
     described.attrib.pop("generationDateAndTime")
     described.set("guid", "")
     _units(described, of)
-    _at_first(described)
+    _initial_unknowns(described)
     content = hashlib.sha256(b"".join(files.values()) + tostring(described)).hexdigest()
     described.set("guid", f"{{{uuid.uuid5(_SPACE, content)}}}")
     files[name] = document(described)
@@ -159,7 +159,7 @@ def _packed(files: dict[str, bytes]) -> bytes:
     return out.getvalue()
 
 
-def _at_first(described: Element) -> None:
+def _initial_unknowns(described: Element) -> None:
     """Variables that are computed before the first step: all outputs; the format requires the list."""
     structure = described.find("ModelStructure")
     assert structure is not None

@@ -21,8 +21,18 @@ from drivesizer.output.export.common import Export, Limit
 from drivesizer.output.export.markup import brief, number, remark, vector
 
 __all__ = [
-    "BASE", "JOINT", "LEAST_INERTIA", "LINK", "Link", "Vector", "far_above", "inertial", "limited", "link_of",
-    "one_of", "remarks",
+    "BASE",
+    "JOINT",
+    "LEAST_INERTIA",
+    "LINK",
+    "Link",
+    "Vector",
+    "drive_count_text",
+    "far_above",
+    "inertial",
+    "limited",
+    "link_of",
+    "remarks",
 ]  # fmt: skip
 
 Vector = tuple[float, float, float]
@@ -89,7 +99,7 @@ def remarks(of: Export) -> list[str]:
     travel = f"; the load travels {of.travel}" if train.radius != 1.0 else ""
     said = [
         f"{of.label}; {of.program}. SI: kg, m, s, N, N*m, rad.",
-        f"{one_of(of)}The joint is the driven shaft{travel}. Total ratio {brief(train.ratio)}.",
+        f"{drive_count_text(of)}The joint is the driven shaft{travel}. Total ratio {brief(train.ratio)}.",
         f"effort is the peak torque, {_shown(least.peak_torque, 'N*m')}: a simulator cuts at every instant, and the "
         "accelerations of the cycle need more than the continuous torque. Check the RMS of other cycles against the "
         f"continuous torque, {_shown(least.continuous_torque, 'N*m')}.",
@@ -128,7 +138,7 @@ def _velocity(of: Export) -> str:
     )
 
 
-def one_of(of: Export) -> str:
+def drive_count_text(of: Export) -> str:
     """The sentence that the file is one of several drives; empty for one."""
     return f"One of {of.motor_sets} drives. " if of.motor_sets > 1 else ""
 

@@ -25,7 +25,7 @@ from xml.etree.ElementTree import Element, SubElement
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.output.export.common import Export
 from drivesizer.output.export.gains import TorqueLaw, lacking, torque_law
-from drivesizer.output.export.joint import LEAST_INERTIA, Link, Vector, far_above, link_of, one_of
+from drivesizer.output.export.joint import LEAST_INERTIA, Link, Vector, drive_count_text, far_above, link_of
 from drivesizer.output.export.markup import brief, document, number, remark, text, vector
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 
@@ -75,8 +75,8 @@ def tree(of: Export) -> Element:
 
 def _remarks(of: Export, law: TorqueLaw) -> list[str]:
     said = [
-        f"{one_of(of)}The joint is the driven shaft; the load travels {of.travel}."
-        if of.train.radius != 1.0 else f"{one_of(of)}The joint is the load's.",
+        f"{drive_count_text(of)}The joint is the driven shaft; the load travels {of.travel}."
+        if of.train.radius != 1.0 else f"{drive_count_text(of)}The joint is the load's.",
         "ctrl, at every step: reference [0] angle [rad] and [1] speed w [rad/s] of the motor, "
         f"{number(of.train.ratio)} times those of the shaft; [2] feedforward torque [N*m], {feedforward(law)}; "
         "[3] torque of the load [N*m] beyond inertia, friction and weight.",
@@ -104,7 +104,7 @@ def _stepper_remarks(of: Export) -> list[str]:
     micro = number(one.model.microstep / of.train.ratio)
     slips = brief(pi / one.model.teeth / of.train.ratio)
     said = [
-        f"{one_of(of)}The joint is {travel}.",
+        f"{drive_count_text(of)}The joint is {travel}.",
         f"ctrl, at every step: [0] commanded angle [rad] of the shaft, in microsteps of {micro}, and [1] its speed "
         "[rad/s]; [2] torque of the load [N*m] beyond inertia, friction and weight.",
         "A stepper runs open-loop: here a position servo with the slope of its sinusoidal torque, cut at its pull-out "
@@ -173,7 +173,7 @@ def _heat_remark(of: Export) -> str:
 
 def _world(root: Element, of: Export) -> None:
     """A body that turns with the driven shaft."""
-    train, (mean, half) = of.train, _by_direction(of)
+    train, (mean, half) = of.train, _gear_factors(of)
     lost = 1.0 / train.efficiency - 1.0
     world = SubElement(root, "worldbody")
     body = SubElement(world, "body", name="load")
@@ -216,7 +216,7 @@ def _plumb(root: Element, ends: dict[str, tuple[Element, Vector]], friction: flo
         SubElement(line, "site", site=name)
 
 
-def _by_direction(of: Export) -> tuple[float, float]:
+def _gear_factors(of: Export) -> tuple[float, float]:
     """Mean, and half the difference, of the factors of a load driven and driving: (1/e + e)/2 and (1/e - e)/2."""
     e = of.train.efficiency
     return (1.0 / e + e) / 2.0, (1.0 / e - e) / 2.0
@@ -286,7 +286,7 @@ def _load(actuator: Element, of: Export) -> None:
     )
     grown = 1.0 / of.train.efficiency
     SubElement(actuator, "general", name=LOAD, joint=SHAFT, gaintype="fixed", gainprm=number(-grown),
-               biastype="affine", biasprm=f"{number(0.0 - of.constant_weight * _by_direction(of)[0])} 0 0")  # fmt: skip
+               biastype="affine", biasprm=f"{number(0.0 - of.constant_weight * _gear_factors(of)[0])} 0 0")  # fmt: skip
 
 
 def _thermal(of: Export) -> str:

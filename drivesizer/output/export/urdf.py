@@ -12,7 +12,7 @@ from drivesizer.output.export.common import Export
 from drivesizer.output.export.joint import BASE, JOINT, LINK, inertial, limited, link_of, remarks
 from drivesizer.output.export.markup import document, identifier, number, remark, vector
 
-__all__ = ["both", "render", "robot", "transmission", "tree"]
+__all__ = ["render", "required_limits", "robot", "transmission", "tree"]
 
 
 def render(of: Export) -> bytes:
@@ -44,16 +44,16 @@ def robot(of: Export) -> Element:
     SubElement(joint, "parent", link=BASE)
     SubElement(joint, "child", link=LINK)
     SubElement(joint, "axis", xyz=vector(moved.axis))
-    SubElement(joint, "limit", _both(of))
+    SubElement(joint, "limit", _required_limits(of))
     SubElement(joint, "dynamics", damping=number(of.damping), friction=number(of.friction))
     return root
 
 
-def _both(of: Export) -> dict[str, str]:
-    return both(of.label, limited(of))
+def _required_limits(of: Export) -> dict[str, str]:
+    return required_limits(of.label, limited(of))
 
 
-def both(label: str, known: dict[str, str]) -> dict[str, str]:
+def required_limits(label: str, known: dict[str, str]) -> dict[str, str]:
     """Effort and velocity, which URDF requires.
 
     Parameters

@@ -29,23 +29,23 @@ from drivesizer.version import __version__
 if TYPE_CHECKING:
     from drivesizer.output.json import schema
 
-__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "explanation", "known", "requirement", "sizing", "validation"]
+__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "explanation", "plain_data", "requirement", "sizing", "validation"]
 
 SCHEMA_VERSION: Final = 1
 
 
 def as_text(document: Mapping[str, Any]) -> str:
     """A document as JSON text; unknown or unbounded figures are null."""
-    return json.dumps(known(document), allow_nan=False, ensure_ascii=False, indent=2)
+    return json.dumps(plain_data(document), allow_nan=False, ensure_ascii=False, indent=2)
 
 
-def known(value: Any) -> Any:
+def plain_data(value: Any) -> Any:
     """Plain data of which every figure that is unknown or unbounded is None."""
     if isinstance(value, float):
         return number(value)
     if isinstance(value, dict):
-        return {key: known(inner) for key, inner in value.items()}
-    return [known(inner) for inner in value] if isinstance(value, list | tuple) else value
+        return {key: plain_data(inner) for key, inner in value.items()}
+    return [plain_data(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def requirement(r: Requirement) -> schema.Requirement:

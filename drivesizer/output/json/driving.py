@@ -19,7 +19,7 @@ from drivesizer.version import __version__
 if TYPE_CHECKING:
     from drivesizer.output.json import schema
 
-__all__ = ["driving", "on_path"]
+__all__ = ["driving", "path_document"]
 
 
 def driving(
@@ -52,11 +52,11 @@ def driving(
         "time_s": found.trajectory.total,
         "wheels": [_wheel(wheel) for wheel in found.wheels],
         "set": drive_set(chosen) if chosen else None,
-        **on_path(found.spec, speeds, runs),
+        **path_document(found.spec, speeds, runs),
     }
 
 
-def on_path(spec: RobotSpec, speeds: PermittedSpeeds | None, runs: Mapping[str, Followed]) -> schema.OnPath:
+def path_document(spec: RobotSpec, speeds: PermittedSpeeds | None, runs: Mapping[str, Followed]) -> schema.OnPath:
     """Speeds that a platform's drives permit, and simulated path following beside measured errors.
 
     Parameters

@@ -14,7 +14,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.output.json.documents import sizing, validation
 from drivesizer.output.part_line import HEADS, PartLine
 from drivesizer.output.parts import machine_parts
-from drivesizer.output.thinning import on_curves
+from drivesizer.output.thinning import curve_points
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import KINDS
 
@@ -65,7 +65,7 @@ def _known(value: Any) -> Any:
 
 def _series(proof: Validation) -> schema.Series:
     """Columns over time in SI; ``thinned_from`` says how many samples were recorded."""
-    rows = on_curves(tuple(proof.series.values()), MOST_SAMPLES)
+    rows = curve_points(tuple(proof.series.values()), MOST_SAMPLES)
     return {
         "thinned_from": len(proof.series["time"]),
         "units": {name: KINDS[kind].si for name, (kind, _) in proof.series_units.items()},

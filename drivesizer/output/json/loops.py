@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from drivesizer.control.loop_records import Bode, Loop
 from drivesizer.output.loop_table import settled
-from drivesizer.output.thinning import on_curves
+from drivesizer.output.thinning import curve_points
 
 if TYPE_CHECKING:
     from drivesizer.output.json import schema
@@ -52,7 +52,7 @@ def loop_document(loop: Loop) -> schema.Loop:
 
 def _bode(bode: Bode) -> schema.Bode:
     """Curves over the frequency; ``thinned_from`` says how many points were computed, peaks are kept."""
-    rows = on_curves((bode.open_magnitude, bode.closed_magnitude), _MOST_POINTS)
+    rows = curve_points((bode.open_magnitude, bode.closed_magnitude), _MOST_POINTS)
     columns = {
         "frequency_Hz": bode.frequency,
         "open_magnitude": bode.open_magnitude,
@@ -68,7 +68,7 @@ def _step(loop: Loop) -> schema.Step | None:
     """Response to a unit step until it has settled, thinned as the curves are; None of an unstable loop."""
     if not len(loop.step):
         return None
-    rows = on_curves((loop.step[: settled(loop)],), _MOST_POINTS)
+    rows = curve_points((loop.step[: settled(loop)],), _MOST_POINTS)
     return {
         "thinned_from": len(loop.step),
         "time_s": [number(n * loop.period) for n in rows],

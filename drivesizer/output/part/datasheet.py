@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivesizer.catalog import Catalog, Note, columns_of, one_of
+from drivesizer.catalog import Catalog, Note, columns_of, singular
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.output.part.figures import figure
 from drivesizer.results.drive_set import DriveSet, section_of
@@ -56,7 +56,7 @@ def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
     confidence = catalog.confidence(section, row)
     names = [name for name in columns_of(section) if name in confidence and name not in _NAMES]
     return {
-        "role": one_of(section),
+        "role": singular(section),
         "part": part.part,
         "family": part.family,
         "maker": part.manufacturer,

@@ -12,8 +12,17 @@ from drivesizer.catalog.view.search_view import CLAMPING_HUB
 from drivesizer.output.counted import number_of
 
 __all__ = [
-    "DIFFERS", "EXCLUDED", "closing", "documents", "head", "note_line", "of_families", "partner_lines", "source_line",
-    "sources_of", "tolerance_lines",
+    "DIFFERS",
+    "EXCLUDED",
+    "closing",
+    "documents",
+    "family_count",
+    "head",
+    "note_line",
+    "partner_lines",
+    "source_line",
+    "sources_of",
+    "tolerance_lines",
 ]  # fmt: skip
 
 DIFFERS = {True: "≠", False: "", None: "?"}  # mark of a row of parts side by side
@@ -26,7 +35,7 @@ def head(hit: Hit) -> str:
     return f"{hit['manufacturer']} {hit['family']}{reduction}".strip()
 
 
-def of_families(count: int) -> str:
+def family_count(count: int) -> str:
     """A number of families.
 
     >>> of_families(1), of_families(2)
@@ -40,7 +49,7 @@ def partner_lines(hit: Hit) -> list[tuple[str, dict[str, int]]]:
     found: list[tuple[str, dict[str, int]]] = []
     for section, counts in partners(hit).items():
         if counts:
-            found.append((f"{section}: {sum(counts.values())} in {of_families(len(counts))}: ", counts))
+            found.append((f"{section}: {sum(counts.values())} in {family_count(len(counts))}: ", counts))
         else:
             found.append((f"{section}: none is listed; one may still exist", {}))
     if hit.section == "gearheads" and hit["mounting"] == CLAMPING_HUB:

@@ -10,7 +10,7 @@ import numpy as np
 from drivesizer.catalog import columns_of
 from drivesizer.catalog.discharges import HELD, Discharges
 from drivesizer.catalog.estimates import estimates_of
-from drivesizer.catalog.estimates.estimate import in_words
+from drivesizer.catalog.estimates.estimate import law_text
 from drivesizer.catalog.estimates.family_limits import SAME_FAMILY, family_limits
 from drivesizer.catalog.pull_outs import PullOuts
 from drivesizer.catalog.query import Hit
@@ -92,7 +92,7 @@ def estimates(hit: Hit) -> PartTable | None:
     rows = []
     for one in estimates_of(hit.table, hit.row):
         value, low, high = (_shown(hit, one.figure, figure, 2) for figure in (one.value, one.low, one.high))
-        rows.append((one.figure.replace("_", " "), value, f"{low} to {high}", in_words(one.fit)))
+        rows.append((one.figure.replace("_", " "), value, f"{low} to {high}", law_text(one.fit)))
     heads = (("estimated from peers", "left"), ("", "right"), ("5 to 95 %", "right"), ("from", "left"))
     closing = "Sizing takes these unless the spec has select: {estimates: off}."
     return PartTable(heads, rows, closing=closing) if rows else None

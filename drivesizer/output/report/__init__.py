@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivesizer.files.writing import put
+from drivesizer.files.writing import write_files
 from drivesizer.output.report.kinds import KNOWN, OF_MACHINES, OF_ONE, accept, written
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def write_sets(result: SizingResult, path: Path) -> list[Path]:
     """
     from drivesizer.output.report.table.csv import sets_csv
 
-    return put({path: sets_csv(result)})
+    return write_files({path: sets_csv(result)})
 
 
 def write_series(validation: Validation, path: Path) -> list[Path]:
@@ -149,7 +149,7 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
     """
     from drivesizer.output.report.table.csv import timeseries_csv
 
-    return put({path: timeseries_csv(validation)})
+    return write_files({path: timeseries_csv(validation)})
 
 
 def write_driving(found: Driving, path: Path) -> list[Path]:
@@ -175,7 +175,7 @@ def write_driving(found: Driving, path: Path) -> list[Path]:
     from drivesizer.load_cases.platform_drive import over_time
     from drivesizer.output.report.table.csv import columns_csv
 
-    return put({path: columns_csv(over_time(found))})
+    return write_files({path: columns_csv(over_time(found))})
 
 
 def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:

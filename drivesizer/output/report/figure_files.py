@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
-from drivesizer.files.writing import put, ready
+from drivesizer.files.writing import ready, write_files
 from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.style import FILES
 
@@ -35,7 +35,7 @@ def figures_into(made: Mapping[str, Drawing], folder: Path) -> list[Path]:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"{folder}: cannot be made ({reason_of(error)})") from None
-    return put(files)
+    return write_files(files)
 
 
 def _ready(folder: Path, paths: list[Path]) -> None:

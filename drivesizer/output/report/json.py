@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.output.json.documents import as_text
-from drivesizer.output.json.driving import on_path
+from drivesizer.output.json.driving import path_document
 from drivesizer.output.json.file import document
 from drivesizer.output.report.sections.content import Content
 
@@ -29,6 +29,6 @@ def render(content: Content, path: Path) -> dict[Path, bytes]:
     """
     found: dict[str, Any] = {**document(content.result, content.validation)}
     if content.behaviour and content.result.spec.platform:
-        found["platform"] = on_path(content.result.spec, content.behaviour.permitted, content.behaviour.followed)
+        found["platform"] = path_document(content.result.spec, content.behaviour.permitted, content.behaviour.followed)
     text = f"{as_text(found)}\n"
     return {path: text.encode("utf-8", "backslashreplace")}  # a lone surrogate, which a spec may have, becomes \udxxx

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.writing import put, ready_all
+from drivesizer.files.writing import check_targets, write_files
 
 __all__ = ["KNOWN", "OF_MACHINES", "OF_ONE", "Renderers", "accept", "written"]
 
@@ -74,7 +74,7 @@ def written(
         if twice:
             raise InputError(f"{min(twice)}: would be written twice; expected another name")
         files |= made
-    return put(files)
+    return write_files(files)
 
 
 def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
@@ -96,4 +96,4 @@ def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
         if path.suffix.lower() not in OF_ONE:
             known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
             raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
-    ready_all((*paths, *tables))
+    check_targets((*paths, *tables))

@@ -153,7 +153,7 @@ def _certainty(best: DriveSet, result: SizingResult) -> Iterator[Text]:
     counts = {
         role: not_quoted(part, role, best, result.catalog) for role, part in best.parts.items() if part is not None
     }
-    doubts = [f"{role} {_counted(found)}" for role, found in counts.items() if found]
+    doubts = [f"{role} {_confidence_counts(found)}" for role, found in counts.items() if found]
     if doubts:
         yield Text(f"not out of the maker's own document: {'; '.join(doubts)}", style="dim")
 
@@ -191,7 +191,7 @@ def _deciding(braking: BrakingBudget) -> str:
     return f"brake_resistor: any, supply.capacitance{least}, or supply.accepts: all of a battery"
 
 
-def _counted(found: dict[str, str]) -> str:
+def _confidence_counts(found: dict[str, str]) -> str:
     """Number of figures at each level of confidence.
 
     >>> _counted({"mass": "secondary", "k_t": "derived", "price": "secondary"})

@@ -19,11 +19,11 @@ from drivesizer.catalog.lookup import families
 from drivesizer.catalog.query import Hit, Selection
 from drivesizer.output.counted import number_of
 from drivesizer.output.part.figures import FIRST_NOTES, figure, first_columns
-from drivesizer.output.part.remarks import DIFFERS, closing, of_families
+from drivesizer.output.part.remarks import DIFFERS, closing, family_count
 from drivesizer.output.terminal.tables import bare, console, heading, width_of
 from drivesizer.units import label
 
-__all__ = ["comparison", "counted", "listing", "overview", "searched"]
+__all__ = ["comparison", "counts_text", "listing", "overview", "searched"]
 
 _BESIDE = 4  # parts side by side on 80 columns
 
@@ -38,19 +38,19 @@ def overview(shelf: Mapping[str, Catalog]) -> None:
         hits = [hit for some in names.values() for hit in some]
         if not hits:
             continue
-        heading(out, section, f"{number_of(len(hits), 'part')} in {of_families(len(names))}")
+        heading(out, section, f"{number_of(len(hits), 'part')} in {family_count(len(names))}")
         if len(shelf) > _FEW:
             counts: Mapping[str, int] = dict(Counter(hit["manufacturer"] for hit in hits).most_common())
         else:
             counts = {name: len(some) for name, some in sorted(names.items())}
-        out.print(counted(counts, out.width))
+        out.print(counts_text(counts, out.width))
         out.print()
     if len(shelf) > _FEW:
         out.print(Text("drivesizer catalog list --catalog maxon shows the families of one catalogue."))
     out.print(Text("drivesizer catalog list motors --family 'RE 25' lists a family, '--power >=20W' more than one."))
 
 
-def counted(counts: Mapping[str, int], width: int, head: str = "") -> Text:
+def counts_text(counts: Mapping[str, int], width: int, head: str = "") -> Text:
     """Names with their counts as wrapped text; no line breaks inside a name.
 
     Parameters

@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.catalog import PARTS, Catalog, one_of
+from drivesizer.catalog import PARTS, Catalog, singular
 from drivesizer.catalog.coverage import Coverage, coverage, pairs_of
 from drivesizer.catalog.exchange.importing import Imported
 from drivesizer.catalog.laws.check import Finding
@@ -18,12 +18,12 @@ from drivesizer.catalog.parts import printed
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import printable
 from drivesizer.output.counted import number_of
-from drivesizer.output.part.remarks import of_families
-from drivesizer.output.terminal.catalog import counted
+from drivesizer.output.part.remarks import family_count
+from drivesizer.output.terminal.catalog import counts_text
 from drivesizer.output.terminal.tables import bare, console, heading
 from drivesizer.units import show
 
-__all__ = ["findings", "statistics", "taken"]
+__all__ = ["findings", "imported", "statistics"]
 
 _LEVELS = [(level, "right") for level in CONFIDENCE]  # heads of columns
 _BESIDE = 5  # catalogues side by side on 80 columns
@@ -65,7 +65,7 @@ def _summary(out: Console, found: Mapping[str, Mapping[str, Coverage]]) -> None:
     table = bare(("catalogue", "left"), ("parts", "left"), *_LEVELS)
     for name, sections in found.items():
         parts = "\n".join(
-            f"{one.parts} {section if one.parts > 1 else one_of(section)}" for section, one in sections.items()
+            f"{one.parts} {section if one.parts > 1 else singular(section)}" for section, one in sections.items()
         )
         table.add_row(Text(name), parts, *_confidences(list(sections.values())))
     out.print(table)
@@ -118,7 +118,7 @@ def _share(count: int, total: int) -> str:
     return f"{percent:.0f} %"
 
 
-def taken(found: Imported, *, guessed: bool = False) -> None:
+def imported(found: Imported, *, guessed: bool = False) -> None:
     """Print the parts and columns that an import read, and those that it left out.
 
     Parameters
@@ -130,7 +130,9 @@ def taken(found: Imported, *, guessed: bool = False) -> None:
     """
     out = console()
     out.print(
-        counted(found.families, out.width, f"{number_of(found.parts, 'part')} in {of_families(len(found.families))}: ")
+        counts_text(
+            found.families, out.width, f"{number_of(found.parts, 'part')} in {family_count(len(found.families))}: "
+        )
     )
     if guessed:
         out.print(Text("columns guessed by name and unit, to be looked at:", style="yellow"))

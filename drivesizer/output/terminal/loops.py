@@ -9,7 +9,7 @@ from rich.text import Text
 
 from drivesizer.control.loop_records import Loop
 from drivesizer.control.validation import LinearRun
-from drivesizer.output.loop_table import BESIDE, beside, cell, loop_figures, loop_name
+from drivesizer.output.loop_table import BESIDE, cell, linear_rows, loop_figures, loop_name
 from drivesizer.output.terminal.tables import STYLE, bare, width_of
 
 __all__ = ["linear", "loops"]
@@ -55,7 +55,7 @@ def linear(run: LinearRun) -> Table:
     """
     heads = (("", "left"), ("python-control", "right"), ("at", "right"), ("engine", "right"), ("at", "right"))
     table = bare(*heads, title=BESIDE)
-    for row in beside(run):
+    for row in linear_rows(run):
         table.add_row(*row)
     return table
 

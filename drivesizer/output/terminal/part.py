@@ -9,7 +9,7 @@ from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.catalog import columns_of, one_of
+from drivesizer.catalog import columns_of, singular
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
 from drivesizer.output.part.datasheet import datasheet
@@ -33,7 +33,7 @@ from drivesizer.output.part.tables import (
     pull_outs,
     torque_and_speed,
 )
-from drivesizer.output.terminal.catalog import counted
+from drivesizer.output.terminal.catalog import counts_text
 from drivesizer.output.terminal.chart import Axis, Series, chart
 from drivesizer.output.terminal.tables import bare, console, heading, width_of
 from drivesizer.units import from_si, label
@@ -60,7 +60,7 @@ def page(hit: Hit, *, sources: bool = False) -> None:
         Print the source of each figure.
     """
     out, sheet = console(), datasheet(hit.section, hit.table.record(hit.row), hit.catalog)
-    heading(out, head(hit), f"{hit.part} · {one_of(hit.section)} in {hit.catalogue}")
+    heading(out, head(hit), f"{hit.part} · {singular(hit.section)} in {hit.catalogue}")
     _figures(out, hit, sheet, sources)
     if hit.section in ("motors", "actuators"):
         out.print(_set(torque_and_speed(hit)))
@@ -101,7 +101,7 @@ def _figures(out: Console, hit: Hit, sheet: dict[str, Any], sources: bool) -> No
         rows.append([Text(c) if isinstance(c, str) else c for c in cells])
     half = (len(rows) + 1) // 2
     halves = [_block(part, sources) for part in (rows[:half], rows[half:])]
-    if not _beside(out, halves):
+    if not _side_by_side(out, halves):
         out.print(_block(rows, sources))
 
 
@@ -112,7 +112,7 @@ def _block(rows: Sequence[Sequence[Text]], sources: bool) -> Table:
     return table
 
 
-def _beside(out: Console, tables: Sequence[RenderableType]) -> bool:
+def _side_by_side(out: Console, tables: Sequence[RenderableType]) -> bool:
     """Print tables side by side; False, without printing, where they do not fit."""
     if sum(width_of(table) + 2 for table in tables) > out.width:
         return False
@@ -125,7 +125,7 @@ def _beside(out: Console, tables: Sequence[RenderableType]) -> bool:
 def _remarks(out: Console, hit: Hit, sheet: dict[str, Any], sources: bool) -> None:
     """Print parts that it goes with, tolerances, notes and sources."""
     for line, families in partner_lines(hit):
-        out.print(counted(families, out.width, line) if families else Text(line))
+        out.print(counts_text(families, out.width, line) if families else Text(line))
     if hit.table.excluded[hit.row]:
         out.print(Text(EXCLUDED, style="red"))
     named = [("tolerances", line) for line in tolerance_lines(hit)]
@@ -168,7 +168,7 @@ def _heat(out: Console, hit: Hit) -> None:
     tables = [_set(table) for table in found.tables]
     if tables:
         out.print()
-    if not tables or not _beside(out, tables):
+    if not tables or not _side_by_side(out, tables):
         for table in tables:
             out.print(table)
     for line in (*found.notes, *([found.missing] if found.missing else [])):

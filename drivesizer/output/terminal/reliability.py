@@ -10,7 +10,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.output.probability import confidence, in_the_loop, likely, moved
+from drivesizer.output.probability import confidence, likely, loop_text, moved
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import percent
 from drivesizer.results.drive_set import DriveSet
@@ -55,7 +55,7 @@ def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -
     best = next(iter((*result.sets, *result.unsure)))
     if best.reliability and not quiet:
         named = f"Drive {best.rank}" if len(result.sets) + len(result.unsure) > 1 else "The drive"
-        _of_a_set(console, best.reliability, f"{named}, check by check")
+        _drive_reliability(console, best.reliability, f"{named}, check by check")
         console.print(_assumed(uncertain))
     _summary(console, uncertain, quiet=quiet)
 
@@ -75,7 +75,7 @@ def tolerances_of(console: Console, pair: Explanation) -> None:
     console.print(_table(pair.sets, "Probability that all checks pass"))
     for one in pair.sets:
         if one.reliability:
-            _of_a_set(console, one.reliability, one.label if len(pair.sets) > 1 else "Check by check")
+            _drive_reliability(console, one.reliability, one.label if len(pair.sets) > 1 else "Check by check")
     console.print(_assumed(pair.uncertainty))
     _summary(console, pair.uncertainty, quiet=False)
 
@@ -124,7 +124,7 @@ def _chance(probability: float, error: float, unknown: tuple[str, ...]) -> str:
 
 def _weakest(found: Reliability) -> Text:
     """The weakest check, that of the closed loop where it fails, and the checks that stay unknown."""
-    loop = in_the_loop(found)
+    loop = loop_text(found)
     unknown = f"\nunknown: {'; '.join(found.unknown)}" if found.unknown else ""
     return Text(found.weakest + (f"\n{loop}" if loop else "")) + Text(unknown, style="yellow")
 
@@ -145,7 +145,7 @@ def _margin(value: float) -> str:
     return f"{100 * value:+.1f} %" if abs(value) < _NEAR else percent(value)
 
 
-def _of_a_set(console: Console, found: Reliability, title: str) -> None:
+def _drive_reliability(console: Console, found: Reliability, title: str) -> None:
     console.print(_spreads(found, title))
     if found.figures:
         console.print(_figures(found))

@@ -50,7 +50,7 @@ def machine_sizing(result: MachineSizing, *, spec: str = "", checks: bool = Fals
         _all_checks(console, result)
     else:
         _tightest(console, result)
-    for sentence in _said(result):
+    for sentence in _notes(result):
         console.print(sentence)
     if not quiet:
         _next(console, spec, result)
@@ -133,13 +133,13 @@ def _tightest(console: Console, result: MachineSizing) -> None:
         check = next(iter(tightest(axis.best.deciding, 1)), None) if axis.best else _failing(axis)
         if check:
             table.add_row(axis.name, *_row(check), Text(MARK[check.status], style=STYLE[check.status]))
-    for check in _of_the_machine(result):
+    for check in _machine_checks(result):
         table.add_row("all", *_row(check), Text(MARK[check.status], style=STYLE[check.status]))
     console.print()
     console.print(table)
 
 
-def _of_the_machine(result: MachineSizing) -> list[Check]:
+def _machine_checks(result: MachineSizing) -> list[Check]:
     """Checks of all axes together that fail; else the tightest."""
     failed = [check for check in result.checks if check.status == "fail" and not check.advice]
     return failed or tightest(tuple(check for check in result.checks if not check.advice), 1)
@@ -159,7 +159,7 @@ def _all_checks(console: Console, result: MachineSizing) -> None:
         console.print(tables.checks(result.checks, "all axes on one supply"))
 
 
-def _said(result: MachineSizing) -> list[Text]:
+def _notes(result: MachineSizing) -> list[Text]:
     """Open and unknown checks by axis, and how the drives were chosen."""
     found = []
     for axis in result.axes:

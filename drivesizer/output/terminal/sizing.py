@@ -19,7 +19,7 @@ from drivesizer.output.terminal.machine import machine
 from drivesizer.output.terminal.pieces import pieces
 from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
-from drivesizer.results.check import in_a_sentence
+from drivesizer.results.check import sentence_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure, ranked_by
@@ -53,13 +53,13 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
     best = next(iter((*result.sets, *result.unsure)), None)
     tables.heading(console, result.spec.name, *((MARK[best.status], STYLE[best.status]) if best else ("no drive", "")))
     if best is None:
-        _none(console, result, whole="checks" in details)
+        _no_drive(console, result, whole="checks" in details)
     else:
         if not result.sets:
             said = f"{below_confidence(result)} The most probable, at nominal figures:"
             console.print(Text(said, style="bold red"))
         recommended(console, result, best)
-        _by_the_other(console, result, best)
+        _physics_verdict(console, result, best)
         _details(console, result, best, details)
     if result.sets and not quiet:
         shown = (*result.sets[:1], *result.alternatives) if result.alternatives else ()
@@ -78,12 +78,12 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
         next_commands(console, spec, loop="open loop" if best.steps else "closed loop")
 
 
-def _by_the_other(console: Console, result: SizingResult, best: DriveSet) -> None:
+def _physics_verdict(console: Console, result: SizingResult, best: DriveSet) -> None:
     """The verdict by physics and the checks that decide it, if the paper's rule ranked."""
     if result.method != "paper" or not best.beside:
         return
     status = verdict(best.beside)
-    which = ", ".join(in_a_sentence(check.title) for check in best.beside if check.status == status != "pass")
+    which = ", ".join(sentence_case(check.title) for check in best.beside if check.status == status != "pass")
     words = Text("Ranked by the paper's equations and rule; by physics ") + Text(MARK[status], style=STYLE[status])
     console.print(words + Text(f" ({which})" if which else ""))
 
@@ -100,7 +100,7 @@ def _details(console: Console, result: SizingResult, best: DriveSet, details: fr
         _checks(console, best)
         machine(console, best)
     if "paper" in details:
-        _beside(console, best)
+        _other_method(console, best)
 
 
 _METHODS = {"paper": "by the paper's equations and rule", "physics": "by physics, over the whole load cycle"}
@@ -115,14 +115,14 @@ def _checks(console: Console, found: DriveSet) -> None:
         console.print(pieces(of, "The motor piece by piece" + (f", {case}" if case else "")))
 
 
-def _beside(console: Console, found: DriveSet) -> None:
+def _other_method(console: Console, found: DriveSet) -> None:
     """The checks of the other method, and both where the limit is the same."""
     if found.beside:
         console.print(tables.checks(found.beside, f"The same drive {_METHODS[found.beside[0].method]}"))
-        console.print(_both(found))
+        console.print(_both_methods(found))
 
 
-def _both(found: DriveSet) -> Table:
+def _both_methods(found: DriveSet) -> Table:
     """Limits that both methods check: both demands, and why they differ."""
     table = tables.bare(
         ("", "left"), ("paper", "right"), ("physics", "right"), ("why they differ", "left"), title="Both methods"
@@ -136,7 +136,7 @@ def _both(found: DriveSet) -> Table:
     return table
 
 
-def _none(console: Console, result: SizingResult, *, whole: bool) -> None:
+def _no_drive(console: Console, result: SizingResult, *, whole: bool) -> None:
     """The changes that would let a drive pass, and the checks on which the closest rejected fails; or all of them."""
     console.print(Text("No drive meets all limits.", style="bold red"))
     if failure := most_fail_on(result):
@@ -219,13 +219,13 @@ def _tally(console: Console, result: SizingResult, *, whole: bool) -> None:
     if whole and counts.failed_by_budget:
         console.print(f"Of {counts.judged:,} checked in the machine, best first, some fail on:")
         for name, count in sorted(counts.failed_by_budget.items(), key=lambda item: -item[1]):
-            console.print(f"  {count:>8,}  {in_a_sentence(CHECKS['budget'][name].title)}")
+            console.print(f"  {count:>8,}  {sentence_case(CHECKS['budget'][name].title)}")
     if result.unrestricted:
         console.print(Text(_unrestricted(result.unrestricted, result.objective)))
 
 
 def _title(name: str, method: str) -> str:
-    return "not the largest reduction" if name == "largest_reduction" else in_a_sentence(CHECKS[method][name].title)
+    return "not the largest reduction" if name == "largest_reduction" else sentence_case(CHECKS[method][name].title)
 
 
 def _unrestricted(other: DriveSet, objective: str) -> str:
@@ -260,7 +260,7 @@ def explained(pair: Explanation, catalog: Catalog) -> None:
         _checks(console, found)
         for line in tables.missing(found):
             console.print(line)
-        _beside(console, found)
+        _other_method(console, found)
         machine(console, found)
         _changes(console, found)
     tolerances_of(console, pair)

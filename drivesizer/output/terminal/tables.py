@@ -167,7 +167,7 @@ def checks(checks: Iterable[Check], title: str, *, edged: bool = True) -> Table:
         reason = f"\n{check.note}" if check.note and isnan(check.demand) and isnan(check.limit) else ""
         table.add_row(Text(check.title + where + reason), *figures, percent(check.margin) + needed, status, *when)
         if check.band and check.status in ("open", "pass") and check.band.least_margin < _CLOSE:
-            worst = _at_worst(check)
+            worst = _worst_end(check)
             table.add_row(Text("  at worst, by estimates", style="dim"), *worst, percent(check.band.least_margin), "")
     return table
 
@@ -189,7 +189,7 @@ def required(found: DriveSet) -> Table | None:
     return table
 
 
-def _at_worst(check: Check) -> tuple[str, str]:
+def _worst_end(check: Check) -> tuple[str, str]:
     """Demand and limit at the unfavourable end; nothing where the limit is estimated too, and moves with the demand."""
     high, limit, least = check.band.high, check.limit, check.band.least_margin  # type: ignore[union-attr]
     alike = high > 0.0 and abs(limit / high - 1.0 - least) < _ALIKE

@@ -26,11 +26,11 @@ from drivesizer.units import show
 
 __all__ = [
     "HANGING",
-    "Chosen",
+    "ChosenPart",
     "Speeds",
     "Usable",
     "controllers",
-    "in_order",
+    "figure_order",
     "matching",
     "no_better_than",
     "none_suits",
@@ -42,7 +42,7 @@ __all__ = [
 ]
 
 
-class Chosen(NamedTuple):
+class ChosenPart(NamedTuple):
     """For each candidate the row of the chosen part (-1: none), and the checks that it brings."""
 
     row: NDArray[np.int64]
@@ -101,7 +101,7 @@ def matching(name: str, table: Table[Any], key: str) -> list[str]:
     return [name] if name in known else sorted(fnmatch.filter(known, name)) if set(name) & set("*?") else []
 
 
-def in_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
+def figure_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
     """Rows by a figure, then by part number; unknown figures last.
 
     Parameters
@@ -171,7 +171,7 @@ def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest:
     """Controllers for each motor, at an ambient that is not known yet."""
     table, own = catalog.controllers, catalog.motors["controller"]
     box = _box(catalog.motors)
-    order = in_order(table, table["continuous_current"])
+    order = figure_order(table, table["continuous_current"])
     order = order[_usable(choice, table, lowest, highest)[order]]  # few are left: what is made of them stays narrow
     texts, kind = table["drives"][order], catalog.motors["kind"]
     drives = np.array([[_can_drive(t, kind) for t in texts] for kind in ("brushed", "brushless")], bool)
@@ -212,7 +212,7 @@ def controllers(
     usable: Usable | None = None,
     barred: NDArray[np.bool_] | None = None,
     known: NDArray[np.bool_] | None = None,
-) -> Chosen:
+) -> ChosenPart:
     """The controller of each candidate.
 
     Parameters
@@ -273,7 +273,7 @@ def controllers(
         otherwise = np.where(voltage > lowest, usable.largest[motor], otherwise)
     row = _first(order, enough, lacking, otherwise)
     continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
-    return Chosen(row, [
+    return ChosenPart(row, [
         usable.available(motor, row),
         at_most("controller_continuous_current", rms_current, continuous),
         at_most("controller_peak_current", peak_current, peak),

@@ -17,19 +17,19 @@ from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.stress import Parts
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most
-from drivesizer.search.columns.controllers import in_order, selected
+from drivesizer.search.columns.controllers import figure_order, selected
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.select import EncoderChoice
 
 __all__ = [
-    "Offered", "angle_per_edge", "counting_limits", "counts_check", "encoders_for", "line_frequency",
+    "EncoderOffers", "angle_per_edge", "counting_limits", "counts_check", "encoders_for", "line_frequency",
     "offered_encoders",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
 
 
-class Offered(NamedTuple):
+class EncoderOffers(NamedTuple):
     """Encoders of each motor, by counts and part number: rows are motors; where there are fewer, row -1 at the end."""
 
     row: NDArray[np.int64]
@@ -58,7 +58,7 @@ def angle_per_edge(counts: Any, reduction: Any) -> Any:
     return 2 * np.pi / (EDGES * counts * reduction)
 
 
-def offered_encoders(spec: RobotSpec, catalog: Catalog) -> Offered:
+def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
     """The encoders that fit each motor and that the spec allows.
 
     Parameters
@@ -73,18 +73,18 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> Offered:
     """
     choice, needed = spec.select.encoder, spec.needs.encoder_counts
     key = "encoders", repr(choice), needed
-    offered: Offered = catalog.once(
-        key, lambda: _offered(catalog, choice, float(max(needed or 0, choice.min_counts or 0)))
+    offered: EncoderOffers = catalog.once(
+        key, lambda: _encoder_offers(catalog, choice, float(max(needed or 0, choice.min_counts or 0)))
     )
     return offered
 
 
-def _offered(catalog: Catalog, choice: EncoderChoice, least: float) -> Offered:
+def _encoder_offers(catalog: Catalog, choice: EncoderChoice, least: float) -> EncoderOffers:
     table = catalog.encoders
     counted = lines(table)
     listed = np.zeros((len(catalog.motors), len(table)), bool)
     listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
-    order = in_order(table, counted)
+    order = figure_order(table, counted)
     fitting = (listed & selected(table, choice))[:, order]
     number = fitting.sum(axis=1)
     place = np.argsort(~fitting, axis=1, kind="stable")[:, : max(int(number.max(initial=0)), 1)]
@@ -92,7 +92,7 @@ def _offered(catalog: Catalog, choice: EncoderChoice, least: float) -> Offered:
     row = np.where(there, order[place], -1) if len(order) else np.full((len(listed), 1), -1)
     fastest, known = _fastest(table, counted)
     end = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
-    return Offered(
+    return EncoderOffers(
         row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row], end,
         least,
     )  # fmt: skip
@@ -106,7 +106,7 @@ def _fastest(table: Table[Encoder], counted: Array) -> tuple[Array, NDArray[np.b
 
 
 def encoders_for(
-    spec: RobotSpec, offered: Offered, motor: NDArray[np.int64], speed: Array, reduction: Array
+    spec: RobotSpec, offered: EncoderOffers, motor: NDArray[np.int64], speed: Array, reduction: Array
 ) -> NDArray[np.int64]:
     """Row of each candidate's encoder, -1 where none is listed for its motor.
 

@@ -22,7 +22,7 @@ from drivesizer.search.columns.limits_over_time import Exactly, Wanted
 from drivesizer.search.columns.offers import placed, scattered
 from drivesizer.search.columns.stages import examine
 from drivesizer.search.paper import rule as paper_rule
-from drivesizer.search.paper.derivation import at_the_motor, vehicle
+from drivesizer.search.paper.derivation import motor_requirements, vehicle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["Evaluation", "at_figures", "by_physics", "evaluate", "figures_by_physics", "smallest_margin"]
@@ -163,7 +163,7 @@ def _by_the_rule(problem: Problem, candidates: Candidates) -> Evaluation:
     spec, catalog, none = problem.spec, problem.catalog, np.full(len(candidates.motor), -1)
     motor, gearhead = Rows(catalog.motors, candidates.motor), Rows(catalog.gearheads, candidates.gearhead)
     wheel = vehicle(spec, motor["rotor_inertia"]).steps
-    shaft = at_the_motor(spec, wheel, motor, gearhead, candidates.belt).steps
+    shaft = motor_requirements(spec, wheel, motor, gearhead, candidates.belt).steps
     checks = paper_rule.rule(spec, wheel, shaft, motor, gearhead, candidates.belt)
     gear = [check for check in checks if check.name.startswith("gearhead")]
     total = gearhead["ratio"] * candidates.belt

@@ -26,9 +26,9 @@ from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.ratings import (
     ASSUMED,
+    ambient_range,
     continuous_speed_limit,
     controller_current,
-    in_range,
     lasting_limit,
     nominal_current_limit,
     nominal_torque_limit,
@@ -180,7 +180,7 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> li
                 **short_limit(gearhead["intermittent_input_speed"], gearhead["continuous_input_speed"]), **speed),
         at_most("gearhead_continuous_power", cycle.mean_power, gearhead["continuous_power"], **torque),
         at_most("gearhead_intermittent_power", cycle.peak_power, gearhead["intermittent_power"], **torque),
-        in_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"],
+        ambient_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"],
                  waived="ambient_range" in spec.select.assume),
     ]  # fmt: skip
     needs = spec.needs
@@ -211,7 +211,7 @@ def motor_limits(spec: RobotSpec, motor: Figures) -> list[CheckColumn]:
         Its range of ambient temperatures, and the voltage that it withstands.
     """
     waived, (least, most) = "ambient_range" in spec.select.assume, (motor["ambient_min"], motor["ambient_max"])
-    ambient = in_range("motor_temperature_range", spec.environment.ambient, least, most, waived=waived)
+    ambient = ambient_range("motor_temperature_range", spec.environment.ambient, least, most, waived=waived)
     return [ambient, *supply_voltage_limit(motor, spec.supply.highest)]
 
 

@@ -20,7 +20,7 @@ from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import OfferedBrakes, offered_brakes
 from drivesizer.search.columns.controllers import Usable, usable_controllers
-from drivesizer.search.columns.encoders import Offered, offered_encoders
+from drivesizer.search.columns.encoders import EncoderOffers, offered_encoders
 from drivesizer.search.columns.limits import motor_limits
 
 __all__ = ["Offers", "limits_behind_each", "offers", "placed", "scattered", "unknown_where_doubtful", "worst_of_all"]
@@ -46,7 +46,7 @@ _IDLE: dict[str, Any] = {
 class Offers(NamedTuple):
     """For every motor of the catalogues its encoders, controllers, brakes, and the limits that no load changes."""
 
-    encoders: Offered
+    encoders: EncoderOffers
     controllers: Usable
     motor_limits: list[CheckColumn]
     brakes: OfferedBrakes | None  # None where the spec wants none

@@ -11,9 +11,9 @@ from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.columns.limits_over_time import WAVEFORM_LIMITS
 from drivesizer.search.order import ranking
 from drivesizer.search.order.found import Evaluated, Judge
-from drivesizer.search.order.in_order import in_order
+from drivesizer.search.order.in_order import ordered_in_machine
 
-__all__ = ["alike_of_others", "best_of_others", "family_of", "first_of_each"]
+__all__ = ["best_of_other_families", "family_firsts", "family_of", "margin_candidates"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -43,7 +43,7 @@ def family_of(catalog: Catalog, motor: NDArray[np.int64]) -> NDArray[np.int64]:
     return found
 
 
-def first_of_each(family: NDArray[np.int64]) -> NDArray[np.int64]:
+def family_firsts(family: NDArray[np.int64]) -> NDArray[np.int64]:
     """Places of the first drive of each family, rising.
 
     >>> first_of_each(np.array([7, 2, 7, 7, 0, 2])).tolist()
@@ -52,13 +52,13 @@ def first_of_each(family: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.sort(np.unique(family, return_index=True)[1])
 
 
-def alike_of_others(catalog: Catalog, sets: Candidates, order: Rows, first: int, wanted: int, rank: Array) -> Rows:
-    """Drives of which ``best_of_others`` needs margins, as far as the order of the first leaves that open.
+def margin_candidates(catalog: Catalog, sets: Candidates, order: Rows, first: int, wanted: int, rank: Array) -> Rows:
+    """Drives of which ``best_of_other_families`` needs margins, as far as the order of the first leaves that open.
 
     Parameters
     ----------
     catalog, sets, order, wanted, rank
-        As ``best_of_others`` takes them.
+        As ``best_of_other_families`` takes them.
     first
         How many of the first may still be ordered otherwise, and are evaluated anyway.
 
@@ -68,7 +68,7 @@ def alike_of_others(catalog: Catalog, sets: Candidates, order: Rows, first: int,
         Rows that are not among the first.
     """
     family = family_of(catalog, sets.motor[order])
-    leaders = first_of_each(family)
+    leaders = family_firsts(family)
     beyond = leaders[np.count_nonzero(leaders < first) :]
     few = beyond[: max(wanted + 1 - (len(leaders) - len(beyond)), 0)] if first else beyond[:0]
     return np.concatenate([order[:0], *(_alike(order, family, place, rank) for place in few.tolist())])
@@ -81,7 +81,7 @@ def _alike(order: Rows, family: NDArray[np.int64], place: int, rank: Array) -> R
     return found
 
 
-def best_of_others(
+def best_of_other_families(
     judge: Judge | None,
     catalog: Catalog,
     sets: Candidates,
@@ -119,14 +119,14 @@ def best_of_others(
     family, own = family_of(catalog, sets.motor[order]), family_of(catalog, sets.motor[best])[0]
     others = family != own
     order, family = order[others], family[others]
-    found = in_order(judge, sets, evaluated, order[first_of_each(family)], wanted).best[:wanted]
+    found = ordered_in_machine(judge, sets, evaluated, order[family_firsts(family)], wanted).best[:wanted]
     for n, row in enumerate(found):
         alike = _alike(order, family, int(np.flatnonzero(order == row)[0]), rank)
         if judge or not bounded:  # the machine may reject some of them
             margin = ranking.rounded(smallest_margin(evaluated(alike).checks))
         else:
             margin = _widest(alike, evaluated, bounded)
-        found[n] = in_order(judge, sets, evaluated, alike[np.argsort(-margin, kind="stable")], 1).best[0]
+        found[n] = ordered_in_machine(judge, sets, evaluated, alike[np.argsort(-margin, kind="stable")], 1).best[0]
     return found
 
 

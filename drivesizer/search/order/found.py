@@ -13,13 +13,13 @@ from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
 
-__all__ = ["Evaluated", "Found", "Judge", "Kept", "Passing"]
+__all__ = ["BudgetFilter", "Evaluated", "Judge", "Passing", "SearchResult"]
 
 Array = NDArray[np.float64]
 Evaluated = Callable[[NDArray[np.int64]], Evaluation]  # some rows of the drives in full
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """The result of a search: drives in full, those that pass first and in order."""
 
     evaluation: Evaluation
@@ -43,7 +43,7 @@ class Passing(NamedTuple):
     evaluated: Evaluated
 
 
-class Kept(NamedTuple):
+class BudgetFilter(NamedTuple):
     """Of the drives that pass their own checks those that pass the machine's budgets, as far as they were examined."""
 
     best: NDArray[np.int64]  # which of them, in order
@@ -52,4 +52,4 @@ class Kept(NamedTuple):
     by: Counter[str]  # how many by each budget
 
 
-Judge = Callable[[Candidates, Evaluated, int], Kept]  # drives in order, and how many that pass are wanted
+Judge = Callable[[Candidates, Evaluated, int], BudgetFilter]  # drives in order, and how many that pass are wanted

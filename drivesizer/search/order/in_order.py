@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from drivesizer.results.sizing import Counts
 from drivesizer.search.columns.candidates import Candidates
-from drivesizer.search.order.found import Evaluated, Judge, Kept
+from drivesizer.search.order.found import BudgetFilter, Evaluated, Judge
 
-__all__ = ["but_for", "failing_before", "in_order", "without_rejected"]
+__all__ = ["but_for", "failing_before", "ordered_in_machine", "without_rejected"]
 
 _FIRST = 1 << 12  # drives that are judged at first
 _MOST = 1 << 16  # at a time
 
 
-def in_order(
+def ordered_in_machine(
     judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: NDArray[np.int64], wanted: int
-) -> Kept:
+) -> BudgetFilter:
     """The drives in order that pass the machine's budgets, until so many are found or none is left.
 
     Parameters
@@ -40,7 +40,7 @@ def in_order(
         Rows of ``sets``.
     """
     if judge is None:
-        return Kept(order, order[:0], 0, Counter())
+        return BudgetFilter(order, order[:0], 0, Counter())
     best, rejected, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
     while start < len(order) and sum(map(len, best)) < wanted:
         rows = order[start : start + size]
@@ -49,7 +49,7 @@ def in_order(
         rejected.append(rows[found.rejected])
         by.update(found.by)
         start, size = start + found.judged, min(16 * size, _MOST)
-    return Kept(np.concatenate(best), np.concatenate(rejected), start, by)
+    return BudgetFilter(np.concatenate(best), np.concatenate(rejected), start, by)
 
 
 def _among(evaluated: Evaluated, rows: NDArray[np.int64]) -> Evaluated:
@@ -57,7 +57,7 @@ def _among(evaluated: Evaluated, rows: NDArray[np.int64]) -> Evaluated:
     return lambda few: evaluated(rows[few])
 
 
-def without_rejected(counts: Counts, kept: Kept, passes: NDArray[np.bool_]) -> Counts:
+def without_rejected(counts: Counts, kept: BudgetFilter, passes: NDArray[np.bool_]) -> Counts:
     """The counts without the drives that fail on a budget of the machine.
 
     Parameters
@@ -65,7 +65,7 @@ def without_rejected(counts: Counts, kept: Kept, passes: NDArray[np.bool_]) -> C
     counts
         Of drives by their own checks.
     kept
-        Of ``in_order``.
+        Of ``ordered_in_machine``.
     passes
         Which drives meet all limits of theirs, as none of their checks is unknown or open.
 
@@ -79,13 +79,13 @@ def without_rejected(counts: Counts, kept: Kept, passes: NDArray[np.bool_]) -> C
     return replace(counts, feasible=left, passing=passing, judged=kept.judged, failed_by_budget=by)
 
 
-def failing_before(kept: Kept, order: NDArray[np.int64]) -> int:
+def failing_before(kept: BudgetFilter, order: NDArray[np.int64]) -> int:
     """Number of drives that fail on a budget before the first that passes.
 
     Parameters
     ----------
     kept
-        Of ``in_order``.
+        Of ``ordered_in_machine``.
     order
         Rows of the drives, the best first.
 

@@ -19,13 +19,13 @@ from drivesizer.search.order import ranking
 from drivesizer.search.order.rank import Rank, waveforms
 from drivesizer.search.order.sifting import Sifted
 
-__all__ = ["LookedAt", "by_margin"]
+__all__ = ["FullDrives", "drives_by_margin"]
 
 Rows = NDArray[np.int64]
 _FEW = 32  # drives of the largest possible margins, that mostly decide which of many equals have the largest
 
 
-class LookedAt(NamedTuple):
+class FullDrives(NamedTuple):
     """Some drives and the closest rejected in full."""
 
     sets: Candidates  # all drives that pass or may pass
@@ -66,9 +66,9 @@ class LookedAt(NamedTuple):
         return None if min(found, default=0) < 0 else np.array(found, np.int64)
 
 
-def by_margin(
+def drives_by_margin(
     problem: Problem, kept: Sifted, rank: Rank, tied: Rows, beside: Rows, rejected: Candidates, misses: int, top: int
-) -> tuple[LookedAt, Rows]:
+) -> tuple[FullDrives, Rows]:
     """The first drives in order of their margins too, and what was looked at for that.
 
     Parameters
@@ -103,18 +103,18 @@ def by_margin(
 
 def _look(
     problem: Problem, kept: Sifted, rows: Rows, rejected: Candidates, misses: int
-) -> tuple[LookedAt, NDArray[np.float64]]:
+) -> tuple[FullDrives, NDArray[np.float64]]:
     """Some drives and the closest rejected in full, and the smallest margins of all that was evaluated."""
     count, several = len(rows), len(rejected.motor) if misses else 0
     if not several or count + 2 * several > waveforms(problem):
         nearest = _in_order(problem, rejected) if several else rejected
         found = by_physics(problem, joined([kept.sets.on(rows), nearest.on(slice(misses))]), True)
         closest = np.arange(count, len(found.controller))
-        return LookedAt(kept.sets, rows, nearest, closest, found), smallest_margin(found.checks)
+        return FullDrives(kept.sets, rows, nearest, closest, found), smallest_margin(found.checks)
     in_full = np.repeat([True, False, True], [count, several, several])
     found = by_physics(problem, joined([kept.sets.on(rows), rejected, rejected]), in_full)
     order = _closest(found.on(np.arange(count, count + several)))
-    looked_at = LookedAt(kept.sets, rows, rejected.on(order), count + several + order, found)
+    looked_at = FullDrives(kept.sets, rows, rejected.on(order), count + several + order, found)
     return looked_at, smallest_margin(found.checks)
 
 

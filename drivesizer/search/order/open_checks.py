@@ -119,7 +119,9 @@ def passing(
     figures = estimated_figures(problem, *_rows_of(one))
     points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
     checks = [
-        check for check in at_points(problem, one, points, samples, names if each else ()).checks if not check.advice
+        check
+        for check in drive_at_points(problem, one, points, samples, names if each else ()).checks
+        if not check.advice
     ]
     known = [check for check in checks if check.name in names or (check.passed | check.failed).any()]
     every = np.logical_and.reduce([check.passed for check in known])
@@ -189,7 +191,7 @@ def _along(
     every, points = np.concatenate(steps), dict[Figure, Array]()
     for k, figure in enumerate(figures):
         points[figure] = points.get(figure, 0.0) + np.where(owner == k, every, 0.0)
-    checks = at_points(problem, one, points, len(every), names).checks
+    checks = drive_at_points(problem, one, points, len(every), names).checks
     return {check.name: np.split(check.passed, ends[:-1]) for check in checks}
 
 
@@ -212,7 +214,7 @@ def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passe
     return Turn(figure, value, bool(passed[step]) == (below < above))
 
 
-def at_points(
+def drive_at_points(
     problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, names: Collection[str]
 ) -> Evaluation:
     """A drive with its estimated figures at several points of their bands, a row each.

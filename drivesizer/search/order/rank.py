@@ -21,7 +21,7 @@ from drivesizer.search.order.open_checks import passing
 from drivesizer.search.order.ranking import Ranking
 from drivesizer.search.order.sifting import OPEN, PASSES, UNKNOWN, Sifted
 
-__all__ = ["Rank", "equals_of_the_last", "held_back", "ranked", "waveforms"]
+__all__ = ["Rank", "better_but_unknown", "equals_of_the_last", "ranked", "waveforms"]
 
 Array = NDArray[np.float64]
 _CELLS = 50_000  # drives times pieces of the load cycle, of which margins are computed to order equals
@@ -142,7 +142,7 @@ def waveforms(problem: Problem) -> int:
     return _CELLS // max(case.at_belt.pieces for case in problem.cases)
 
 
-def held_back(problem: Problem, kept: Sifted, rank: Rank, best: NDArray[np.int64]) -> NDArray[np.int64]:
+def better_but_unknown(problem: Problem, kept: Sifted, rank: Rank, best: NDArray[np.int64]) -> NDArray[np.int64]:
     """The best of those that are better than the first shown and only stand behind it for a figure that is missing.
 
     Parameters

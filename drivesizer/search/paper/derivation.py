@@ -18,7 +18,7 @@ from drivesizer.results.requirement import Requirement
 from drivesizer.spec.motions import Trapezoid
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["BRAKING", "Derivation", "at_the_motor", "of_drive", "vehicle"]
+__all__ = ["BRAKING", "Derivation", "drive_requirements", "motor_requirements", "vehicle"]
 
 BRAKING = eq.braking_torque_per_motor.name
 
@@ -136,7 +136,7 @@ def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Any:
     )
 
 
-def at_the_motor(
+def motor_requirements(
     spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Figures, gearhead: Figures, belt: Any
 ) -> Derivation:
     """Requirements (17)-(20) of candidates.
@@ -180,7 +180,7 @@ def at_the_motor(
     return d
 
 
-def of_drive(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Requirement]:
+def drive_requirements(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Requirement]:
     """Requirements (1)-(20) of a wheeled vehicle with a drive; without one (1)-(16), with no rotor inertia.
 
     Parameters
@@ -198,7 +198,7 @@ def of_drive(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Requirement]:
     if drive is None:
         return vehicle(spec, 0.0).steps
     wheel = vehicle(spec, drive.motor.rotor_inertia).steps
-    return wheel | at_the_motor(spec, wheel, drive.motor, drive.gearhead, drive.belt_ratio).steps
+    return wheel | motor_requirements(spec, wheel, drive.motor, drive.gearhead, drive.belt_ratio).steps
 
 
 def _as_printed(d: Derivation, declared: Equation, **inputs: Any) -> None:

@@ -17,10 +17,10 @@ from drivesizer.catalog.tolerances.classes import (
     NOT_OF_STEPPERS,
     OF_STEPPERS,
     Class,
+    class_from_stall,
     class_of,
     classes,
     losses_from_stall,
-    of_motor_from_stall,
 )
 from drivesizer.catalog.tolerances.distributions import Distribution
 from drivesizer.catalog.view.stepper_view import STEPPER, has_steppers
@@ -112,7 +112,7 @@ def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | Non
     if figure == "torque_constant" and confidence.get("no_load_current", ESTIMATED) != ESTIMATED:
         return None
     if part == "motor":
-        return of_motor_from_stall(figure)
+        return class_from_stall(figure)
     if one["gearing"] != "spur" or not one["efficiency"] < 1.0:
         return None
     return losses_from_stall(str(one["part"]), *(float(one[name]) for name in ("efficiency", "ratio", "stages")))

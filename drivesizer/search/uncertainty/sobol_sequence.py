@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.tolerances.distributions import CUT, deviations_at
-from drivesizer.files.cache import digest_of, folder, keep, kept
+from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
 
 __all__ = ["normal_deviations", "sobol"]
 
@@ -73,7 +73,7 @@ def _kept(name: str, of: bytes, make: Callable[[], NDArray[np.float64]]) -> NDAr
     """Points made of some input, out of the cache folder where this SciPy made them before."""
     digest = digest_of(_scipy(), of)
     path = folder() / f"{name}{int(digest[:4], 16) % _PLACES}-{digest}.npy"
-    body = kept(path)
+    body = cached_bytes(path)
     if body is not None:
         found: NDArray[np.float64] = np.load(io.BytesIO(body), allow_pickle=False)
         return found

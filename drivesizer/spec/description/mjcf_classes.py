@@ -84,16 +84,16 @@ def _compiler(node: Node, found: Settings) -> None:
             raise InputError(
                 f"{where} {name}={quoted(value)} is not read; expected masses and joints as they are written"
             )
-    _one_of(where, given, "coordinate", ("local",))
-    found.degrees = 1.0 if _one_of(where, given, "angle", ("degree", "radian")) == "radian" else math.pi / 180.0
-    found.autolimits = _one_of(where, given, "autolimits", ("true", "false")) == "true"
-    found.from_geoms = _one_of(where, given, "inertiafromgeom", ("auto", "true", "false"))
+    _setting(where, given, "coordinate", ("local",))
+    found.degrees = 1.0 if _setting(where, given, "angle", ("degree", "radian")) == "radian" else math.pi / 180.0
+    found.autolimits = _setting(where, given, "autolimits", ("true", "false")) == "true"
+    found.from_geoms = _setting(where, given, "inertiafromgeom", ("auto", "true", "false"))
     found.sequence = given.get("eulerseq", "xyz")
     if len(found.sequence) != 3 or set(found.sequence.lower()) - set("xyz"):
         raise InputError(f"{where} eulerseq: {quoted(found.sequence)}; expected three of x, y, z")
 
 
-def _one_of(where: str, given: Mapping[str, str], name: str, values: tuple[str, ...]) -> str:
+def _setting(where: str, given: Mapping[str, str], name: str, values: tuple[str, ...]) -> str:
     """Value of a setting; the first where it is not given."""
     value = given.get(name, values[0])
     if value not in values:

@@ -23,7 +23,7 @@ _OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw
 def refuse_contradictions(spec: Any) -> None:
     """Raise the first contradiction between sections of a ``RobotSpec`` as a ValueError that names the field."""
     for agree in (
-        _chained, _mounted, _moved, _of_its_kind_of_motor, _on_wheels,
+        _chained, _mounted, _moved, _motor_kind_conflicts, _wheel_conflicts,
         _burning, _overhung, _lasting, _equipped, _braked, _alternating, _required,
     ):  # fmt: skip
         agree(spec)
@@ -88,7 +88,7 @@ def _moved(spec: Any) -> None:
         raise ValueError(f"motion: a {what} takes no payload that changes; expected load cases")
 
 
-def _of_its_kind_of_motor(spec: Any) -> None:
+def _motor_kind_conflicts(spec: Any) -> None:
     """Fields of steppers and of the paper's method where they are."""
     if spec.needs.start_speed is not None and not spec.steps:
         raise ValueError("needs.start_speed: it is of steppers; expected select: {motor: {kind: stepper}}")
@@ -103,7 +103,7 @@ def _of_its_kind_of_motor(spec: Any) -> None:
         raise ValueError(f"method: {PAPER_TREATS}; expected method: physics")
 
 
-def _on_wheels(spec: Any) -> None:
+def _wheel_conflicts(spec: Any) -> None:
     """A platform on the wheels of its load."""
     if spec.platform is None:
         if isinstance(spec.motion, Track | Waypoints):

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from drivesizer.catalog import Brake, Controller
-from drivesizer.files.fields import at_defaults, default, no_entries
+from drivesizer.files.fields import all_defaults, default, no_entries
 from drivesizer.loads.kinds import Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.figures import Figures, once_per_part
@@ -68,19 +68,19 @@ class RobotSpec(OfFile):
     transmission: Annotated[list[Stage], Field(min_length=1, max_length=3)] = default(
         [{"kind": "gearhead"}], description="from the motor to the load"
     )
-    paper_factors: PaperFactors = at_defaults()
-    margins: Margins = at_defaults()
+    paper_factors: PaperFactors = all_defaults()
+    margins: Margins = all_defaults()
     supply: Supply
     brake_resistor: BrakeResistor | None = Field(
         default=None,
         description="that burns what is regenerated; none where not given",
         json_schema_extra=or_any,
     )
-    power_stage: PowerStage = at_defaults()
+    power_stage: PowerStage = all_defaults()
     shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
-    environment: Environment = at_defaults()
+    environment: Environment = all_defaults()
     mounting: Mounting | None = Field(default=None, description="of the motor; as printed where not given")
-    needs: Needs = at_defaults()
+    needs: Needs = all_defaults()
     requirements: Requirements | None = Field(default=None, description="of the machine, for a table of its own")
     brake: OwnBrake | None = Field(default=None, description="out of the catalogues where not given")
     mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
@@ -90,11 +90,11 @@ class RobotSpec(OfFile):
     )
     platform: Platform | None = Field(default=None, description="of a wheeled vehicle: wheels, mass, room, limits")
     budget: Budget | None = Field(default=None, description="of the machine's mass")
-    control: Control = at_defaults()
-    plant: Plant = at_defaults()
-    select: Select = at_defaults()
-    tolerances: Tolerances = at_defaults()
-    report: TitleBlock = at_defaults(description="for the head of reports")
+    control: Control = all_defaults()
+    plant: Plant = all_defaults()
+    select: Select = all_defaults()
+    tolerances: Tolerances = all_defaults()
+    report: TitleBlock = all_defaults(description="for the head of reports")
     cases: Annotated[list[Case], Field(max_length=100)] = no_entries(
         description="further load cases; a drive must pass all"
     )

@@ -17,7 +17,7 @@ from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES
 from drivesizer.spec.messages import explained
 from drivesizer.spec.robot.model import RobotSpec
-from drivesizer.spec.tolerance_text import Toleranced, taken
+from drivesizer.spec.tolerance_text import Toleranced, split_tolerances
 
 __all__ = ["load_spec", "read_spec"]
 
@@ -48,7 +48,7 @@ def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
     """
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
-    data, toleranced = taken(source, None if before is None or before._toleranced else before._source)
+    data, toleranced = split_tolerances(source, None if before is None or before._toleranced else before._source)
     spec = _read(source, data, before)
     spec._toleranced = toleranced
     shaping = next((one for one in toleranced if spec.shift and one.path[0] in _SHAPING), None)

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, field_validator
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.fields import Allowance, Duration, Pause, Place, Section, at_defaults, default, no_entries
+from drivesizer.files.fields import Allowance, Duration, Pause, Place, Section, all_defaults, default, no_entries
 from drivesizer.files.yaml_overlay import overlay
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.spec.battery import Battery, Consumer
@@ -28,17 +28,17 @@ from drivesizer.spec.robot_section import RobotSection
 from drivesizer.spec.sections import Environment, Margins, Mission, Supply, TitleBlock
 from drivesizer.spec.several_axes.carried import check_carrier
 from drivesizer.spec.several_axes.machine import AxisSpec, Carried, MachineSpec
-from drivesizer.spec.tolerance_text import taken
+from drivesizer.spec.tolerance_text import split_tolerances
 
 __all__ = [
     "WHOLE",
     "AxisFields",
     "MachineFields",
-    "in_order",
     "joint_axis",
     "load_machine",
-    "on_common_bus",
     "read_machine",
+    "sizing_order",
+    "with_common_bus",
 ]
 
 _OWN = ("axes", "timing", "cycle_time", "total", "few_kinds", "robot")  # fields of a machine that no axis has
@@ -86,7 +86,7 @@ class MachineFields(Section):
     """Fields of a machine beside the sections that are defaults of its axes."""
 
     name: str = Field(min_length=1, max_length=200)
-    axes: Annotated[dict[str, dict[str, Any]], Field(max_length=100)] = at_defaults(
+    axes: Annotated[dict[str, dict[str, Any]], Field(max_length=100)] = all_defaults(
         description="by name, each with sections of a robot.yaml over those of the machine"
     )
     robot: RobotSection | None = Field(default=None, description="joints of a description, each an axis by its name")
@@ -104,14 +104,14 @@ class MachineFields(Section):
         description="by how much the sum of the objective may grow for common motors and gearheads",
     )
     supply: Supply
-    environment: Environment = at_defaults()
-    margins: Margins = at_defaults()
+    environment: Environment = all_defaults()
+    margins: Margins = all_defaults()
     mission: Mission | None = None
     battery: Battery | None = None
     equipment: Annotated[list[Consumer], Field(max_length=100)] = no_entries()
     budget: Budget | None = None
     brake_resistor: BrakeResistor | None = None
-    report: TitleBlock = at_defaults()
+    report: TitleBlock = all_defaults()
 
     @field_validator("axes", mode="before")
     @classmethod
@@ -174,7 +174,7 @@ def read_machine(source: YamlSource) -> MachineSpec:
     axes = tuple(_axis(source, shared, name, (written_axes[name], own), alone) for name, own in head.axes.items())
     if not alone:
         _check_whole(source, head)
-        axes = tuple(on_common_bus(axis, head.brake_resistor) for axis in axes)
+        axes = tuple(with_common_bus(axis, head.brake_resistor) for axis in axes)
     machine = MachineSpec(
         name=head.name,
         axes=axes,
@@ -195,7 +195,7 @@ def read_machine(source: YamlSource) -> MachineSpec:
         robot=head.robot,
         source=source,
     )
-    return machine if head.robot else in_order(machine)
+    return machine if head.robot else sizing_order(machine)
 
 
 def _check_whole(source: YamlSource, head: MachineFields) -> None:
@@ -207,7 +207,7 @@ def _check_whole(source: YamlSource, head: MachineFields) -> None:
     read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
 
 
-def on_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
+def with_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
     """The axis on a bus that rises to its chopper's voltage, for the choice of its controllers.
 
     Parameters
@@ -241,7 +241,7 @@ def _shared(source: YamlSource, *, alone: bool) -> dict[str, Any]:
 
 def _head(source: YamlSource) -> MachineFields:
     """Fields of the machine itself; sections that only axes have are left to these."""
-    data, _ = taken(source)
+    data, _ = split_tolerances(source)
     given = {name: value for name, value in data.items() if name in MachineFields.model_fields}
     unknown = next((name for name in data if name not in MachineFields.model_fields | RobotSpec.model_fields), None)
     if unknown is not None:
@@ -281,7 +281,7 @@ def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisS
         raise InputError(f"{where}: the description has a joint of this name; expected no load, or another name")
     if axis is None:
         axis = _axis(machine.source, _shared(machine.source, alone=False), name, ({}, {}), alone=False)
-        axis = on_common_bus(axis, machine.brake_resistor)
+        axis = with_common_bus(axis, machine.brake_resistor)
         axis = replace(axis, spec=reduce(lambda one, change: one.changed(change), machine.changes, axis.spec))
     return replace(axis, carries=tuple(Carried(other, None) for other in carried))
 
@@ -347,7 +347,7 @@ def _check_carried(source: YamlSource, at: Path_, axis: AxisSpec) -> None:
         raise InputError(f"{source.where((*at, 'carries'))}: {error}") from None
 
 
-def in_order(machine: MachineSpec) -> MachineSpec:
+def sizing_order(machine: MachineSpec) -> MachineSpec:
     """The machine with the order in which its axes are sized: carried ones before those that carry them.
 
     Parameters

@@ -53,13 +53,13 @@ def render(of: MachineExport) -> bytes:
         _bodies(sections["worldbody"], of.robot, step)
         for drive in of.robot.drives:
             _drive(sections, drive, step)
-        _held(sections["equality"], of.robot, step)
+        _fixed_joints(sections["equality"], of.robot, step)
         _cycle(sections["custom"], of.robot)
     adding = Adding(root, ("body", "joint", "site", "numeric"))
     for name, one in of.axes:
         if one.gravity != of.gravity:
             raise InputError(f"axis {name}: its gravity is another; expected that of the machine, or --axis beside it")
-        _beside(sections, name, one, adding)
+        _other_axis(sections, name, one, adding)
     if of.robot:
         _start(sections, of.robot)
     for name in [name for name, section in sections.items() if not len(section)]:
@@ -67,7 +67,7 @@ def render(of: MachineExport) -> bytes:
     return document(root)
 
 
-def _beside(sections: dict[str, Element], name: str, one: Export, adding: Adding) -> None:
+def _other_axis(sections: dict[str, Element], name: str, one: Export, adding: Adding) -> None:
     """An axis beside the robot, as its own file has it."""
     remark(sections["worldbody"], f"Axis {name}; in these remarks ctrl counts from its own first input, [0].")
     for section in of_one(one):
@@ -284,7 +284,7 @@ def _inputs(drive: JointDrive) -> str:
 # --- held joints, trajectory
 
 
-def _held(equality: Element, robot: RobotExport, step: float) -> None:
+def _fixed_joints(equality: Element, robot: RobotExport, step: float) -> None:
     """Joints without a drive, kept where they are held."""
     stiff = {"solref": f"{number(2.0 * step)} 1", "solimp": "0.9999 0.9999 0.001 0.5 2"}
     for name, position in robot.held.items():

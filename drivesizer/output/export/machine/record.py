@@ -36,11 +36,11 @@ from xml.etree.ElementTree import Comment, Element
 import numpy as np
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.csv_columns import beside
+from drivesizer.files.csv_columns import path_from_spec
 from drivesizer.joints.coupling import coupling
 from drivesizer.joints.inverse_dynamics import Attached
 from drivesizer.joints.joint_load import radius_of
-from drivesizer.joints.moving import held_joints
+from drivesizer.joints.moving import fixed_positions
 from drivesizer.joints.places import drive_places, payload_place
 from drivesizer.joints.record import Array, JointMotion
 from drivesizer.joints.trajectory import motion_of
@@ -432,9 +432,9 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
     machine = sizing.machine
     section = machine.robot
     assert section is not None
-    robot = read_description(beside(machine.file, section.description, "robot.description"))
+    robot = read_description(path_from_spec(machine.file, section.description, "robot.description"))
     joints = tuple(name for name in robot.joints if name in exports)
-    held = held_joints(section, robot, joints)
+    held = fixed_positions(section, robot, joints)
     places = drive_places(section, robot, joints)
     turned = coupling(section, robot, held, joints)
     mounting = section.mounting

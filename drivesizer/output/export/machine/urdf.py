@@ -28,7 +28,7 @@ from drivesizer.output.export.machine.record import (
     of_drive,
 )
 from drivesizer.output.export.markup import brief, document, identifier, number, remark, vector
-from drivesizer.output.export.urdf import both, transmission
+from drivesizer.output.export.urdf import required_limits, transmission
 from drivesizer.output.export.urdf import robot as of_one
 from drivesizer.spec.description.record import Joint, Link
 from drivesizer.spec.description.solids import Body, together
@@ -195,7 +195,7 @@ def _limit(element: Element, joint: Joint, drive: JointDrive | None) -> None:
     if drive is None:
         described |= {"effort": joint.effort, "velocity": joint.velocity}
     found = {name: number(value) for name, value in described.items() if not isnan(value)}
-    found |= both(drive.of.label, drive.limits) if drive else {}
+    found |= required_limits(drive.of.label, drive.limits) if drive else {}
     if found:
         SubElement(element, "limit", found)
 

@@ -147,12 +147,12 @@ def _frames() -> dict[str, Any]:
 def _limits(reach: Reach, axes: tuple[str, ...], *, older: bool) -> dict[str, Any]:
     """Limits of velocity, acceleration and jerk; what is unknown is left out."""
     speeds = {"x": reach.forwards, "y": reach.sideways}
-    linear = {axis: _of_axis(speeds[axis], reach.acceleration, reach.jerk, older) for axis in axes}
-    about = _of_axis(reach.turning, reach.turning_acceleration, reach.turning_jerk, older)
+    linear = {axis: _axis_limits(speeds[axis], reach.acceleration, reach.jerk, older) for axis in axes}
+    about = _axis_limits(reach.turning, reach.turning_acceleration, reach.turning_jerk, older)
     return {"linear": linear, "angular": {"z": about}}
 
 
-def _of_axis(speed: float, acceleration: float, jerk: float, older: bool) -> dict[str, Any]:
+def _axis_limits(speed: float, acceleration: float, jerk: float, older: bool) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, value in (("velocity", speed), ("acceleration", acceleration), ("jerk", jerk)):
         if isnan(value):

@@ -126,7 +126,7 @@ def _wheel(base: Element, of: PlatformExport, place: int, step: float) -> None:
     name, wheel = wheel_name(place), of.platform.wheels[place]
     body = SubElement(base, "body", name=f"{name}_link", pos=vector((wheel.x, wheel.y, 0.0)))
     remark(body, of_wheel(of, place))
-    drive, axis = _at_joint(of, place), _axle(of, place)
+    drive, axis = _drive_at_joint(of, place), _axle(of, place)
     turned, J = cos(wheel.roller_angle), of.wheel.inertia[0, 0]
     figures = {"frictionloss": of.rolling[place] / turned, "armature": J * tan(wheel.roller_angle) ** 2, "damping": 0.0}
     joint = {"name": name, "type": "hinge", "axis": vector(axis)}
@@ -153,7 +153,7 @@ def _seen(body: Element, of: PlatformExport, place: int) -> None:
     SubElement(body, "geom", ends | _SHOWN)
 
 
-def _at_joint(of: PlatformExport, place: int) -> JointDrive | None:
+def _drive_at_joint(of: PlatformExport, place: int) -> JointDrive | None:
     """The drive of a wheel as its joint has it, which turns by the cosine of the roller's angle as much."""
     drive = of.drives.get(place)
     return drive and replace(drive, travel=cos(of.platform.wheels[place].roller_angle))
@@ -189,7 +189,7 @@ def _caster(base: Element, contact: Element, of: PlatformExport, name: str, cast
 
 def _drive(sections: dict[str, Element], of: PlatformExport, place: int, drive: JointDrive) -> None:
     """Motor and sensors of a wheel."""
-    name, motor, at_joint = wheel_name(place), f"{wheel_name(place)}_motor", _at_joint(of, place)
+    name, motor, at_joint = wheel_name(place), f"{wheel_name(place)}_motor", _drive_at_joint(of, place)
     assert at_joint is not None
     remark(sections["actuator"], _inputs(drive, at_joint))
     add_motor(sections["actuator"], at_joint, {"name": motor, "joint": name})

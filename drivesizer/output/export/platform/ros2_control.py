@@ -75,7 +75,7 @@ def controllers(of: PlatformExport) -> bytes:
     body = velocity_loops(gains, rate, more={NAME: found.kind} if found else None)
     if found:
         body += f"\n{NAME}:\n  ros__parameters:\n{parameters_text(found.parameters)}"
-    return commented([*_drives(of), *([*_of_base(of), *found.said] if found else [_NO_BASE])], body)
+    return commented([*_drives(of), *([*_base_remarks(of), *found.said] if found else [_NO_BASE])], body)
 
 
 def _drives(of: PlatformExport) -> list[str]:
@@ -87,7 +87,7 @@ def _drives(of: PlatformExport) -> list[str]:
     return [*said, *lacking(of.of), *REMARKS, *rate_remarks(of.of)]
 
 
-def _of_base(of: PlatformExport) -> list[str]:
+def _base_remarks(of: PlatformExport) -> list[str]:
     """Remarks on the controller of the base."""
     reached = "the highest speed of the motion" if of.of.stepper else "what the drives reach on the lowest voltage"
     said = [

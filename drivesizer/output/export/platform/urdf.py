@@ -15,7 +15,7 @@ import numpy as np
 from drivesizer.output.export.machine.urdf import add_inertial
 from drivesizer.output.export.markup import document, identifier, number, remark, vector
 from drivesizer.output.export.platform.record import BASE, PlatformExport, head, of_wheel, rollers, wheel_name
-from drivesizer.output.export.urdf import both, transmission
+from drivesizer.output.export.urdf import required_limits, transmission
 
 __all__ = ["FOOTPRINT", "render", "robot"]
 
@@ -109,7 +109,7 @@ def _wheel(root: Element, of: PlatformExport, place: int, direction: float) -> N
     SubElement(joint, "origin", xyz=vector((at.x, at.y, 0.0)), rpy=vector((0.0, 0.0, at.heading)))
     SubElement(joint, "axis", xyz=vector((0.0, direction, 0.0)))
     if drive:
-        SubElement(joint, "limit", both(drive.of.label, drive.limits))
+        SubElement(joint, "limit", required_limits(drive.of.label, drive.limits))
     damping, friction = (drive.damping, drive.friction) if drive else (0.0, 0.0)
     SubElement(joint, "dynamics", damping=number(damping), friction=number(friction + of.rolling[place]))
 

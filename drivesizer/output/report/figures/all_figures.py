@@ -10,7 +10,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.output.report.figures.battery import battery, is_known
 from drivesizer.output.report.figures.block_diagram import block_diagram
 from drivesizer.output.report.figures.bode_and_step import bode, step
-from drivesizer.output.report.figures.field import torque_speed, torque_speed_each
+from drivesizer.output.report.figures.field import torque_speed, torque_speed_panels
 from drivesizer.output.report.figures.field_panels import alone, leading, panels
 from drivesizer.output.report.figures.margins import margins
 from drivesizer.output.report.figures.motion import speed_profile
@@ -22,7 +22,7 @@ from drivesizer.output.report.figures.tornado import swings, tornado
 from drivesizer.output.report.figures.wheels import wheels_over_time
 from drivesizer.output.report.lines.machine import first_wheel
 from drivesizer.output.report.lines.reliability import reported
-from drivesizer.results.check_parts import by_part
+from drivesizer.results.check_parts import sorted_by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.objectives import objective_figure
 from drivesizer.results.sizing import SizingResult
@@ -74,20 +74,20 @@ def report_drawings(
         drivers = certain.reliability.drivers
         made["tornado"] = lambda form: tornado(drivers, form)
     if best:
-        made |= _of_set(result, best, does or Behaviour(result.problem, best))
+        made |= _drive_figures(result, best, does or Behaviour(result.problem, best))
     if validation:
         made |= {"loop" if name == "closed_loop" else name: draw for name, draw in loop_drawings(validation).items()}
     return made
 
 
-def _of_set(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, Drawing]:
+def _drive_figures(result: SizingResult, best: DriveSet, does: Behaviour) -> dict[str, Drawing]:
     """The figures of a drive; those that depend on figures that the catalogue does not know are left out."""
     fields = panels(result.problem, best, result.requirements)
-    made: dict[str, Drawing] = {"margins": lambda form: margins(by_part(best.own_checks), form)}
+    made: dict[str, Drawing] = {"margins": lambda form: margins(sorted_by_part(best.own_checks), form)}
     if fields:
         made["field"] = lambda form: torque_speed([leading(fields)], form)
     if each := alone(fields):
-        made["fields"] = lambda form: torque_speed_each(each, form)
+        made["fields"] = lambda form: torque_speed_panels(each, form)
     if does.known:
         made |= {"efficiency": does.efficiency, "demand": does.demand}
     if does.hottest:

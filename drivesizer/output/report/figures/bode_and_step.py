@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivesizer.control.loop_records import Loop
 from drivesizer.output.loop_table import cell, loop_figures, loop_name, settled
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, placed
-from drivesizer.output.thinning import on_curves
+from drivesizer.output.thinning import curve_points
 from drivesizer.units import label
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def _curves(grid: Sequence[Axes], loop: Loop) -> None:
         axes.plot(curve.frequency, values, **look)
     grid[0].lines[-1].set_label(_labels(loop))
     if loop.crossover > 0.0:
-        phase = _at(loop.crossover, curve.frequency, curve.phase)
+        phase = _value_at(loop.crossover, curve.frequency, curve.phase)
         level = 360.0 * round((phase + 180.0) / 360.0) - 180.0
         grid[1].plot([loop.crossover] * 2, [level, phase], color=COLOURS[colour], linewidth=1.8, zorder=4)
         for axes, height in zip(grid, (0.0, phase), strict=False):
@@ -125,7 +125,7 @@ def look_of(loop: Loop) -> tuple[str, Any, str]:
     return _LOOKS.get(loop.name, _OTHER)
 
 
-def _at(frequency: float, over: NDArray[np.float64], values: NDArray[np.float64]) -> float:
+def _value_at(frequency: float, over: NDArray[np.float64], values: NDArray[np.float64]) -> float:
     return float(np.interp(math.log(frequency), np.log(over), values))
 
 
@@ -200,7 +200,7 @@ def step(loops: Sequence[Loop], form: Form = "svg") -> bytes:
             if len(loop.step):
                 _answer(axes, loop)
             else:
-                _none(axes, loop)
+                _empty_axes(axes, loop)
         grid[0].set_ylabel("answer to a step (%)")
 
     return drawn(draw, 1.4, form)
@@ -209,7 +209,7 @@ def step(loops: Sequence[Loop], form: Form = "svg") -> bytes:
 def _answer(axes: Axes, loop: Loop) -> None:
     """The samples, the band of 2 % around the end, and the moment from which they stay in it."""
     values = loop.step[: settled(loop)]
-    rows = on_curves((values,), _MOST)
+    rows = curve_points((values,), _MOST)
     unit, per = ("s", 1.0) if len(values) * loop.period >= 1.0 else ("ms", 1e3)
     few: dict[str, Any] = {"marker": "o", "markersize": 2.5} if len(rows) <= _FEW else {}
     axes.plot(per * loop.period * rows, 100.0 * values[rows], color=COLOURS[look_of(loop)[0]], **few)
@@ -225,7 +225,7 @@ _MOST = 1200  # samples of an answer that are drawn: finer than print
 _FEW = 50  # samples that are marked each
 
 
-def _none(axes: Axes, loop: Loop) -> None:
+def _empty_axes(axes: Axes, loop: Loop) -> None:
     axes.set(xticks=[], yticks=[])
     said = f"unstable:\nlargest pole {loop.pole_radius:.4g},\nits answer has no end"
     axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", va="center")

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["MOST_FIELDS", "conditions", "torque_speed", "torque_speed_each"]
+__all__ = ["MOST_FIELDS", "conditions", "torque_speed", "torque_speed_panels"]
 
 
 def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
@@ -62,7 +62,7 @@ def conditions(panel: Panel) -> str:
     return f"{show(lines.voltage, 'V', 'voltage')} usable, ambient {show(lines.ambient, 'degC', 'temperature')}"
 
 
-def _given(panel: Panel) -> str:
+def _panel_title(panel: Panel) -> str:
     """Usable voltage and ambient, without words."""
     return conditions(panel).replace(" usable, ambient", ",")
 
@@ -73,7 +73,7 @@ _ABREAST = 2  # small diagrams
 _SMALL = 1.75  # in, of a small diagram
 
 
-def torque_speed_each(panels: Sequence[Panel], form: Form = "svg") -> bytes:
+def torque_speed_panels(panels: Sequence[Panel], form: Form = "svg") -> bytes:
     """The motor's field once for each load case, as small diagrams with one legend.
 
     Parameters
@@ -96,7 +96,7 @@ def torque_speed_each(panels: Sequence[Panel], form: Form = "svg") -> bytes:
         for axes, panel in zip(places, shown, strict=False):
             _field(axes, panel, plain=True)
             name = named(panel.cases[0][1], _NAME).strip()
-            axes.set_title(f"{name}: {_given(panel)}" if several else name)
+            axes.set_title(f"{name}: {_panel_title(panel)}" if several else name)
         for axes in places[len(shown) :]:
             axes.set_visible(False)
         heading(figure, *_names(places[: len(shown)]), 5)
@@ -207,16 +207,16 @@ def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: An
     if np.isnan(found.rms_torque):  # a motor whose friction is unknown: the line is drawn, its RMS current is not known
         return
     rms = found.rms_torque, found.rms_speed, unit
-    axes.plot(*_at(*rms), marker="o", markersize=5.5, color=COLOURS[colour], linestyle="none", zorder=5,
+    axes.plot(*_point(*rms), marker="o", markersize=5.5, color=COLOURS[colour], linestyle="none", zorder=5,
               label="RMS current and speed" if plain else _marked("RMS current and speed", *rms))  # fmt: skip
 
 
-def _at(torque: float, speed: float, unit: str) -> tuple[float, float]:
+def _point(torque: float, speed: float, unit: str) -> tuple[float, float]:
     return float(from_si(torque, unit, "torque")), float(from_si(speed, "rpm", "rotary_speed"))
 
 
 def _marked(name: str, torque: float, speed: float, unit: str) -> str:
-    x, y = _at(torque, speed, unit)
+    x, y = _point(torque, speed, unit)
     return f"{name}\n{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
 
 
@@ -226,6 +226,6 @@ _MARKERS = (("^", "vermillion"), ("s", "grey"), ("v", "purple"), ("D", "blue"))
 def _mark(axes: Axes, panel: Panel, unit: str) -> None:
     """Points with a shape each, named in the legend: labels beside them would overlap where points lie close."""
     for point, (marker, colour) in zip(panel.points, _MARKERS, strict=False):
-        axes.plot(*_at(point.torque, point.speed, unit), marker=marker, markersize=5.5, markerfacecolor="none",
+        axes.plot(*_point(point.torque, point.speed, unit), marker=marker, markersize=5.5, markerfacecolor="none",
                   markeredgewidth=1.2, color=COLOURS[colour], linestyle="none", zorder=6,
                   label=_marked(f"paper: {point.name}", point.torque, point.speed, unit))  # fmt: skip

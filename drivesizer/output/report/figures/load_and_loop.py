@@ -124,18 +124,18 @@ def _limits(axes: Axes, row: Row) -> None:
     reach = max(abs(end) for end in axes.get_ylim())
     limits = [(name, float(from_si(value, row.unit, row.kind))) for name, value in row.limits]
     inside = {name: value for name, value in limits if value <= _IN_SIGHT * reach}
-    beyond = [_said(name, value, row.unit) for name, value in limits if name not in inside]
+    beyond = [_label(name, value, row.unit) for name, value in limits if name not in inside]
     near = _HEIGHT_OF_A_NAME * max(reach, *inside.values(), 0.0)
     for look, (name, value) in enumerate(inside.items()):
         below = any(value < other < value + near for other in inside.values())
-        limit(axes, value, _said(name, value, row.unit), look, below=below)
+        limit(axes, value, _label(name, value, row.unit), look, below=below)
     axes.set_ylim(top=_HEADROOM * max(axes.get_ylim()[1], *inside.values(), 0.0))
     if beyond:
         axes.annotate("beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction",
                       textcoords="offset points", ha="left", va="top", fontsize=6.5)  # fmt: skip
 
 
-def _said(name: str, value: float, unit: str) -> str:
+def _label(name: str, value: float, unit: str) -> str:
     return f"{name} {value:.4g} {label(unit)}"
 
 

@@ -13,7 +13,7 @@ from drivesizer.control.path_following.deviation import deviation
 from drivesizer.control.path_following.following import Followed
 from drivesizer.errors import InputError
 from drivesizer.machine.permitted_speed import PermittedSpeeds
-from drivesizer.output.platform_table import with_all
+from drivesizer.output.platform_table import failed_motors_text
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, named, placed
 from drivesizer.output.report.figures.time_strips import Window, thinned
 
@@ -137,7 +137,9 @@ def speed_by_direction(found: PermittedSpeeds, form: Form = "svg") -> bytes:
         right = max(figure.get_size_inches()[0] - _LEFT - (_PANEL + _GAP) * columns + _GAP, _RIGHT)
         grid = placed(figure, rows, columns, top=_TOP, right=right, gaps=(_TITLE, _GAP))
         for axes, wheel in zip((axes for row in grid for axes in row), failed, strict=False):
-            line(axes, found.speed[0][[*range(len(turn) - 1), 0]], color=COLOURS["blue"], label=with_all(found))
+            line(
+                axes, found.speed[0][[*range(len(turn) - 1), 0]], color=COLOURS["blue"], label=failed_motors_text(found)
+            )
             if wheel:
                 without = found.speed[wheel][[*range(len(turn) - 1), 0]]
                 line(

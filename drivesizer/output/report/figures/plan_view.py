@@ -42,12 +42,12 @@ def ways_of(spec: RobotSpec) -> list[Way]:
     found: list[Way] = []
     for name, case in spec.load_cases:
         way = trajectory_of(case)
-        if way is not None and not any(_same(way, other.trajectory) for other in found):
+        if way is not None and not any(_close(way, other.trajectory) for other in found):
             found.append(Way(name, way))
     return found
 
 
-def _same(a: Trajectory, b: Trajectory) -> bool:
+def _close(a: Trajectory, b: Trajectory) -> bool:
     return np.array_equal(a.duration, b.duration) and np.array_equal(a.posture, b.posture)
 
 

@@ -8,7 +8,7 @@ from math import fsum, isfinite, isnan, sqrt
 
 from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import drawn as shown_runs
-from drivesizer.control.path_following.runs import follow_all
+from drivesizer.control.path_following.runs import follow_runs
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform_drive import Driving, driving, with_trajectory
 from drivesizer.load_cases.wheel import WheelLoad
@@ -106,7 +106,7 @@ class Behaviour:
         """Simulated path following, by name of the run; none where ``not_followed``."""
         self.not_followed = ""
         try:
-            return follow_all(self.path, self.drive_set) if self.path else {}
+            return follow_runs(self.path, self.drive_set) if self.path else {}
         except InputError as error:
             self.not_followed = str(error)
             return {}

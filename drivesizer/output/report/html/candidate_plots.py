@@ -46,7 +46,7 @@ def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | Non
     sides = dict(zip(named, apart([*named.values()], [names[rank] for rank in named]), strict=True))
     names = {rank: name for rank, name in names.items() if sides[rank]}
     data = [
-        _of_status(status, [row for row in known if row["status"] == status], up, names, sides) for status in _LOOKS
+        _status_trace(status, [row for row in known if row["status"] == status], up, names, sides) for status in _LOOKS
     ]
     return figure([trace for trace in data if trace["x"]], _layout("mass (g)", title))
 
@@ -113,7 +113,7 @@ _SIDES = {"top center": (0.0, 0.065), "bottom center": (0.0, -0.065), "middle ri
           "middle left": (-1.0, 0.0)}  # fmt: skip
 
 
-def _of_status(
+def _status_trace(
     status: str, rows: Sequence[dict[str, Any]], up: str, names: dict[str, str], sides: dict[str, str]
 ) -> Plot:
     colour, symbol = _LOOKS[status]

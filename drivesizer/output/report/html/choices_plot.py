@@ -76,12 +76,12 @@ def _points(drives: list[Choice], best: list[bool]) -> Plot:
                 "outlinewidth": 0,
             },
         },
-        "customdata": [_said(one, front) for one, front in zip(drives, best, strict=True)],
+        "customdata": [_hover_text(one, front) for one, front in zip(drives, best, strict=True)],
         "hovertemplate": "<b>%{customdata[0]}</b><br>%{customdata[1]}<br>%{customdata[2]}<extra></extra>",
     }
 
 
-def _said(one: Choice, front: bool) -> list[str]:
+def _hover_text(one: Choice, front: bool) -> list[str]:
     energy = one.figures["energy"]
     drawn = show(energy, "J", "energy") if isfinite(energy) else "energy unknown"
     tight = one.figures.get("margin", float("nan"))

@@ -9,7 +9,7 @@ from pathlib import Path
 from jinja2 import BytecodeCache
 from jinja2.bccache import Bucket
 
-from drivesizer.files.cache import digest_of, folder, keep, kept
+from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
 
 __all__ = ["Compiled", "packed"]
 
@@ -19,7 +19,7 @@ class Compiled(BytecodeCache):
 
     def load_bytecode(self, bucket: Bucket) -> None:
         """Fill a bucket with what was kept, if it is whole."""
-        found = kept(_place(bucket))
+        found = cached_bytes(_place(bucket))
         if found is not None:
             bucket.bytecode_from_string(found)
 
@@ -36,7 +36,7 @@ def _place(bucket: Bucket) -> Path:
 def packed(script: str) -> bytes:
     """A script as zlib packs it best, which takes a quarter of a second for a plotting library."""
     path = folder() / f"script-{digest_of(zlib.ZLIB_RUNTIME_VERSION.encode(), script.encode())}.z"
-    found = kept(path)
+    found = cached_bytes(path)
     if found is None:
         found = zlib.compress(script.encode(), 9)
         with suppress(OSError):

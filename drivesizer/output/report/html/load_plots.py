@@ -31,7 +31,7 @@ def motion_plot(spec: RobotSpec) -> Plot:
                  hovertemplate=f"%{{y:.4~r}} {label(unit)}<extra></extra>")  # fmt: skip
     layout = rows([f"speed ({label(unit)})"])
     layout["xaxis"] |= {"title": {"text": "time (s)"}, "range": [float(time[0]), float(time[-1])]}
-    return figure([trace], layout, _with_all(views, time))
+    return figure([trace], layout, _all_views(views, time))
 
 
 def _platform_plot(spec: RobotSpec) -> Plot:
@@ -68,7 +68,7 @@ def cycle_plot(cycles: Sequence[tuple[str, LoadCycle]]) -> Plot:
     layout = rows([f"torque ({label(unit)})", "speed (rpm)"])
     longest = max((cycle.time.ravel() for _, cycle in cycles), key=lambda time: float(time[-1]))
     layout["xaxis"] |= {"title": {"text": "time (s)"}, "range": [0.0, float(longest[-1])]}
-    return figure(data, layout, _with_all(views, longest))
+    return figure(data, layout, _all_views(views, longest))
 
 
 def _over_time(number: int, name: str, cycle: LoadCycle, unit: str, views: Sequence[Any]) -> list[Plot]:
@@ -89,5 +89,5 @@ def case_look(number: int) -> dict[str, Any]:
     return {"colour": colour, "dash": dashes(pattern)} | ({} if number < len(CASES) else {"visible": "legendonly"})
 
 
-def _with_all(views: Sequence[Any], time: Any) -> list[Any]:
+def _all_views(views: Sequence[Any], time: Any) -> list[Any]:
     return [whole(time), *views] if len(views) > 1 else []

@@ -14,7 +14,7 @@ from drivesizer.output.report.figures.bode_and_step import curve_of, look_of, sp
 from drivesizer.output.report.figures.load_and_loop import LINEAR, closed_loop_rows
 from drivesizer.output.report.figures.time_strips import windows
 from drivesizer.output.report.html.curves import Plot, dashes, figure, line, numbers, plain, rows, sampled, whole
-from drivesizer.output.thinning import on_curves
+from drivesizer.output.thinning import curve_points
 from drivesizer.units import from_si, label
 
 __all__ = ["bode_plot", "closed_loop_plot", "step_plots"]
@@ -104,7 +104,7 @@ def _level(axis: str, y: float) -> Plot:
 
 def _curves(loop: Loop, left: float) -> list[Plot]:
     curve, (colour, pattern, _) = curve_of(loop), look_of(loop)
-    kept = on_curves((loop.bode.open_magnitude, loop.bode.closed_magnitude), _MOST)
+    kept = curve_points((loop.bode.open_magnitude, loop.bode.closed_magnitude), _MOST)
     kept = kept[curve.frequency[kept] >= 0.5 * left]
     units = (("y", curve.opened, "dB"), ("y2", curve.phase, "°"), ("y3", curve.closed, "dB"))
     return [
@@ -149,7 +149,7 @@ def step_plots(loops: Sequence[Loop]) -> dict[str, Plot]:
 def _step(loop: Loop) -> Plot:
     """The samples, the band of 2 % around the end, and the moment from which they stay in it."""
     values = loop.step[: settled(loop)]
-    kept = on_curves((values,), _MOST)
+    kept = curve_points((values,), _MOST)
     unit, per = ("s", 1.0) if len(values) * loop.period >= 1.0 else ("ms", 1e3)
     colour = look_of(loop)[0]
     end, rest = per * loop.period * (len(values) - 1), 100.0 * float(loop.bode.closed_magnitude[0])

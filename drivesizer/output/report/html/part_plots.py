@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.discharges import HELD, Discharges
 from drivesizer.catalog.query import Hit
 from drivesizer.machine.battery_pack import Pack, pack_of, run_time
-from drivesizer.machine.part_curves import at_nominal_voltage, gear_efficiency
+from drivesizer.machine.part_curves import gear_efficiency, nominal_voltage_curves
 from drivesizer.output.part.speed_torque import reach_of, speed_torque
 from drivesizer.output.part.tables import pull_out_conditions
 from drivesizer.output.report.figures.style import torque_unit
@@ -55,7 +55,7 @@ def part_plots(hit: Hit) -> dict[str, Plot]:
 Made = Iterator[tuple[str, str, Plot]]  # name, title, figure
 
 
-def _of_one(data: Sequence[Plot]) -> str:
+def _single_name(data: Sequence[Plot]) -> str:
     """Name of a line that has no legend, for it is alone."""
     return f": {data[0]['legendgroup']}" if len(data) == 1 else ""
 
@@ -81,7 +81,7 @@ def _motor(hit: Hit) -> Made:
     if not curves or isnan(reach):
         return
     unit, torque = torque_unit(reach), reach * np.linspace(0.0, 1.0, _POINTS) ** 2  # dense where the efficiency rises
-    _, current, efficiency = at_nominal_voltage(hit, torque)
+    _, current, efficiency = nominal_voltage_curves(hit, torque)
     below = [("current", "A", "vermillion", current)]
     if np.nanmax(efficiency, initial=0.0) <= 1.0:  # else its figures contradict one another
         below.append(("efficiency", "%", "purple", 100.0 * efficiency))
@@ -171,7 +171,7 @@ def _stepper(hit: Hit) -> Made:
         data.append(line(from_si(one.speed, "rpm", "rotary_speed"), from_si(one.torque, unit, "torque"),
                          pull_out_conditions(one), *look, mode="lines+markers", hovertemplate=over,
                          marker={"size": 6, "color": look[0]}))  # fmt: skip
-    title = f"Pull-out torque as printed{_of_one(data)}"
+    title = f"Pull-out torque as printed{_single_name(data)}"
     if not data:
         data, title = list(_modelled(hit, unit, over)), "Pull-out torque, estimated: no curve is printed"
     if data:
@@ -219,9 +219,13 @@ def _battery(hit: Hit) -> Made:
                 for number, end in enumerate(np.unique(known.cutoff_voltage))]  # fmt: skip
         if data:
             layout = _axes(f"constant {held} ({unit})", "run time (h)", x=_LOG, y=_LOG)
-            yield f"discharge-{held}", f"Run time at constant {held} as printed{_of_one(data)}", figure(data, layout)
+            yield (
+                f"discharge-{held}",
+                f"Run time at constant {held} as printed{_single_name(data)}",
+                figure(data, layout),
+            )
     if not len(own.time):
-        yield from _by_rule(hit)
+        yield from _run_time_rule(hit)
 
 
 _LOG = {"type": "log", "rangemode": "normal"}
@@ -241,7 +245,7 @@ def _lasts(draw: Array, time: Array, name: str, number: int, unit: str) -> Plot:
                 marker={"size": 5, "color": colour}, hovertemplate=over)  # fmt: skip
 
 
-def _by_rule(hit: Hit) -> Made:
+def _run_time_rule(hit: Hit) -> Made:
     """Run time of one cell or block at constant current, where no table is printed."""
     pack = pack_of(Battery(part=hit.part), hit.catalog)
     if not pack.by_charge:

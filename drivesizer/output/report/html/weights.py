@@ -20,7 +20,7 @@ from drivesizer.output.report.sections.candidates import gearhead_words
 from drivesizer.output.report.sections.content import Content
 from drivesizer.output.report.sections.specification import file_name
 from drivesizer.output.text import cleaned, margin
-from drivesizer.results.weights import Choice, Choices, by_weights, used_share
+from drivesizer.results.weights import Choice, Choices, used_share, weighted_order
 from drivesizer.spec.select import BOUGHT, OBJECTIVES
 from drivesizer.units import show
 
@@ -113,7 +113,7 @@ def _rounded(value: float) -> float:
 def _table(chosen: Choices, offered: list[Criterion]) -> dict[str, Any]:
     """The drives in the order of the spec's objective, and the numbers that another order is made of."""
     figures = {one.name: np.array(one.figures) for one in offered}
-    found = by_weights(figures, chosen.weights)
+    found = weighted_order(figures, chosen.weights)
     rows = [
         {"row": row, "place": place, **_names(chosen.drives[row]), "texts": [one.texts[row] for one in offered],
          "score": "unknown" if found.lacking[row] or isnan(found.score[row]) else f"{found.score[row]:.3f}"}

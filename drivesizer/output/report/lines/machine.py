@@ -35,7 +35,7 @@ def machine_words(spec: RobotSpec) -> str:
     mass = _burden(load) + _carried(spec)
     if platform is None or not isinstance(load, WheeledVehicle):
         kind = load.kind.replace("_", " ").capitalize()
-        return ", ".join(filter(None, (kind, mass, _counted(load.motors, "drive"))))
+        return ", ".join(filter(None, (kind, mass, _count_text(load.motors, "drive"))))
     wheels = " and ".join(_wheels(platform))
     diameter = show(load.wheel_diameter, "mm", "length")
     return "; ".join([f"Platform of {mass} on {wheels}, wheel diameter {diameter}", *_size(platform), *_path(spec)])
@@ -64,12 +64,12 @@ def _carried(spec: RobotSpec) -> str:
 def _wheels(platform: Platform) -> Iterator[str]:
     """``4 driven mecanum wheels``, and what rolls along."""
     for (kind, driven), count in Counter((place.kind, place.driven) for place in platform.places).items():
-        yield _counted(count, f"{'driven' if driven else 'free'} {kind} wheel")
+        yield _count_text(count, f"{'driven' if driven else 'free'} {kind} wheel")
     if platform.casters:
-        yield _counted(len(platform.casters), "caster")
+        yield _count_text(len(platform.casters), "caster")
 
 
-def _counted(count: int, name: str) -> str:
+def _count_text(count: int, name: str) -> str:
     return f"{count} {name}" + ("" if count == 1 else "s")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from drivesizer.output.probability import confidence, in_the_loop, likely
+from drivesizer.output.probability import confidence, likely, loop_text
 from drivesizer.output.text import margin, minus
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.reliability import Driver, LoopShare, Reliability, Spread
@@ -43,7 +43,7 @@ def drive_cells(one: DriveSet) -> dict[str, str]:
     """A drive over its samples; it must have been sampled."""
     found = one.reliability
     assert found is not None
-    more = [in_the_loop(found)] if in_the_loop(found) else []
+    more = [loop_text(found)] if loop_text(found) else []
     more += [f"unknown: {'; '.join(found.unknown)}"] if found.unknown else []
     return {
         "rank": str(one.rank),

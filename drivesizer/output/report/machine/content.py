@@ -12,7 +12,7 @@ from drivesizer.output.part_totals import Total
 from drivesizer.output.parts_of_axes import SharedLine, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.axes_power import axes_power
-from drivesizer.output.report.figures.field import torque_speed_each
+from drivesizer.output.report.figures.field import torque_speed_panels
 from drivesizer.output.report.figures.field_panels import Panel, panels
 from drivesizer.output.report.sections.content import Content
 from drivesizer.results.check import Status, gravest
@@ -117,7 +117,7 @@ class MachineContent:
         """Figures with the field of every axis, as many on each as a page has room for."""
         fields = [*self._fields()]
         parts = [fields[n : n + _FIELDS] for n in range(0, len(fields), _FIELDS)]
-        return {f"loads{n}": partial(torque_speed_each, part) for n, part in enumerate(parts, 1)}
+        return {f"loads{n}": partial(torque_speed_panels, part) for n, part in enumerate(parts, 1)}
 
     def _fields(self) -> Iterator[Panel]:
         """The field of each axis' drive with its first load case, under the name of the axis."""

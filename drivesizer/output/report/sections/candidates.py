@@ -66,12 +66,12 @@ def _alternatives(content: Content) -> Table:
     columns = (Column("drive", "name", 1.3), Column("mass", "number"), Column("price", "number"),
                Column("energy", "number"), Column("margin", "number"), Column("smallest margin; unknown", "small", 1.0),
                Column("", "status"))  # fmt: skip
-    rows = [Row(_beside(one), status=one.status) for one in (*result.sets[:1], *result.alternatives)]
+    rows = [Row(_alternative_row(one), status=one.status) for one in (*result.sets[:1], *result.alternatives)]
     return Table("Beside the best drives of other motor families: mass and price of one drive, energy per cycle of "
                  "all, as far as known", columns, rows, "alternatives", "alternatives", dense=True)  # fmt: skip
 
 
-def _beside(one: DriveSet) -> tuple[Any, ...]:
+def _alternative_row(one: DriveSet) -> tuple[Any, ...]:
     tight, energy = worst(one.deciding), objective_figure(one, "energy")
     price = "unknown" if isnan(one.price) else f"{one.price:.2f} EUR"
     least = "≥ " if unknown_of(one, one.price_of) and one.price_of else ""
@@ -244,13 +244,13 @@ def _sheet_row(s: DriveSet, pareto: tuple[str, ...]) -> table.Row:
 # -- the CSV
 
 
-def _of_drive(content: Content, where: str, drive: DriveSet) -> Iterator[table.Row]:
+def _drive_rows(content: Content, where: str, drive: DriveSet) -> Iterator[table.Row]:
     if where == "unsure":
         yield below_confidence_row(content.result)
     yield from table.set_rows(drive, content.result.objective)
 
 
-def _after(content: Content) -> Iterator[table.Row]:
+def _closing_rows(content: Content) -> Iterator[table.Row]:
     yield from map(table.change_row, content.result.relaxations)
     for drive in content.result.front:
         yield from (row | {"set_rank": drive.rank} for row in table.front_rows(drive, content.result.pareto))
@@ -258,5 +258,5 @@ def _after(content: Content) -> Iterator[table.Row]:
 
 CANDIDATES = Section(
     name="candidates", title="Candidates", blocks=_blocks, sheets=_sheet,
-    csv=CsvRows(before=lambda content: table.count_rows(content.result), of_drive=_of_drive, after=_after),
+    csv=CsvRows(before=lambda content: table.count_rows(content.result), of_drive=_drive_rows, after=_closing_rows),
 )  # fmt: skip

@@ -12,7 +12,7 @@ from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
 from drivesizer.output.report.sections.sheets import LIMITS, RANK, ranked
 from drivesizer.output.report.sections.texts import Status
-from drivesizer.results.check_parts import by_part, part_of
+from drivesizer.results.check_parts import part_of, sorted_by_part
 from drivesizer.results.drive_set import Comparison, DriveSet
 
 __all__ = ["CHECKS", "DRIVE", "PHYSICS"]
@@ -38,7 +38,7 @@ def _blocks(content: Content) -> Iterator[Block]:
     yield Checks(
         f"All checks of {best.label}{worst}. The bar is the used share of the limit, the long tick 100 %, a "
         "short one where the margin begins that the spec requires",
-        [*map(check_row, by_part(best.checks))],
+        [*map(check_row, sorted_by_part(best.checks))],
         "checks",
         grouped=True,
     )
@@ -51,7 +51,7 @@ def _physics(content: Content) -> Iterator[Block]:
         return
     yield Words("The drive was ranked by the method of the paper, and its verdict is that method's. Here the same "
                 "drive by physics: the whole load cycle, no factors of the paper.")  # fmt: skip
-    yield Checks("Checks by physics", [*map(check_row, by_part(best.beside))], "beside", grouped=True)
+    yield Checks("Checks by physics", [*map(check_row, sorted_by_part(best.beside))], "beside", grouped=True)
     columns = (Column("demand", "name"), Column("paper", "number"), Column("", "status"),
                Column("physics", "number"), Column("", "status"),
                Column("why they differ", "small", 1.0))  # fmt: skip
@@ -79,10 +79,12 @@ def _rows(drive: DriveSet) -> Iterator[table.Row]:
     yield from (table.check_row("check", c) | {"part": part_of(c.name)} for c in drive.every_check)
 
 
-def _of_drive(_: Content, __: str, drive: DriveSet) -> Iterator[table.Row]:
+def _drive_rows(_: Content, __: str, drive: DriveSet) -> Iterator[table.Row]:
     yield from map(table.requirement_row, drive.requirements)
     yield from (table.figure_row("figure", f) for f in drive.figures)
     yield from (table.check_row("check", c) for c in drive.every_check)
 
 
-CHECKS = Section(name="checks", title="Checks", level=2, blocks=_blocks, sheets=_sheet, csv=CsvRows(of_drive=_of_drive))
+CHECKS = Section(
+    name="checks", title="Checks", level=2, blocks=_blocks, sheets=_sheet, csv=CsvRows(of_drive=_drive_rows)
+)

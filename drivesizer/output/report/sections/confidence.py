@@ -35,14 +35,14 @@ def confidence_table(content: Content) -> Table:
     """
     best = content.drive
     assert best is not None
-    rows = [Row(("checks", _counted(best))), *_estimated(best), *_marked(content, best)]
+    rows = [Row(("checks", _status_counts(best))), *_estimated(best), *_marked(content, best)]
     rows += [*_tolerances(content), *_loop(content)]
     return Table(
         "Confidence in the verdict", (Column("", "name"), Column("", width=1.0)), rows, "confidence", "figures"
     )
 
 
-def _counted(best: DriveSet) -> Text:
+def _status_counts(best: DriveSet) -> Text:
     """Checks by status; those that are not passed by their titles."""
     number = Counter(check.status for check in best.deciding)
     said = [f"{number['pass']} of {len(best.deciding)} pass"]

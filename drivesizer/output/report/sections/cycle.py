@@ -22,7 +22,7 @@ def _unknown(subject: str) -> Text:
     return (f"{subject}: {reason} (", TableLink("unknown"), ").")
 
 
-def _by_machine(content: Content, wheel: str, cases: str) -> str:
+def _machine_words(content: Content, wheel: str, cases: str) -> str:
     """Words for a platform with wheels, for several load cases, or none."""
     return wheel if content.wheel else cases if content.cases else ""
 
@@ -64,7 +64,7 @@ def _cycle(content: Content) -> Iterator[Block]:
     if best.figures:
         wheel = f"; energy and power of the supply as if every drive did what that of {content.wheel} does"
         cases = "; energy is that of the case as specified, the rest of the worst case"
-        of = _by_machine(content, wheel, cases)
+        of = _machine_words(content, wheel, cases)
         yield Facts(f"Figures of the drive over the cycle{of}", [*map(figure_row, best.figures)], halves=True)
     if "fields" in content.drawings:
         yield Picture("fields", f"The motor's torque-speed field with each load case alone. {_VOLTAGE} {_DOT}",
@@ -119,7 +119,7 @@ def _heat(content: Content) -> Iterator[Block]:
     behaviour = content.behaviour
     if behaviour is None:
         return
-    of = _by_machine(content, f" at {content.wheel}", " in the case as specified")
+    of = _machine_words(content, f" at {content.wheel}", " in the case as specified")
     yield Facts(f"Losses and temperatures{of}, in periodic steady state", behaviour.heat, "heat", halves=True)
     if behaviour.hottest is None:
         yield Words(f"The course of the temperatures over time is not drawn: {behaviour.heat_lacks}.")
@@ -148,7 +148,7 @@ def _energy(content: Content) -> Iterator[Block]:
     kept = show(content.result.spec.supply.regeneration, "%", "dimensionless")
     yield Words(f"The cycle costs the supply {behaviour.cost}: drawn less what is regenerated and kept ({kept} of it, "
                 "by the spec).")  # fmt: skip
-    of = _by_machine(content, ", each at its wheel", ", as specified")
+    of = _machine_words(content, ", each at its wheel", ", as specified")
     yield Picture("energy", f"Energy of one cycle, all drives{of}. Each bar begins where the one above it ends.",
                   "losses and work in the energy of a cycle",
                   about="splits the energy that the supply gives in a cycle; the parts sum to the whole.")  # fmt: skip

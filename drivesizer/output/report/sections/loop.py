@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.loop_table import BESIDE, NO_LINEAR, beside, gain, gain_rows, left_out, linear, remedies
+from drivesizer.output.loop_table import BESIDE, NO_LINEAR, gain, gain_rows, left_out, linear, linear_rows, remedies
 from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
 from drivesizer.output.report.figures.time_strips import windows
 from drivesizer.output.report.lines import rows as table
@@ -28,8 +28,8 @@ from drivesizer.output.report.sections.section import CsvRows, Section
 from drivesizer.output.report.sections.sheet import Sheet, SheetColumn, headed
 from drivesizer.output.report.sections.sheets import LIMITS
 from drivesizer.output.report.sections.texts import Code, Status, Strong
-from drivesizer.output.thinning import on_curves
-from drivesizer.results.check_parts import by_part
+from drivesizer.output.thinning import curve_points
+from drivesizer.results.check_parts import sorted_by_part
 from drivesizer.units import from_si
 
 __all__ = ["LINEAR_LOOPS", "LOOP", "LOOP_COLUMNS", "MOST_SAMPLES", "time_series"]
@@ -46,7 +46,7 @@ def _blocks(content: Content) -> Iterator[Block]:
         return
     yield Words((f"{v.drive_set.label} over {driven_over(v)}: ", Status(v.status)))
     if v.checks:
-        yield Checks(f"Checks of the {v.loop}", [*map(check_row, by_part(v.checks))], "loop-checks",
+        yield Checks(f"Checks of the {v.loop}", [*map(check_row, sorted_by_part(v.checks))], "loop-checks",
                      grouped=True)  # fmt: skip
     if v.tried:
         title, tried = remedies(v)
@@ -75,7 +75,7 @@ def _blocks(content: Content) -> Iterator[Block]:
     if v.linear:
         heads = (Column("figure", "name", 1.0), Column("python-control", "number"), Column("at", "number"),
                  Column("engine", "number"), Column("at", "number"))  # fmt: skip
-        yield Table(BESIDE, heads, [Row(row) for row in beside(v.linear)], name="python-control", dense=True)
+        yield Table(BESIDE, heads, [Row(row) for row in linear_rows(v.linear)], name="python-control", dense=True)
         yield Words(left_out(v.linear), "note")
     else:
         yield Words(NO_LINEAR, "note")
@@ -120,7 +120,7 @@ def time_series(v: Validation, name: str = "Time series", sheets: int = 1) -> Sh
     units = v.series_units
     columns = {name: from_si(x, units[name][1], units[name][0]) for name, x in v.series.items()}
     count = len(columns["time"])
-    kept = on_curves(tuple(columns.values()), MOST_SAMPLES // sheets)
+    kept = curve_points(tuple(columns.values()), MOST_SAMPLES // sheets)
     note = f"{len(kept)} of {count} samples, evenly and with the peaks of every column" if len(kept) < count else ""
     heads = tuple(SheetColumn(headed(name.replace("_", " "), units[name][1]), name, "sample") for name in columns)
     rows = zip(*(values[kept].tolist() for values in columns.values()), strict=True)

@@ -8,7 +8,14 @@ from math import isnan
 from drivesizer.control.path_following.deviation import extremes
 from drivesizer.control.path_following.runs import assumed
 from drivesizer.output.energy_table import consumer_rows
-from drivesizer.output.platform_table import FOLLOWING, SPEEDS, speed_heads, speed_remarks, speed_rows, with_all
+from drivesizer.output.platform_table import (
+    FOLLOWING,
+    SPEEDS,
+    failed_motors_text,
+    speed_heads,
+    speed_remarks,
+    speed_rows,
+)
 from drivesizer.output.report.lines.drive import case_of, check_row, figure_row
 from drivesizer.output.report.lines.rows import battery_rows, braking_rows, machine_rows
 from drivesizer.output.report.sections.blocks import (
@@ -30,7 +37,7 @@ from drivesizer.output.report.sections.sheets import RANK, STATUS, VALUES, ranke
 from drivesizer.output.report.sections.texts import Number, Status, quantity
 from drivesizer.output.required import RequiredRow, required_rows
 from drivesizer.output.text import margin
-from drivesizer.results.check_parts import by_part
+from drivesizer.results.check_parts import sorted_by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.energy import EnergyBudget
 
@@ -56,7 +63,7 @@ def _blocks(content: Content) -> Iterator[Block]:
         return
     cases = "; each in its worst load case" if content.cases else ""
     yield Checks(f"The machine's budgets, which more than the choice of the motor decides{cases}",
-                 [*map(check_row, by_part(best.budget))], "budget", grouped=True)  # fmt: skip
+                 [*map(check_row, sorted_by_part(best.budget))], "budget", grouped=True)  # fmt: skip
     others = [figure_row(f) for f in best.machine if f.name not in _OF_MASSES]
     figures = [Facts("Figures of the machine without a limit", others)] if others else []
     if best.masses:
@@ -111,7 +118,7 @@ def _permitted(content: Content) -> Iterator[Block]:
     found = content.behaviour.permitted if content.behaviour else None
     if found is None:
         return
-    with_motors = with_all(found) if found.failed else "with all motors"
+    with_motors = failed_motors_text(found) if found.failed else "with all motors"
     yield Picture("permitted", f"Highest steady speed over the direction, {with_motors} and without each.",
                   "permitted speed over the direction", about="shows how fast the robot may go.")  # fmt: skip
     direction, *heads = speed_heads(found)

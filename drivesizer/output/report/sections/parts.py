@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from drivesizer.catalog import Catalog, columns_of, one_of
+from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.lookup import origins
 from drivesizer.catalog.query import Hit
 from drivesizer.output.part.datasheet import datasheets
@@ -126,7 +126,7 @@ def _figures(section: str, part: Any, catalog: Catalog) -> Iterator[table.Row]:
     """The known figures of a part, and the notes on them."""
     known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
     notes = catalog.notes_on(section, part.part)
-    named = {"role": one_of(section), "maker": part.manufacturer, "family": part.family, "number": part.part}
+    named = {"role": singular(section), "maker": part.manufacturer, "family": part.family, "number": part.part}
     of_part = "; ".join(note.text for note in notes if not note.fields)
     yield named | _sourced(known["part"]) | {"title": "part", "value": part.part, "note": of_part}
     for name, column in columns_of(section).items():

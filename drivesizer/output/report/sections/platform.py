@@ -21,13 +21,13 @@ __all__ = ["PLATFORM_NUMBERS"]
 _SI = {"deg": ("rad", radians(1.0)), "mm": ("m", 1e-3)}
 
 
-def _found(content: Content) -> PlatformNumbers | None:
+def _numbers(content: Content) -> PlatformNumbers | None:
     spec = content.result.spec
     return platform_numbers(spec, content.drive) if spec.platform else None
 
 
 def _blocks(content: Content) -> Iterator[Block]:
-    found = _found(content)
+    found = _numbers(content)
     if found is None:
         return
     yield Words(
@@ -72,7 +72,7 @@ def _number(text: str, value: float, unit: str) -> Number:
 
 def _lines(content: Content) -> Iterator[Line]:
     """One entry of a table in each."""
-    found = _found(content)
+    found = _numbers(content)
     for numbers in found.every if found else ():
         of = {"section": "platform", "symbol": numbers.symbol, "equation": next(iter(numbers.equations), "")}
         for row, values, units in zip(numbers.rows, numbers.values, numbers.units, strict=True):

@@ -22,7 +22,7 @@ from drivesizer.results.drive_set import DriveSet
 __all__ = ["CsvRows", "Section", "rows_of", "sheets_of"]
 
 
-def _nothing(*_: Any) -> tuple[()]:
+def _no_rows(*_: Any) -> tuple[()]:
     return ()
 
 
@@ -30,9 +30,9 @@ def _nothing(*_: Any) -> tuple[()]:
 class CsvRows:
     """Rows of the CSV: before those of the drives, of each drive with the list that it is on, and after them."""
 
-    before: Callable[[Content], Iterable[Row]] = _nothing
-    of_drive: Callable[[Content, str, DriveSet], Iterable[Row]] = _nothing
-    after: Callable[[Content], Iterable[Row]] = _nothing
+    before: Callable[[Content], Iterable[Row]] = _no_rows
+    of_drive: Callable[[Content, str, DriveSet], Iterable[Row]] = _no_rows
+    after: Callable[[Content], Iterable[Row]] = _no_rows
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
