@@ -62,20 +62,7 @@ _KEPT = 0.5  # of the RMS current: a smaller current at rest is not reported
 
 
 def hardest_case(spec: RobotSpec, drive_set: DriveSet) -> str:
-    """The most demanding load case of a drive: that of its tightest limit, of those that a closed loop meets too.
-
-    Parameters
-    ----------
-    spec
-        The machine with its load cases.
-    drive_set
-        A drive with its checks by physics, each of which names its worst case.
-
-    Returns
-    -------
-    str
-        The name of the case; the first where no check decides.
-    """
+    """The most demanding load case of a drive: that of its tightest limit, of those that a closed loop meets too."""
     spec = for_drive(spec, drive_set.chosen_screw)
     names = [name for _, name, _ in load_cases(spec)]
     met = [c for c in drive_set.every_check if c.name in _MET_BY_THE_LOOP and c.case in {*names, SHIFT}]
@@ -201,24 +188,7 @@ def _open_loop(spec: RobotSpec, drive_set: DriveSet, motion: Profile, name: str)
 def with_remedies(
     proof: Validation, spec: RobotSpec, others: Sequence[DriveSet], *, profile: str | Profile | None = None
 ) -> Validation:
-    """A simulation that fails with what helps: rounded ramps, another bandwidth, another drive, each tried by itself.
-
-    Parameters
-    ----------
-    proof
-        The simulation; one that does not fail is returned as it is.
-    spec
-        The machine with all its load cases.
-    others
-        Further drives of its search, best first.
-    profile
-        Over which was simulated; a motion of its own is not changed.
-
-    Returns
-    -------
-    Validation
-        With all that was tried: of each kind no more once one helps, six simulations at most.
-    """
+    """A simulation that fails with what helps: rounded ramps, another bandwidth, another drive."""
     if proof.status != "fail":
         return proof
     own = profile is None or profile == "spec"

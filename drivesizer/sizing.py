@@ -210,28 +210,6 @@ def explained(
     """One combination of motor and gearhead, check by check, and its probability where the spec has tolerances.
 
     Where the drive's own mass counts the machine is as heavy as ``size`` makes it, for any combination.
-
-    Parameters
-    ----------
-    spec
-        The robot; its choice of motors and gearheads is left aside.
-    motor, gearhead
-        Part numbers; an actuator is named as the motor and brings its own gearhead. Any other motor may drive the load
-        directly, whatever the spec's transmission says.
-    catalog
-        Parts to choose from; those that the spec names when not given.
-    sampling
-        How the combination is sampled for its tolerances; as the spec says when not given.
-
-    Returns
-    -------
-    Explanation
-        A drive for every belt ratio of the spec, whether it passes or not.
-
-    Raises
-    ------
-    InputError
-        When a part number is in no catalogue, the gearhead is missing or inside something else, or no pulleys fit.
     """
     catalog = load_parts(spec, catalog)
     check_battery(spec, catalog)

@@ -145,25 +145,7 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
 
 
 def path_of(name: str, beside: Path | None = None) -> Path:
-    """The file of a catalogue.
-
-    Parameters
-    ----------
-    name
-        Of a shipped catalogue, or a path.
-    beside
-        Folder from which relative paths count.
-
-    Returns
-    -------
-    Path
-        Which may lead nowhere.
-
-    Raises
-    ------
-    UnknownCatalogError
-        When it is neither.
-    """
+    """The file of a catalogue."""
     known = _found_once()
     if name in known:
         return known[name]
@@ -194,25 +176,7 @@ def _one(path: Path, raw: bytes, key: str) -> Catalog:
 
 
 def catalog_of_text(path: Path, raw: bytes) -> Catalog:
-    """A catalogue out of its text: nothing of it is kept on the disk, and the last few are remembered.
-
-    Parameters
-    ----------
-    path
-        As messages call it; the stem is the catalogue's name.
-    raw
-        Content of the file.
-
-    Returns
-    -------
-    Catalog
-        Its parts as columns.
-
-    Raises
-    ------
-    CatalogError
-        When it does not follow the schema.
-    """
+    """A catalogue out of its text: nothing of it is kept on the disk, and the last few are remembered."""
     return _remembered(f"{path.stem} {_key(raw)}", lambda: _parsed(path, raw))
 
 

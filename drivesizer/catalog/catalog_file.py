@@ -61,25 +61,7 @@ _HEADER = re.compile(r"(\w+)(?:\s*\((.+)\))?")
 
 
 def parse(source: YamlSource, name: str, digest: str) -> Catalog:
-    """A catalogue from its YAML.
-
-    Parameters
-    ----------
-    source
-        The file as read.
-    name, digest
-        The catalogue's name and the digest of its bytes, kept with the result.
-
-    Returns
-    -------
-    Catalog
-        All sections of the file; those that it lacks are empty tables.
-
-    Raises
-    ------
-    CatalogError
-        When anything in the file does not follow the schema.
-    """
+    """A catalogue from its YAML."""
     reader = Reader(source)
     data = reader.mapping(source.data, (), _TOP, {"catalog", "manufacturer", "sources"})
     if data["catalog"] != SCHEMA or data["catalog"] is True:

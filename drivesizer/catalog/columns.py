@@ -34,22 +34,7 @@ class Column(NamedTuple):
 
 
 def figure(kind: str, unit: str, *, least: float = 0.0) -> Any:
-    """A field of a part that holds a figure in SI.
-
-    Parameters
-    ----------
-    kind
-        Kind of quantity, a key of ``units.KINDS``.
-    unit
-        In which datasheets print it.
-    least
-        Smallest value a part may have, in SI.
-
-    Returns
-    -------
-    dataclasses.field
-        With NaN, unknown, as its default.
-    """
+    """A field of a part that holds a figure in SI."""
     return field(default=nan, metadata={"kind": kind, "unit": unit, "least": least})
 
 

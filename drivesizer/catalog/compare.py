@@ -23,13 +23,7 @@ class Row(NamedTuple):
 
 
 def side_by_side(hits: Sequence[Hit]) -> list[Row]:
-    """The columns in which at least one part has something.
-
-    Raises
-    ------
-    InputError
-        When the parts are not of one section.
-    """
+    """The columns in which at least one part has something."""
     sections = list(dict.fromkeys(hit.section for hit in hits))
     if len(sections) > 1:
         kinds = ", ".join(f"{hit.part} of {hit.section}" for hit in hits)

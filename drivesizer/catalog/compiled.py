@@ -41,20 +41,7 @@ def recall(path: Path) -> Catalog | None:
 
 
 def store(path: Path, catalog: Catalog) -> None:
-    """Keep a compiled catalogue; older compilations of the same file are removed.
-
-    Parameters
-    ----------
-    path
-        Of the compiled file.
-    catalog
-        Its content.
-
-    Warns
-    -----
-    CacheWarning
-        When the folder cannot be written.
-    """
+    """Keep a compiled catalogue; older compilations of the same file are removed."""
     buffer = io.BytesIO()
     np.savez(buffer, **_packed(catalog))  # type: ignore[arg-type]  # its allow_pickle is no array
     try:

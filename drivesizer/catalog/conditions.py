@@ -67,28 +67,7 @@ class Condition(NamedTuple):
 
 
 def where(section: str, text: str) -> Condition:
-    """A condition such as ``max_speed>=8000 rpm`` on a section's column.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    text
-        Column, sign and value with its unit.
-
-    Returns
-    -------
-    Condition
-        With the value in SI.
-
-    Raises
-    ------
-    InputError
-        When it names no column of the section, or its value is not one of the column's kind.
-
-    >>> where("motors", "max speed >= 3000 rpm").value
-    314.1592653589793
-    """
+    """A condition such as ``max_speed>=8000 rpm`` on a section's column."""
     match = _CONDITION.fullmatch(text)
     if match is None:
         raise InputError(f"--where: {quoted(text)} is not a condition; expected e.g. 'max_speed>=8000 rpm'")
@@ -107,46 +86,13 @@ def column_name(text: str) -> str:
 
 
 def has(section: str, given: Iterable[str], sort: str = "") -> bool:
-    """Whether a section has all columns that conditions and sorting name.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    given
-        Conditions as text.
-    sort
-        Column to sort by, with a minus for the largest first.
-
-    Returns
-    -------
-    bool
-        False where one of the columns is missing.
-    """
+    """Whether a section has all columns that conditions and sorting name."""
     names = {column_name(sort.removeprefix("-")), *map(name_of, given)} - {""}
     return names <= set(columns_of(section))
 
 
 def option(section: str, name: str, text: str) -> list[Condition] | None:
-    """The conditions of an option such as ``--diameter '<=26 mm'``; None where the section has no such figure.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    name
-        Of the option, a key of :data:`OPTIONS`.
-    text
-        Its value.
-
-    Returns
-    -------
-    list[Condition] or None
-        Two for a range of voltages.
-
-    >>> [(c.column.name, c.sign) for c in option("controllers", "voltage", "24 V") or ()]
-    [('supply_min', '<='), ('supply_max', '>=')]
-    """
+    """The conditions of an option such as ``--diameter '<=26 mm'``; None where the section has no such figure."""
     if section not in OPTIONS[name]:
         return None
     match = _OPTION.fullmatch(text)
@@ -176,22 +122,7 @@ def _condition(section: str, name: str, sign: str, text: str, said: str) -> Cond
 
 
 def conditions(section: str, options: Mapping[str, str | None], given: Sequence[str]) -> list[Condition] | None:
-    """All conditions on a section; None when it lacks a figure that an option names.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    options
-        Values of the options by name; None where not given.
-    given
-        Conditions on columns, as text.
-
-    Returns
-    -------
-    list[Condition] or None
-        All of them together.
-    """
+    """All conditions on a section; None when it lacks a figure that an option names."""
     found: list[Condition] = []
     for name, text in options.items():
         more = [] if text is None else option(section, name, text)

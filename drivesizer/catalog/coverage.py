@@ -25,20 +25,7 @@ class Coverage(NamedTuple):
 
 
 def coverage(catalog: Catalog, section: str) -> Coverage:
-    """Coverage of a section of a catalogue.
-
-    Parameters
-    ----------
-    catalog
-        The catalogue.
-    section
-        One of its sections, such as ``motors``.
-
-    Returns
-    -------
-    Coverage
-        Counts of parts and of known figures; direct drive is not counted.
-    """
+    """Coverage of a section of a catalogue."""
     table = catalog.table(section)
     real = table["part"] != DIRECT
     known = {name: (table[name] != "" if c.kind == "text" else ~np.isnan(table[name])) & real

@@ -17,27 +17,7 @@ __all__ = ["read_discharges"]
 
 
 def read_discharges(reader: Reader, given: Any, batteries: dict[str, int]) -> Discharges:
-    """The tables of a catalogue file.
-
-    Parameters
-    ----------
-    reader
-        The file.
-    given
-        Value of the field ``discharges``.
-    batteries
-        Rows of the file's batteries by part number.
-
-    Returns
-    -------
-    Discharges
-        Columns of all printed discharges, in SI.
-
-    Raises
-    ------
-    CatalogError
-        When a table does not follow the schema.
-    """
+    """The tables of a catalogue file."""
     seen: dict[tuple[float, ...], Path_] = {}
     found = [NO_DISCHARGES]
     for index, entry in enumerate(reader.sequence(given or [], (DISCHARGES,))):

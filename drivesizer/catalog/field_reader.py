@@ -71,19 +71,6 @@ class Reader:
 
 
 def did_you_mean(key: str, allowed: Iterable[str]) -> str:
-    """Hint for an unknown word: the nearest allowed one, or all of them.
-
-    Parameters
-    ----------
-    key
-        The unknown word.
-    allowed
-        Words that are allowed.
-
-    Returns
-    -------
-    str
-        Half a sentence that begins with a semicolon.
-    """
+    """Hint for an unknown word: the nearest allowed one, or all of them."""
     close = difflib.get_close_matches(key, sorted(allowed), 1)
     return f"; did you mean {quoted(close[0])}?" if close else f"; expected one of {', '.join(sorted(allowed))}"

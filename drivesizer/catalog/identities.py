@@ -109,22 +109,7 @@ _MOST_EFFICIENT = 0.95  # a stall point that makes more is of another voltage or
 
 
 def solved(equation: str, figures: Mapping[str, Any], unknown: str) -> Array:
-    """The figure that fulfils an equation in which it is linear.
-
-    Parameters
-    ----------
-    equation
-        Over names of figures, and ``k_e``.
-    figures
-        By name, SI; columns or numbers.
-    unknown
-        Name of the figure.
-
-    Returns
-    -------
-    array
-        NaN where another figure of the equation is unknown.
-    """
+    """The figure that fulfils an equation in which it is linear."""
     code = _residual(equation)
     with np.errstate(all="ignore"):
         at_0, at_1 = (_value(code, {**_equation_figures(code, figures), unknown: value}) for value in (0.0, 1.0))
@@ -155,18 +140,7 @@ def _value(code: CodeType, figures: dict[str, Any]) -> Any:
 
 
 def derived(tables: Mapping[str, Table[Any]]) -> list[Note]:
-    """Fill in what follows from other figures of a part, and note what it rests on.
-
-    Parameters
-    ----------
-    tables
-        Parts by section, as printed; their columns are changed.
-
-    Returns
-    -------
-    list of Note
-        One for each figure and the equation that gave it.
-    """
+    """Fill in what follows from other figures of a part, and note what it rests on."""
     notes: dict[Derived, list[str]] = {}
     for one in DERIVED * 2:  # once more with what was found
         table = tables[one.section]

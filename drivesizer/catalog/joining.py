@@ -17,13 +17,7 @@ __all__ = ["joined"]
 
 
 def joined(catalogs: Sequence[Catalog]) -> Catalog:
-    """Several catalogues as one.
-
-    Raises
-    ------
-    CatalogError
-        When a part is in two of them and the later one does not say that it overrides.
-    """
+    """Several catalogues as one."""
     if len(catalogs) == 1 and not catalogs[0].across:
         return catalogs[0]
     replaced = (*_replaced(catalogs), *_not_loaded(catalogs))

@@ -15,25 +15,7 @@ __all__ = ["families", "find", "look", "origins", "partners", "tolerances"]
 
 
 def find(shelf: Shelf, part: str) -> list[Hit]:
-    """The parts with a number or another name, in whatever section or catalogue.
-
-    Parameters
-    ----------
-    shelf
-        Catalogues by name.
-    part
-        The part number; else another name, whatever its case, blanks and hyphens.
-
-    Returns
-    -------
-    list[Hit]
-        One for each catalogue and section that has it; by the name of a part all rows of its figures.
-
-    Raises
-    ------
-    InputError
-        When there is none: the nearest numbers, or that it is a family's name.
-    """
+    """The parts with a number or another name, in whatever section or catalogue."""
     exact, other = (
         [
             Hit(name, catalog, section, row)
@@ -55,20 +37,7 @@ def find(shelf: Shelf, part: str) -> list[Hit]:
 
 
 def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list[Hit]]:
-    """Families whose name or kind contains a text, by section, and parts whose number does.
-
-    Parameters
-    ----------
-    shelf
-        Catalogues by name.
-    text
-        Part of a number, name or kind; case does not matter.
-
-    Returns
-    -------
-    tuple
-        Families by section with their parts, and single parts.
-    """
+    """Families whose name or kind contains a text, by section, and parts whose number does."""
 
     def hits(section: str, *names: str) -> list[Hit]:
         return select(shelf, section, [], excluded=True, piece=(text, names)).hits

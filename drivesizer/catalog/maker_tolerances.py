@@ -31,42 +31,14 @@ class MakerTolerance(NamedTuple):
 def maker_tolerances_of(
     stated: Sequence[MakerTolerance], part: str, maker: str, family: str
 ) -> dict[str, MakerTolerance]:
-    """Tolerances that a maker states for a part, by figure.
-
-    Parameters
-    ----------
-    stated
-        All of a catalogue.
-    part
-        motor or gearhead.
-    maker, family
-        Of the part.
-
-    Returns
-    -------
-    dict
-        Statements by figure; those of the family before the general ones.
-    """
+    """Tolerances that a maker states for a part, by figure."""
     mine = [one for one in stated if (one.part, one.maker) == (part, maker)]
     general = {one.figure: one for one in mine if not one.families}
     return general | {one.figure: one for one in mine if family in one.families}
 
 
 def owner_of(stated: Sequence[MakerTolerance], one: MakerTolerance) -> str:
-    """Maker, and families where that maker states another tolerance for others.
-
-    Parameters
-    ----------
-    stated
-        All of a catalogue.
-    one
-        One of them.
-
-    Returns
-    -------
-    str
-        Such as ``maxon`` or ``maxon RE 25, RE 30``.
-    """
+    """Maker, and families where that maker states another tolerance for others."""
     several = sum((other.part, other.figure, other.maker) == (one.part, one.figure, one.maker) for other in stated) > 1
     return f"{one.maker} {', '.join(one.families)}".strip() if several else one.maker
 
@@ -74,25 +46,7 @@ def owner_of(stated: Sequence[MakerTolerance], one: MakerTolerance) -> str:
 def join_maker_tolerances(
     each: Sequence[tuple[str, Sequence[MakerTolerance], bool]], first_source: Sequence[int]
 ) -> tuple[tuple[MakerTolerance, ...], tuple[str, ...]]:
-    """Tolerances of several catalogues as one, and a message for each that was replaced.
-
-    Parameters
-    ----------
-    each
-        Of every catalogue: its name, its tolerances, and whether it overrides those before it.
-    first_source
-        Number of its first source among all.
-
-    Returns
-    -------
-    tuple
-        The tolerances, and one message for each that replaces another.
-
-    Raises
-    ------
-    CatalogError
-        When two state the same tolerance and the later one does not override.
-    """
+    """Tolerances of several catalogues as one, and a message for each that was replaced."""
     found: list[tuple[str, MakerTolerance]] = []
     messages: list[str] = []
     for (name, stated, overrides), first in zip(each, first_source, strict=True):

@@ -21,29 +21,7 @@ ENTRY = ("source", "families", *FIGURES, "text")
 def read_maker_tolerances(
     reader: Reader, given: Any, maker: str, families: Mapping[str, Set[str]]
 ) -> tuple[MakerTolerance, ...]:
-    """Tolerances stated in a catalogue file.
-
-    Parameters
-    ----------
-    reader
-        The file, its sources read.
-    given
-        Value of the field ``tolerances``.
-    maker
-        The file's.
-    families
-        Names of the file's families that a statement may name, by part.
-
-    Returns
-    -------
-    tuple[MakerTolerance, ...]
-        In the order of the file.
-
-    Raises
-    ------
-    CatalogError
-        One line with file, line and field, where an entry does not follow the schema.
-    """
+    """Tolerances stated in a catalogue file."""
     found: list[MakerTolerance] = []
     for index, entry in enumerate(reader.sequence(given or [], (TOLERANCES,))):
         path: Path_ = (TOLERANCES, index)

@@ -13,20 +13,7 @@ NO_GEARHEAD_SOURCE = Source("no gearhead: the motor drives the load itself", "qu
 
 
 def with_no_gearhead(gearheads: Table[Gearhead], source: int) -> Table[Gearhead]:
-    """A table of gearheads with the row of direct drive, which weighs nothing and has no limits, as its last.
-
-    Parameters
-    ----------
-    gearheads
-        The table to extend.
-    source
-        Index of the row's source in ``Catalog.sources``.
-
-    Returns
-    -------
-    Table
-        A new table with one row more.
-    """
+    """A table of gearheads with the row of direct drive, which weighs nothing and has no limits, as its last."""
     columns = {name: np.append(gearheads[name], getattr(NO_GEARHEAD, name)) for name in gearheads.columns}
     sources = np.append(gearheads.source, source).astype(np.int32)
     return Table(gearheads.section, columns, sources, np.append(gearheads.excluded, False))

@@ -330,13 +330,7 @@ class OneRow:
 
 @lru_cache(maxsize=256)
 def one_row(part: Any) -> OneRow:
-    """A part's figures as columns of one; of parts of late with those that were taken before.
-
-    Parameters
-    ----------
-    part
-        Out of a catalogue; None where there is none.
-    """
+    """A part's figures as columns of one; of parts of late with those that were taken before."""
     return OneRow(part)
 
 

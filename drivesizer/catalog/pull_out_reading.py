@@ -18,27 +18,7 @@ _OPTIONAL = {"current", "driver"}
 
 
 def read_pull_outs(reader: Reader, given: Any, steppers: dict[str, int]) -> PullOuts:
-    """The curves of a catalogue file.
-
-    Parameters
-    ----------
-    reader
-        The file.
-    given
-        Value of the field ``pull_outs``.
-    steppers
-        Rows of the file's steppers by part number.
-
-    Returns
-    -------
-    PullOuts
-        Points of all curves, in SI.
-
-    Raises
-    ------
-    CatalogError
-        When a curve does not follow the schema.
-    """
+    """The curves of a catalogue file."""
     points: list[tuple[Any, ...]] = []
     for number, entry in enumerate(reader.sequence(given or [], (PULL_OUTS,))):
         path: Path_ = (PULL_OUTS, number)

@@ -58,13 +58,7 @@ class Selection(NamedTuple):
 
 
 def open_catalogs(names: Iterable[str] = ()) -> dict[str, Catalog]:
-    """Catalogues by name, those that ship when none is given.
-
-    Raises
-    ------
-    InputError
-        When one is neither shipped nor a readable catalogue file, or two have one name.
-    """
+    """Catalogues by name, those that ship when none is given."""
     found: dict[str, Catalog] = {}
     files = {name if name == "all" else os.path.realpath(path_of(name)): name for name in names or shipped()}
     for given in files.values():
@@ -77,20 +71,7 @@ def open_catalogs(names: Iterable[str] = ()) -> dict[str, Catalog]:
 
 
 def every(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
-    """All parts of some sections, without direct drive.
-
-    Parameters
-    ----------
-    shelf
-        Catalogues by name.
-    sections
-        Which sections.
-
-    Returns
-    -------
-    Iterator[Hit]
-        In the order of sections, catalogues and rows.
-    """
+    """All parts of some sections, without direct drive."""
     for section in sections:
         for name, catalog in shelf.items():
             parts = catalog.table(section)["part"].tolist()
@@ -106,28 +87,7 @@ def select(
     excluded: bool = False,
     piece: tuple[str, Sequence[str]] = ("", ()),
 ) -> Selection:
-    """The parts of a section that meet all conditions, sorted by a column; unknown figures come last.
-
-    Parameters
-    ----------
-    shelf
-        Catalogues by name.
-    section
-        Such as ``motors``.
-    wanted
-        The conditions.
-    sort
-        Column to sort by; a minus in front puts the largest first.
-    excluded
-        Whether parts that their catalogue excludes from sizing are listed too.
-    piece
-        A text, and the columns of text of which one must contain it.
-
-    Returns
-    -------
-    Selection
-        The parts, and how many could not be decided or are excluded.
-    """
+    """The parts of a section that meet all conditions, sorted by a column; unknown figures come last."""
     hits: list[Hit] = []
     undecided = left_out = 0
     for name, catalog in shelf.items():
@@ -145,22 +105,7 @@ def select(
 
 
 def contains(table: Table[Any], text: str, names: Sequence[str]) -> NDArray[np.bool_]:
-    """Rows of a table that have a text in one of some columns; case, blanks and hyphens do not matter.
-
-    Parameters
-    ----------
-    table
-        A section of a catalogue.
-    text
-        Part of a number, name or kind; all rows contain an empty one.
-    names
-        Columns of text; those that the section does not have contain nothing.
-
-    Returns
-    -------
-    array of bool
-        Shape (rows,).
-    """
+    """Rows of a table that have a text in one of some columns; case, blanks and hyphens do not matter."""
     piece = spelling(text) or text.strip()
     found = np.full(len(table), not piece)
     for name in (name for name in names if piece and name in table.columns):

@@ -26,22 +26,7 @@ Group = tuple[NDArray[Any], NDArray[Any], int]  # rows that all go with rows, by
 
 
 def relations(reader: Reader, tables: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
-    """The pairs of each relation, and under ``across`` what names another catalogue.
-
-    Parameters
-    ----------
-    reader
-        The file.
-    tables
-        Its parts by section.
-    given
-        Value of the field ``compatibility``.
-
-    Returns
-    -------
-    dict
-        Pairs by relation, and under ``across`` lists that name other catalogues.
-    """
+    """The pairs of each relation, and under ``across`` what names another catalogue."""
     members = {section: table.members for section, table in tables.items()}
     found: dict[str, list[Group]] = {relation: [] for relation in RELATIONS}
     across: list[Across] = []

@@ -302,18 +302,7 @@ class Catalog:
         return found | dict.fromkeys(estimated, ESTIMATED)
 
     def estimate_of(self, section: str, row: int, name: str) -> PartEstimate | None:
-        """Estimate of a figure of a part, or of the actuator that it is inside of; None where peers give none.
-
-        Parameters
-        ----------
-        section, row, name
-            Table, part and column.
-
-        Returns
-        -------
-        PartEstimate or None
-            Value with its band.
-        """
+        """Estimate of a figure of a part, or of the actuator that it is inside of; None where peers give none."""
         if not self.estimates:
             return None
         table = self.table(section)
@@ -333,19 +322,6 @@ def _is_known(value: Any, kind: str) -> bool:
 
 
 def unique_pairs(left: NDArray[Any], right: NDArray[Any], source: NDArray[Any]) -> Pairs:
-    """Pairs of rows, each once with the first source that states it, sorted.
-
-    Parameters
-    ----------
-    left, right
-        Rows of the two tables, shape (pairs,).
-    source
-        Index into ``Catalog.sources``, shape (pairs,).
-
-    Returns
-    -------
-    Pairs
-        Sorted by left, then right.
-    """
+    """Pairs of rows, each once with the first source that states it, sorted."""
     _, first = np.unique(left.astype(np.int64) << 32 | right.astype(np.int64), return_index=True)
     return Pairs(*(side[first].astype(np.int32) for side in (left, right, source)))

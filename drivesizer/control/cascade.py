@@ -71,18 +71,6 @@ def rates(controller: Controller | None, velocity_rate: float | None = None) -> 
 
     Velocity and position periods are rounded to whole multiples of the loop inside; a period that this changes is
     reported.
-
-    Parameters
-    ----------
-    controller
-        With its rates, where they are known.
-    velocity_rate
-        Rate of the velocity loop in place of the controller's [Hz]; the position loop is no faster.
-
-    Returns
-    -------
-    tuple
-        Periods [s], and assumptions as sentences.
     """
     named = {"current": "current_loop", "velocity": "speed_loop", "position": "position_loop"}
     rate = {name: getattr(controller, figure) if controller else math.nan for name, figure in named.items()}
@@ -142,21 +130,7 @@ _EPOS4_LACKS = ("velocity_kd", "feedforward_friction")
 
 
 def controller_gains(cascade: Cascade, controller: str) -> tuple[tuple[ControllerGain, ...], list[str]]:
-    """The gains in the units of a controller, and those that it cannot take.
-
-    Parameters
-    ----------
-    cascade
-        Gains in SI.
-    controller
-        Family or name of the controller, such as ``EPOS4 Compact 50/5 CAN``.
-
-    Returns
-    -------
-    tuple
-        Gains by object, whole numbers as they go over the bus [1], and sentences; both empty where the controller's
-        units are not known.
-    """
+    """The gains in the units of a controller, and those that it cannot take."""
     if not controller.upper().startswith("EPOS4"):
         return (), []
     rows = _EPOS4 + (_EPOS4_POSITION if cascade.position_kp else ())

@@ -71,31 +71,6 @@ def design_cascade(
     """All gains of a cascade: those that are given, and the rest designed around them.
 
     Velocity loop: pole placement where a bandwidth or a damping is given, else the symmetrical optimum.
-
-    Parameters
-    ----------
-    train
-        The machine; the inertia is that of driving, the gears' losses on the load's side.
-    every
-        The periods, see :func:`drivesizer.control.cascade.rates`.
-    wanted
-        Gains and requirements that the user gives.
-    where
-        From a field of :class:`Wanted` to its place in the user's text.
-    counts
-        The encoder by which speed is measured; none: it is measured exactly.
-    slower
-        Factor on the lag that the symmetrical optimum is made for.
-
-    Returns
-    -------
-    tuple
-        The cascade, and sentences on the rules that were used.
-
-    Raises
-    ------
-    InputError
-        When a gain is no use, figures exclude each other, or the bandwidth is out of reach.
     """
     _look(wanted, where)
     current, current_rule = _current(train, every, wanted, where)

@@ -44,18 +44,6 @@ def magnitude_optimum(resistance: float, inductance: float, lag: float) -> tuple
 
     .. math:: k_p = \frac{L}{2 T_\sigma}, \quad k_i = \frac{R}{2 T_\sigma}
               \quad\Rightarrow\quad \frac{i}{i^*} = \frac{1}{1 + 2 T_\sigma s + 2 T_\sigma^2 s^2}
-
-    Parameters
-    ----------
-    resistance, inductance
-        Of the winding [ohm], [H].
-    lag
-        Sum of small lags and dead times [s]: 1.5 periods.
-
-    Returns
-    -------
-    tuple
-        k_p [V/A], k_i [V/(A*s)]. Damping 0.707, overshoot 4.3 %.
     """
     return inductance / (2.0 * lag), resistance / (2.0 * lag)
 
@@ -80,20 +68,6 @@ def symmetrical_optimum(inertia: float, torque_constant: float, lag: float, a: f
     r"""Velocity PI gains by the symmetrical optimum [2]_ [3]_ [4]_.
 
     .. math:: k_p = \frac{J}{k_t\, a\, T_\sigma}, \quad k_i = \frac{k_p}{a^2 T_\sigma}
-
-    Parameters
-    ----------
-    inertia, torque_constant
-        J [kg*m^2], k_t [N*m/A].
-    lag
-        Sum of small lags [s].
-    a
-        Spread, above 1: crossover at 1/(a lag), damping (a - 1)/2 [1].
-
-    Returns
-    -------
-    tuple
-        k_p [A/(rad/s)], k_i [A/rad].
     """
     kp = inertia / (torque_constant * a * lag)
     return kp, kp / (a * a * lag)
@@ -105,16 +79,6 @@ def natural_frequency(bandwidth: float, damping: float) -> float:
     Of :math:`(2 D\omega_0 s + \omega_0^2)/(s^2 + 2 D\omega_0 s + \omega_0^2)`:
 
     .. math:: \omega_b = \omega_0 \sqrt{1 + 2D^2 + \sqrt{(1 + 2D^2)^2 + 1}}
-
-    Parameters
-    ----------
-    bandwidth, damping
-        At -3 dB [Hz]; of the poles, D [1].
-
-    Returns
-    -------
-    float
-        :math:`\omega_0` [rad/s].
     """
     b = 1.0 + 2.0 * damping**2
     return 2.0 * math.pi * bandwidth / math.sqrt(b + math.hypot(b, 1.0))
@@ -126,18 +90,6 @@ def pole_placement(
     r"""Velocity PI gains by pole placement [5]_.
 
     .. math:: k_p = \frac{2 D \omega_0 J - b}{k_t}, \quad k_i = \frac{\omega_0^2 J}{k_t}
-
-    Parameters
-    ----------
-    inertia, torque_constant, viscous
-        J [kg*m^2], k_t [N*m/A], b [N*m*s/rad]; the current loop counts as immediate.
-    natural_frequency, damping
-        Of the two poles [rad/s], [1].
-
-    Returns
-    -------
-    tuple
-        k_p [A/(rad/s)], k_i [A/rad].
     """
     kp = (2.0 * damping * natural_frequency * inertia - viscous) / torque_constant
     return kp, natural_frequency**2 * inertia / torque_constant
@@ -150,20 +102,6 @@ def most_bandwidth(lag: float, damping: float, lightest: float = 1.0) -> float:
 
     .. math:: x = \left(\frac{\omega_c}{\omega_0}\right)^2 = \frac{2D^2 + \sqrt{4D^4 + \rho^2}}{\rho^2}, \quad
               \varphi = \arctan(2 D \sqrt{x}) - \omega_0 \sqrt{x}\, T_\sigma
-
-    Parameters
-    ----------
-    lag
-        Sum of small lags, taken as a dead time [s].
-    damping
-        Of the poles that are placed [1].
-    lightest
-        Smallest inertia over the design inertia [1].
-
-    Returns
-    -------
-    float
-        Largest bandwidth [Hz].
     """
     x = math.sqrt(2.0 * damping**2 + math.hypot(2.0 * damping**2, lightest)) / lightest
     left = math.atan(2.0 * damping * x) - LEAST_PHASE_MARGIN
@@ -171,22 +109,7 @@ def most_bandwidth(lag: float, damping: float, lightest: float = 1.0) -> float:
 
 
 def current_lag(train: DriveTrain, kp: float, ki: float, period: float) -> float:
-    """Lag of the closed current loop [s]: R/k_i, twice the small lag for the magnitude optimum [3]_.
-
-    Parameters
-    ----------
-    train
-        The drive train, with the resistance and inductance of its winding.
-    kp, ki
-        Gains of the current loop [V/A], [V/(A*s)].
-    period
-        Of the current loop [s].
-
-    Returns
-    -------
-    float
-        Time constant of the loop as a first-order lag [s].
-    """
+    """Lag of the closed current loop [s]: R/k_i, twice the small lag for the magnitude optimum [3]_."""
     if ki > 0.0:
         return train.resistance / ki
     return train.inductance / (train.resistance + kp) + LATE * period
@@ -198,18 +121,7 @@ def position_gain(velocity_lag: float) -> float:
 
 
 def feedforward(train: DriveTrain) -> tuple[float, float, float]:
-    """Feedforward gains of the current, driving: acceleration, viscous friction, Coulomb friction.
-
-    Parameters
-    ----------
-    train
-        The drive train. A torque that changes sign with the direction is friction; weight is left to the loop.
-
-    Returns
-    -------
-    tuple
-        J/k_t [A/(rad/s^2)], b/k_t [A/(rad/s)], friction and rolling resistance over k_t [A].
-    """
+    """Feedforward gains of the current, driving: acceleration, viscous friction, Coulomb friction."""
     every, k_t = modes(train), train.torque_constant
     forward, backward = every[Regime.FORWARD_DRIVING], every[Regime.BACKWARD_DRIVING]
     return forward.inertia / k_t, train.viscous / k_t, (forward.drag - backward.drag) / 2.0 / k_t

@@ -126,46 +126,14 @@ def _moving(train: DriveTrain, regime: Regime) -> Mode:
 
 
 def matrices(train: DriveTrain, mode: Mode) -> tuple[np.ndarray, np.ndarray]:
-    """State matrices of a mode: states current and motor speed, input voltage.
-
-    Parameters
-    ----------
-    train, mode
-        The rigid drive train, and one of its modes.
-
-    Returns
-    -------
-    tuple
-        A (2x2) and B (2x1) of dx/dt = A x + B u; Krause, Wasynczuk, Sudhoff, *Analysis of Electric Machinery*, the
-        permanent-magnet DC machine.
-    """
+    """State matrices of a mode: states current and motor speed, input voltage."""
     R, L, J = train.resistance, train.inductance, mode.inertia
     A = [[-R / L, -train.back_emf_constant / L], [train.torque_constant / J, -train.viscous / J]]
     return np.array(A), np.array([[1 / L], [0.0]])
 
 
 def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[DriveTrain, list[str]]:
-    """The rigid drive train of a spec and a drive, with the assumptions made.
-
-    Parameters
-    ----------
-    spec, drive_set
-        The machine and the drive.
-    period
-        Control period [s].
-
-    Returns
-    -------
-    tuple
-        The drive train, and its assumptions as sentences.
-
-    Raises
-    ------
-    NoLoopError
-        When the catalogue lacks a figure without which nothing moves.
-    InputError
-        When the load's figures leave the range of numbers that can be computed with.
-    """
+    """The rigid drive train of a spec and a drive, with the assumptions made."""
     if drive_set.steps:
         part = drive_set.motor.part
         raise NoLoopError(f"motor {part} is a stepper, which runs open-loop: it has no closed loop")
@@ -200,25 +168,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
 
 
 def elastic(train: DriveTrain, stiffness: float, damping: float = 0.0, gap: float = 0.0) -> DriveTrain:
-    """A drive train with an elastic shaft between motor and load.
-
-    Parameters
-    ----------
-    train
-        The rigid drive train.
-    stiffness, damping, gap
-        At the driven shaft [N*m/rad], [N*m*s/rad], [rad]; no damping is the worst case.
-
-    Returns
-    -------
-    DriveTrain
-        Two masses.
-
-    Raises
-    ------
-    InputError
-        When a figure is out of range.
-    """
+    """A drive train with an elastic shaft between motor and load."""
     if not 0.0 < stiffness < inf:
         raise InputError(f"stiffness: {stiffness:g} N*m/rad is no stiffness; expected a positive number")
     if not 0.0 <= damping < inf:
@@ -227,20 +177,7 @@ def elastic(train: DriveTrain, stiffness: float, damping: float = 0.0, gap: floa
 
 
 def within_reach(train: DriveTrain, profile: Profile) -> None:
-    """Refuse a profile that is faster than any machine.
-
-    Parameters
-    ----------
-    train
-        The drive train.
-    profile
-        The motion of the load.
-
-    Raises
-    ------
-    InputError
-        When its top speed is beyond 1e9 rad/s at the motor.
-    """
+    """Refuse a profile that is faster than any machine."""
     if not profile.top_speed * train.motor_per_speed <= _FASTEST:
         at_motor = profile.top_speed * train.motor_per_speed
         raise InputError(f"profile {profile.name}: {at_motor:.3g} rad/s is no speed that a motor can be turned to")
@@ -259,22 +196,7 @@ def _taken_as_0(what: str) -> str:
 
 
 def require(drive_set: DriveParts, needed: Mapping[str, Sequence[str]], consequence: str) -> None:
-    """Refuse a drive without figures that nothing can be simulated without.
-
-    Parameters
-    ----------
-    drive_set
-        The drive.
-    needed
-        Figures by the role of their part.
-    consequence
-        What is not done without them.
-
-    Raises
-    ------
-    NoLoopError
-        When one is unknown or 0.
-    """
+    """Refuse a drive without figures that nothing can be simulated without."""
     for name, figures in needed.items():
         part = getattr(drive_set, name)
         missing = [figure.replace("_", " ") for figure in figures if not part[figure] > 0.0]

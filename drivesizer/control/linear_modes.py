@@ -41,22 +41,7 @@ def columns(trains: Sequence[DriveTrain]) -> dict[str, Array]:
 
 
 def generators(machine: dict[str, Array], resistance: Array) -> Array:
-    """Matrices G of dx/dt = G x in each mode, the inputs among the states (u, m constant, l a ramp).
-
-    Parameters
-    ----------
-    machine
-        Columns of n drive trains of one plant.
-    resistance
-        Of the winding [ohm], shape (n, nodes of temperature).
-
-    Returns
-    -------
-    array
-        Machine, node, mode, row, column. Rigid: 8 x 8 of i, w, q, x, u, m, l, dl/dt; standing, driving, braking.
-        Two masses: 10 x 10 of i, w, twist, v, q, x, u, m, l, dl/dt; mode = motor moves + 2 (load moves) + 4 (0 in the
-        gap, 1 contact driving, 2 contact braking).
-    """
+    """Matrices G of dx/dt = G x in each mode, the inputs among the states (u, m constant, l a ramp)."""
     return _flexible(machine, resistance) if machine["stiffness"][0] < inf else _rigid(machine, resistance)
 
 
@@ -111,21 +96,6 @@ def _flexible(machine: dict[str, Array], resistance: Array) -> Array:
 
 def discretised(machine: dict[str, Array], resistance: Array, period: Array) -> Array:
     """Exact discrete matrices of every mode, for a whole period and its halves down to the 1024th part.
-
-    Parameters
-    ----------
-    machine
-        Columns of n drive trains of one plant.
-    resistance
-        Of the winding [ohm], shape (n, nodes of temperature).
-    period
-        Of the controller, n of them [s].
-
-    Returns
-    -------
-    array
-        Machine, node, mode, level (the last is the whole period), row (states, then q and x gained), column (states,
-        then u, m, l, dl/dt).
 
     Notes
     -----

@@ -72,18 +72,7 @@ def analyse(train: DriveTrain, controller: Cascade | Gains) -> Loops:
 
 
 def opened_loops(train: DriveTrain, controller: Cascade | Gains) -> dict[str, dict[str, System]]:
-    """The open loops of a controller by name and direction of power.
-
-    Parameters
-    ----------
-    train, controller
-        As :func:`analyse`.
-
-    Returns
-    -------
-    dict
-        From the inside out; the current loop has no direction, ``""``.
-    """
+    """The open loops of a controller by name and direction of power."""
 
     every = modes(train)
 
@@ -114,21 +103,7 @@ def _worse(name: str, opened: Mapping[str, System]) -> Loop:
 
 
 def loop_of(name: str, opened: System, direction: str = "") -> Loop:
-    """All figures of a loop with unit feedback.
-
-    Parameters
-    ----------
-    name, direction
-        Name of the loop, and the direction of power.
-    opened
-        The open loop: a sampled system of python-control that answers one period later. Its first output answers the
-        error, its last one is fed back.
-
-    Returns
-    -------
-    Loop
-        Without margins where the loop is unstable.
-    """
+    """All figures of a loop with unit feedback."""
     own, w, opening, closing = _responses(opened)
     (L, T), whole = (each(w) for each in (opening, closing)), _whole(opened)
     radius = max((abs(p) for p in own), default=0.0)
@@ -185,16 +160,6 @@ def frequency_response(system: System) -> _Response:
 
     by the Schur form of A (A. J. Laub, IEEE Trans. Autom. Control 26 (1981) 407-408), for all frequencies at once:
     python-control takes them one by one, 50 times as long.
-
-    Parameters
-    ----------
-    system
-        A sampled system of python-control.
-
-    Returns
-    -------
-    callable
-        Values at angular frequencies [rad/s], shape (outputs, frequencies).
     """
     n = system.nstates
     U, Z = schur(system.A, output="complex") if n else (np.zeros((0, 0), complex),) * 2

@@ -30,23 +30,7 @@ _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's i
 
 
 def designed(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
-    """The drive train of a spec and a drive, the controller designed for it, and the assumptions of both.
-
-    Parameters
-    ----------
-    spec, drive_set
-        The machine and the drive.
-
-    Returns
-    -------
-    tuple
-        Drive train, controller, assumptions as sentences.
-
-    Raises
-    ------
-    InputError
-        When the catalogue lacks a figure without which nothing moves, or ``control`` requires the impossible.
-    """
+    """The drive train of a spec and a drive, the controller designed for it, and the assumptions of both."""
     if spec.control.structure == "cascade":
         return _cascade(spec, drive_set)
     period, said = _period(spec, drive_set.controller)
@@ -64,25 +48,7 @@ def designed(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Gains 
 
 
 def train_behind(spec: RobotSpec, drive_set: DriveParts, controller: Gains | Cascade) -> tuple[DriveTrain, list[str]]:
-    """The drive train behind a controller that was designed before, of this machine or of one like it.
-
-    Parameters
-    ----------
-    spec, drive_set
-        The machine and the drive.
-    controller
-        It decides how often the current or voltage is set.
-
-    Returns
-    -------
-    tuple
-        Drive train, assumptions as sentences.
-
-    Raises
-    ------
-    InputError
-        When the catalogue lacks a figure without which nothing moves.
-    """
+    """The drive train behind a controller that was designed before, of this machine or of one like it."""
     period = controller.period if isinstance(controller, Gains) else controller.current_period
     rigid, said = drive_train(spec, drive_set, period)
     return _with_shaft(spec, drive_set, rigid), said
@@ -141,18 +107,7 @@ def _period(spec: RobotSpec, controller: Controller | None) -> tuple[float, list
 
 
 def edges_of(spec: RobotSpec, drive_set: DriveParts) -> int:
-    """Counts per turn of the motor by which speed is measured.
-
-    Parameters
-    ----------
-    spec, drive_set
-        The machine and the drive.
-
-    Returns
-    -------
-    int
-        0: speed is measured exactly.
-    """
+    """Counts per turn of the motor by which speed is measured."""
     lines = drive_set.encoder.lines if drive_set.encoder else math.nan
     return 0 if spec.control.speed_from == "exact" or math.isnan(lines) else round(EDGES * lines)
 

@@ -54,21 +54,7 @@ _SPEED, _ANGLE = 1, 4
 
 
 def dc_motor(train: DriveTrain, mode: Mode, *, angle: bool = False) -> System:
-    """The DC motor with its gears and load in continuous time, linear about a moving point.
-
-    Parameters
-    ----------
-    train, mode
-        The drive train, rigid or elastic, and the direction of power.
-    angle
-        Whether the motor's angle is a state and an output.
-
-    Returns
-    -------
-    control.StateSpace
-        Inputs voltage [V] and load torque at the motor [N*m]; outputs current [A], speed of the motor and of the load
-        as at the motor [rad/s], voltage, and the angle [rad].
-    """
+    """The DC motor with its gears and load in continuous time, linear about a moving point."""
     A, B = matrices(train, mode)
     B = np.hstack([B, [[0.0], [-1.0 / mode.inertia]]])
     if train.flexible:
@@ -109,18 +95,6 @@ def pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float
     r"""A sampled PID with a filtered derivative, by backward differences.
 
     .. math:: k_p + k_i h \frac{z}{z - 1} + k_d \frac{z - 1}{(T_f + h) z - T_f}
-
-    Parameters
-    ----------
-    kp, ki, kd, filter_time
-        Gains, and the time constant of the derivative's filter :math:`T_f` [s].
-    period
-        h [s].
-
-    Returns
-    -------
-    control.StateSpace
-        From the error to the output.
     """
     whole = _gain([[kp]], period)
     if ki:
@@ -131,40 +105,14 @@ def pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float
 
 
 def closed(opened: System, fed_back: Sequence[float]) -> System:
-    """The loop closed around an open one: its first input becomes the reference.
-
-    Parameters
-    ----------
-    opened
-        Its first input is the error.
-    fed_back
-        Weights of its outputs in what is fed back.
-
-    Returns
-    -------
-    control.StateSpace
-        With the same outputs.
-    """
+    """The loop closed around an open one: its first input becomes the reference."""
     row = np.zeros((opened.ninputs, opened.noutputs))
     row[0, : len(fed_back)] = fed_back
     return control.feedback(opened, control.ss([], [], [], row, opened.dt))
 
 
 def from_error(opened: System, answer: str = "speed") -> System:
-    """An open loop without its other inputs and outputs.
-
-    Parameters
-    ----------
-    opened
-        The open loop.
-    answer
-        Of ``OUTPUTS``.
-
-    Returns
-    -------
-    control.StateSpace
-        From the error to that output, and to what is fed back.
-    """
+    """An open loop without its other inputs and outputs."""
     return opened[[OUTPUTS.index(answer), opened.noutputs - 1], 0]
 
 
@@ -180,17 +128,7 @@ def _answered(controller: System) -> System:
 
 
 def _measured(held: System, periods: int, *, angle: bool = False) -> System:
-    """A sampled motor whose last state is its angle, with one output more: its speed as it is measured.
-
-    Parameters
-    ----------
-    held
-        The motor, sampled once in a period of the velocity loop.
-    periods
-        Over which counts are taken; 0: the speed is exact.
-    angle
-        Whether the angle is kept as a state; a speed needs none, and would get an uncontrollable pole.
-    """
+    """A sampled motor whose last state is its angle, with one output more: its speed as it is measured."""
     n, h = (held.nstates, held.dt) if angle else (held.nstates - 1, held.dt)
     A, B, C = held.A[:n, :n], held.B[:n], held.C[:, :n]
     if not periods:
@@ -203,19 +141,7 @@ def _measured(held: System, periods: int, *, angle: bool = False) -> System:
 
 
 def _lifted(fast: System, steps: int, each: Sequence[int] = (), *, fine: bool = False) -> System:
-    """A sampled system at the rate of a number of its steps [2]; exact.
-
-    Parameters
-    ----------
-    fast
-        The system.
-    steps
-        Of it, in one of the slower system.
-    each
-        Inputs that have a value at each step, which follow the others, step by step; the others are held.
-    fine
-        Whether the outputs are those of every step, one after another, or of the first alone.
-    """
+    """A sampled system at the rate of a number of its steps [2]; exact."""
     held = [k for k in range(fast.ninputs) if k not in each]
     powers = [np.eye(fast.nstates)]
     for _ in range(steps):
@@ -235,40 +161,14 @@ def _lifted(fast: System, steps: int, each: Sequence[int] = (), *, fine: bool = 
 
 
 def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> System:
-    """Open velocity loop that acts on the voltage, as figure 3 of the paper has it: PID, DC motor, encoder.
-
-    Parameters
-    ----------
-    train, mode
-        The drive train, rigid or elastic, and the direction of power.
-    gains
-        The voltage PID.
-
-    Returns
-    -------
-    control.StateSpace
-        Sampled; without the angle, and last the measured speed.
-    """
+    """Open velocity loop that acts on the voltage, as figure 3 of the paper has it: PID, DC motor, encoder."""
     held = _sampled_motor(train, mode, gains.period)[: len(OUTPUTS) - 1, :]
     controller = pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time)
     return _measured(held, gains.counted_over) * _answered(controller)
 
 
 def current_open_loop(train: DriveTrain, cascade: Cascade) -> System:
-    """Open current loop with the rotor held: the back-EMF is a disturbance, as in the design.
-
-    Parameters
-    ----------
-    train
-        The drive train, with the resistance and inductance of its winding.
-    cascade
-        The controller.
-
-    Returns
-    -------
-    control.StateSpace
-        Sampled, from the current error to the current.
-    """
+    """Open current loop with the rotor held: the back-EMF is a disturbance, as in the design."""
     R, L, period = train.resistance, train.inductance, cascade.current_period
     winding = control.ss(-R / L, 1.0 / L, 1.0, 0.0).sample(period)
     controller = _answered(pid(cascade.current_kp, cascade.current_ki, period))
@@ -287,24 +187,7 @@ def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, fine: bool)
 def velocity_open_loop(
     train: DriveTrain, mode: Mode, cascade: Cascade, *, angle: bool = False, fine: bool = False
 ) -> System:
-    """Open velocity loop around the closed current loop.
-
-    Parameters
-    ----------
-    train, mode
-        The drive train, rigid or elastic, and the direction of power.
-    cascade
-        The controller.
-    angle
-        Whether the angle is a state, as the position loop has it.
-    fine
-        Whether the outputs of the motor are those of every period of the current loop, one after another.
-
-    Returns
-    -------
-    control.StateSpace
-        Sampled; last of its outputs the measured speed.
-    """
+    """Open velocity loop around the closed current loop."""
     held = _measured(_current_closed(train, mode, cascade, fine), cascade.counted_over, angle=angle)
     kd, filter_time = cascade.velocity_kd, cascade.filter_time
     controller = pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
@@ -312,23 +195,7 @@ def velocity_open_loop(
 
 
 def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, *, fine: bool = False) -> System:
-    """Open position loop around the closed velocity loop.
-
-    Parameters
-    ----------
-    train, mode
-        The drive train, rigid or elastic, and the direction of power.
-    cascade
-        The controller.
-    fine
-        As of :func:`velocity_open_loop`.
-
-    Returns
-    -------
-    control.StateSpace
-        Sampled at the position loop's period. Inputs: the position error, then speed reference, feedforward and load
-        torque of each period of the velocity loop; last of its outputs the angle.
-    """
+    """Open position loop around the closed velocity loop."""
     opened, n = velocity_open_loop(train, mode, cascade, angle=True, fine=fine), cascade.velocity_steps
     loop = closed(opened, [*[0.0] * (opened.noutputs - 1), 1.0])
     added = np.array([[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])  # to the speed reference
@@ -340,18 +207,6 @@ def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, *, fine:
 
 
 def resonance(train: DriveTrain, mode: Mode) -> tuple[float, float]:
-    """Frequencies of the anti-resonance and the resonance of motor and load, undamped [Hz].
-
-    Parameters
-    ----------
-    train, mode
-        A drive train with an elastic shaft, and the direction of power: driving, the load's inertia counts 1/(e K^2),
-        braking e/K^2.
-
-    Returns
-    -------
-    tuple
-        Anti-resonance, at which the load swings against a motor at rest, and resonance [Hz].
-    """
+    """Frequencies of the anti-resonance and the resonance of motor and load, undamped [Hz]."""
     found = two_masses(train.stiffness, train.load_inertia, mode.inertia / train.motor_inertia)
     return float(found.anti_resonance), float(found.resonance)

@@ -56,25 +56,7 @@ class Tuned(NamedTuple):
 
 
 def tuned(make: Callable[[float], Controller], required: Required) -> tuple[Controller, Tuned]:
-    """The fastest controller that meets the required margins.
-
-    Parameters
-    ----------
-    make
-        Makes the controller for a factor by which the loop is to be slower than its rule.
-    required
-        The drive train and the margins.
-
-    Returns
-    -------
-    tuple
-        The controller, and how much slower than its rule it is.
-
-    Raises
-    ------
-    InputError
-        When no controller, however slow, meets them.
-    """
+    """The fastest controller that meets the required margins."""
     found = make(1.0)
     why = flaw(found, required)
     if not why:
@@ -91,20 +73,7 @@ def tuned(make: Callable[[float], Controller], required: Required) -> tuple[Cont
 
 
 def flaw(controller: Gains | Cascade, required: Required) -> str:
-    """The first margin that a loop misses, in words.
-
-    Parameters
-    ----------
-    controller
-        Gains around the drive train.
-    required
-        The drive train and the margins.
-
-    Returns
-    -------
-    str
-        Empty where all are met.
-    """
+    """The first margin that a loop misses, in words."""
     for name, opened in _opened(controller, required):
         margin, bandwidth = margin_and_bandwidth(opened)
         if math.isnan(margin):

@@ -26,20 +26,7 @@ def _hertz(figure: float) -> str:
 
 
 def loop_warnings(loops: Iterable[Loop], profile: Profile | None = None) -> list[str]:
-    """Warnings about loops that are unstable, ring, or are slower than a profile requires.
-
-    Parameters
-    ----------
-    loops
-        From the inside out.
-    profile
-        The motion that the outer ones must follow: its shortest ramp is the shortest time in which they must respond.
-
-    Returns
-    -------
-    list
-        Sentences.
-    """
+    """Warnings about loops that are unstable, ring, or are slower than a profile requires."""
     ramp = shortest_ramp(profile) if profile else math.nan
     said = []
     for loop in loops:
@@ -74,20 +61,7 @@ def shortest_ramp(profile: Profile) -> float:
 
 
 def resonance_warning(loops: Loops, stiffness: float) -> list[str]:
-    """Warning where the bandwidth that the gains have on a stiff shaft reaches the resonance [2].
-
-    Parameters
-    ----------
-    loops
-        With resonance, anti-resonance and the bandwidth on a stiff shaft.
-    stiffness
-        Of the shaft [N*m/rad].
-
-    Returns
-    -------
-    list
-        One sentence, or none.
-    """
+    """Warning where the bandwidth that the gains have on a stiff shaft reaches the resonance [2]."""
     wanted, most = loops.rigid_bandwidth, RESONANCE_SHARE * loops.resonance
     if not wanted > most:
         return []
@@ -101,24 +75,7 @@ def resonance_warning(loops: Loops, stiffness: float) -> list[str]:
 
 
 def resolution_warning(lines: float, time: float, kp: float, peak: float, kind: str = "current") -> list[str]:
-    """Warning where one encoder count is answered with much of the controller's range.
-
-    Parameters
-    ----------
-    lines, time
-        Lines per turn, and the time over which they are counted for a speed [s].
-    kp
-        Velocity gain [A/(rad/s)], or [V/(rad/s)] with ``kind`` ``voltage``.
-    peak
-        Peak current [A], or usable voltage [V].
-    kind
-        ``current`` or ``voltage``.
-
-    Returns
-    -------
-    list
-        One sentence, or none.
-    """
+    """Warning where one encoder count is answered with much of the controller's range."""
     quantum = speed_quantum(lines, time)
     if not quantum * kp > COUNT_SHARE * peak:  # unknown too
         return []

@@ -42,20 +42,7 @@ class Change(NamedTuple):
 
 
 def rounded_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
-    """The motion as an S-curve of the same distance, speed and acceleration, or with half its jerk.
-
-    Parameters
-    ----------
-    spec
-        The machine with all its load cases; those with the motion that was simulated change.
-    proof
-        The simulation.
-
-    Yields
-    ------
-    Change
-        None of a motion that has no straight ramps or is recorded.
-    """
+    """The motion as an S-curve of the same distance, speed and acceleration, or with half its jerk."""
     before = proof.spec.motion
     if not isinstance(before, SCurve | Trapezoid | Triangle | Move) or (figures := _limits(before)) is None:
         return
@@ -103,20 +90,7 @@ def _limits(motion: SCurve | Trapezoid | Triangle | Move) -> dict[str, float] | 
 
 
 def other_gains(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
-    """Gains that are designed where some are given, and those of other bandwidths.
-
-    Parameters
-    ----------
-    spec
-        The machine with all its load cases.
-    proof
-        The simulation.
-
-    Yields
-    ------
-    Change
-        None of a stepper.
-    """
+    """Gains that are designed where some are given, and those of other bandwidths."""
     velocity = next((loop for loop in proof.loops if loop.name == "velocity"), None)
     if velocity is None:
         return

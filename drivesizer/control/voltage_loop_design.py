@@ -43,18 +43,6 @@ def effective_delay(train: DriveTrain, mode: Mode, period: float) -> tuple[float
     .. math:: \frac{w}{u} = \frac{1/k_e}{(T_1 s + 1)(T_2 s + 1)} \approx \frac{1/k_e}{\tau_1 s + 1} e^{-\theta s},
               \quad \tau_1 = T_1 + T_2 / 2, \quad \theta = T_2 / 2 + 1.5\,T_s
 
-    Parameters
-    ----------
-    train, mode
-        The drive train and the direction of power.
-    period
-        Control period :math:`T_s` [s].
-
-    Returns
-    -------
-    tuple
-        :math:`\tau_1` and :math:`\theta` [s].
-
     Notes
     -----
     :math:`T_1 + T_2 = R J/(k_t k_e)` and :math:`T_1 T_2 = (T_1 + T_2) L/R`; where they are complex (a light rotor
@@ -71,31 +59,7 @@ def effective_delay(train: DriveTrain, mode: Mode, period: float) -> tuple[float
 def design(
     spec: RobotSpec, train: DriveTrain, period: float, counts: Counts | None = None, slower: float = 1.0
 ) -> Gains:
-    """Gains of the voltage PI: given by the spec, or by the SIMC rule.
-
-    Parameters
-    ----------
-    spec
-        The robot; ``control`` has the gains or the bandwidth, ``needs`` may require a bandwidth.
-    train
-        The drive train.
-    period
-        Control period [s].
-    counts
-        The encoder by which speed is measured; none: it is measured exactly.
-    slower
-        Factor on the time constant of the closed loop.
-
-    Returns
-    -------
-    Gains
-        With the rule that they come from.
-
-    Raises
-    ------
-    InputError
-        When ``control.bandwidth`` is faster than the delay of the loop allows, or a gain is out of range.
-    """
+    """Gains of the voltage PI: given by the spec, or by the SIMC rule."""
     if spec.control.kp is not None:
         return _given_gains(spec, spec.control.kp, period, counts)
     tau_1, theta = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], period)

@@ -69,20 +69,7 @@ def arrays_kept(path: Path) -> dict[str, NDArray[Any]] | None:
 
 
 def keep(path: Path, body: bytes) -> None:
-    """Keep bytes under a path, whole or not at all; files of an older digest are removed.
-
-    Parameters
-    ----------
-    path
-        Of the file; its stem ends with ``-`` and the digest.
-    body
-        The content.
-
-    Raises
-    ------
-    OSError
-        When the folder cannot be written.
-    """
+    """Keep bytes under a path, whole or not at all; files of an older digest are removed."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=_HALF)
     try:

@@ -41,27 +41,7 @@ _ABOVE = 3  # line of the first row of numbers
 
 
 def path_from_spec(spec_file: str, name: str, where: str) -> Path:
-    """Path of a file that a spec names; relative ones count from the spec's folder.
-
-    Parameters
-    ----------
-    spec_file
-        Path of the spec; empty for a spec that is no file.
-    name
-        The path as the spec gives it.
-    where
-        Place in the spec, for the message.
-
-    Returns
-    -------
-    Path
-        Of something that exists.
-
-    Raises
-    ------
-    InputError
-        When there is none; the message has the place in the spec.
-    """
+    """Path of a file that a spec names; relative ones count from the spec's folder."""
     path = Path(spec_file).parent / name if spec_file else Path(name)
     if reason := missing(path):
         expected = "expected a CSV file, its path from the spec's folder, e.g. cycle.csv"
@@ -70,27 +50,7 @@ def path_from_spec(spec_file: str, name: str, where: str) -> Path:
 
 
 def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, NDArray[np.float64]]:
-    """Columns of a recording in SI, with rising times, or of a table with a first column that rises.
-
-    Parameters
-    ----------
-    path
-        A CSV file in UTF-8: a header, a row of units such as ``s,m/s``, then the numbers.
-    forms
-        Sets of columns that the file may have, in any order; ``time`` rises, of a form without it the first.
-    most
-        Rows that it may have [1]; None: as many as most files.
-
-    Returns
-    -------
-    dict
-        By name, in the order of the form that the file has.
-
-    Raises
-    ------
-    InputError
-        One line that says where, what was found and what is expected.
-    """
+    """Columns of a recording in SI, with rising times, or of a table with a first column that rises."""
     most = _MOST_ROWS if most is None else most
     raw = read_bytes(path, most * _ROW)
     head = _head(raw)
@@ -120,24 +80,7 @@ def _head(raw: bytes) -> bytes:
 def refuse_impossible(
     path: Path, values: Sequence[NDArray[np.float64]], header: list[str], form: Form, factors: list[float]
 ) -> None:
-    """Refuse figures above the range of their kind; arbitrarily small ones are allowed as steps towards 0.
-
-    Parameters
-    ----------
-    path
-        The file's name, for messages.
-    values
-        Figures in SI, column by column.
-    header, form
-        Names of the columns, and the kind of each one's quantity.
-    factors
-        Of the file's units to SI.
-
-    Raises
-    ------
-    InputError
-        File, line, column, what was found and what is expected.
-    """
+    """Refuse figures above the range of their kind; arbitrarily small ones are allowed as steps towards 0."""
     most = [RANGES[form[name]][1] for name in header]
     beyond = [k for k, (column, limit) in enumerate(zip(values, most, strict=True)) if _beyond(column, limit)]
     if beyond:
@@ -157,25 +100,7 @@ def _example(width: int) -> str:
 
 
 def rows_of(path: Path, text: str, width: int) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of each row; blank lines at the end are left out.
-
-    Parameters
-    ----------
-    path, text
-        The file's name, for messages, and its content.
-    width
-        Columns of the example that messages show.
-
-    Returns
-    -------
-    Iterator
-        Pairs of line number and cells.
-
-    Raises
-    ------
-    InputError
-        One line that says where, what was found and what is expected.
-    """
+    """Line number and cells of each row; blank lines at the end are left out."""
     reader = csv.reader(text.splitlines(), strict=True)
     blank, example = 0, f"e.g. {_example(width)}"
     try:
@@ -203,27 +128,7 @@ def _header(path: Path, row: tuple[int, list[str]] | None, forms: tuple[Form, ..
 
 
 def factors_of(path: Path, header: list[str], form: Form, row: tuple[int, list[str]] | None) -> list[float]:
-    """Factors that convert the columns to SI, from the row of units.
-
-    Parameters
-    ----------
-    path
-        The file's name, for messages.
-    header, form
-        Names of the columns, and the kind of each one's quantity.
-    row
-        Line number and cells of the row of units; None where the file ends before.
-
-    Returns
-    -------
-    list[float]
-        One for each column.
-
-    Raises
-    ------
-    InputError
-        One line that says where, what was found and what is expected.
-    """
+    """Factors that convert the columns to SI, from the row of units."""
     example = ",".join(KINDS[form[name]].si for name in header)
     line, cells = row or (2, [])
     if len(cells) != len(header):
@@ -253,33 +158,7 @@ def values_of(
     rising: str = "time",
     most: int | None = None,
 ) -> NDArray[np.float64]:
-    """Numbers in SI, those of one column rising.
-
-    Parameters
-    ----------
-    path
-        The file's name, for messages.
-    rows
-        Line number and cells of each row below the units.
-    header, factors
-        Names of the columns, and their factors to SI.
-    convert
-        Converts a cell: ``float``, or ``plain_number`` where the text may hold what ``float`` must not accept.
-    rising
-        The column whose numbers rise.
-    most
-        Rows that there may be [1]; None: as many as of most files.
-
-    Returns
-    -------
-    array
-        Shape (rows, columns), in the order of the header.
-
-    Raises
-    ------
-    InputError
-        One line that says where, what was found and what is expected.
-    """
+    """Numbers in SI, those of one column rising."""
     width, time, most = len(header), header.index(rising), _MOST_ROWS if most is None else most
     found, before = array("d"), -math.inf
     for count, (line, cells) in enumerate(rows):
@@ -305,27 +184,7 @@ def values_of(
 
 
 def number_of(path: Path, line: int, column: str, cell: str, factor: float) -> float:
-    """The finite number in a cell, in SI.
-
-    Parameters
-    ----------
-    path, line, column
-        Place of the cell, for the message.
-    cell
-        Its text.
-    factor
-        Of its unit to SI.
-
-    Returns
-    -------
-    float
-        The number in SI.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-    """
+    """The finite number in a cell, in SI."""
     try:
         value = plain_number(cell) * factor
     except ValueError:
@@ -336,20 +195,7 @@ def number_of(path: Path, line: int, column: str, cell: str, factor: float) -> f
 
 
 def miscount(cells: list[str], header: list[str]) -> str:
-    """Message for a row that has more or fewer cells than the header.
-
-    Parameters
-    ----------
-    cells
-        The row.
-    header
-        Names of the columns.
-
-    Returns
-    -------
-    str
-        Found and expected.
-    """
+    """Message for a row that has more or fewer cells than the header."""
     text, width = quoted(",".join(cells)), len(header)
     if len(cells) > width or (len(cells) == 1 and ";" in cells[0]):
         return (

@@ -19,24 +19,6 @@ def plain_columns(text: bytes, below: int, rising: int, factors: list[float], mo
 
     The same bits as those of ``csv_columns.values_of``, which says what is wrong and where: all round as the
     processor's doubles.
-
-    Parameters
-    ----------
-    text
-        Of which rows of numbers with commas between are the rest.
-    below
-        Where they begin.
-    rising
-        The column whose numbers must rise.
-    factors
-        Of each column to SI.
-    most
-        Rows that there may be [1].
-
-    Returns
-    -------
-    list of arrays, or None
-        A column for each factor, in their order.
     """
     lines = text.count(b"\n", below) + (not text.endswith(b"\n"))
     if not 2 <= lines <= most:

@@ -195,13 +195,7 @@ class Section(BaseModel):
 
 
 def exactly_one(section: BaseModel, *names: str) -> None:
-    """Refuse a section that gives none or several of some fields.
-
-    Raises
-    ------
-    ValueError
-        What is given, and what is expected.
-    """
+    """Refuse a section that gives none or several of some fields."""
     given = [name for name in names if getattr(section, name) is not None]
     if len(given) != 1:
         found = "neither is given" if not given and len(names) == 2 else "none is given" if not given else (

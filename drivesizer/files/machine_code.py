@@ -76,13 +76,7 @@ def defined_in(modules: Sequence[ModuleType]) -> tuple[FunctionType, ...]:
 
 
 def machine_code(kernel: Kernel) -> Callable[..., int]:
-    """The last function of a kernel as machine code, which runs without the interpreter's lock.
-
-    Warns
-    -----
-    SlowWarning
-        Where there is no machine code and none can be made: then it is the function as plain Python.
-    """
+    """The last function of a kernel as machine code, which runs without the interpreter's lock."""
     try:
         if not kernel.kept:
             translate(kernel)
@@ -120,20 +114,7 @@ def _callable(kernel: Kernel) -> Callable[..., int]:
 
 
 def translate(kernel: Kernel) -> None:
-    """Make the library of a kernel; those of its earlier sources are removed.
-
-    Parameters
-    ----------
-    kernel
-        What is translated.
-
-    Raises
-    ------
-    ImportError
-        Without numba.
-    OSError, subprocess.CalledProcessError
-        Where nothing can be written, or linked.
-    """
+    """Make the library of a kernel; those of its earlier sources are removed."""
     from llvmlite import binding as llvm
 
     library, compiled = kernel.library, _compiled(kernel)

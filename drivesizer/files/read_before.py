@@ -15,39 +15,13 @@ _NAMING = ("kind", "profile")  # what sort of section it is
 
 
 def read_before(data: dict[str, Any], known: dict[str, Any], before: Section) -> dict[str, Any]:
-    """Groups of a section, and lists of groups, as they were read before where their data are the very same.
-
-    Parameters
-    ----------
-    data
-        Of the section.
-    known
-        Of the section that was read before.
-    before
-        That section.
-
-    Returns
-    -------
-    dict
-        Fields to put in place of those of ``data``: sections, lists of them, or data of which a part is a section.
-    """
+    """Groups of a section, and lists of groups, as they were read before where their data are the very same."""
     inside = {name: value for name, value in data.items() if isinstance(value, dict | list) and name in known}
     return {name: _kept(value, known[name], getattr(before, name, None)) for name, value in inside.items()}
 
 
 def left_out_before(data: dict[str, Any], known: dict[str, Any], before: Section) -> dict[str, Any]:
-    """Groups of a section, and lists of groups, that its data leave out as they did before: each as it was by default.
-
-    Parameters
-    ----------
-    data, known, before
-        As ``read_before`` takes them.
-
-    Returns
-    -------
-    dict
-        Fields to put beside those of ``data``; they do not count as given.
-    """
+    """Groups of a section, and lists of groups, that its data leave out as they did before."""
     left_out = type(before).model_fields.keys() - data.keys() - known.keys()
     values = {name: getattr(before, name) for name in left_out}
     return {name: value for name, value in values.items() if _is_read(value)}

@@ -35,25 +35,7 @@ _ELSEWHERE = "is not read here; expected a shipped catalogue, or what the spec n
 
 
 def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
-    """A file's bytes.
-
-    Parameters
-    ----------
-    path
-        Of a file, or of a pipe.
-    largest
-        Size that is accepted [bytes].
-
-    Returns
-    -------
-    bytes
-        The whole content.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, is larger than `largest` [bytes], or is a pipe that nobody writes into.
-    """
+    """A file's bytes."""
     if (content := _handed.get(path.absolute())) is not None:
         return content
     if not _may_be_read(path):
@@ -102,13 +84,6 @@ def restrict_reading(files: Iterable[Path], folders: Iterable[Path]) -> None:
     """Refuse, for as long as the process lives, every file but some, and those in some folders.
 
     For a process that takes specs of someone who may not see all files of this machine.
-
-    Parameters
-    ----------
-    files
-        By their names; a link is followed.
-    folders
-        What lies below them may be read too.
     """
     global _permitted
     _permitted = frozenset(map(os.path.abspath, files)), tuple(os.path.realpath(folder) for folder in folders)
@@ -125,13 +100,7 @@ def _may_be_read(path: Path) -> bool:
 
 
 def hand_over(contents: Mapping[Path, bytes]) -> None:
-    """Let contents count as files until others are handed over: of someone who has no file on this machine.
-
-    Parameters
-    ----------
-    contents
-        By path; in place of all that were handed over before.
-    """
+    """Let contents count as files until others are handed over: of someone who has no file on this machine."""
     _handed.clear()
     _handed.update({path.absolute(): content for path, content in contents.items()})
 
@@ -178,25 +147,7 @@ def missing(path: Path) -> str:
 
 
 def decoded(raw: bytes, path: Path) -> str:
-    """Bytes as UTF-8 text, a byte-order mark left out.
-
-    Parameters
-    ----------
-    raw
-        Content of a file.
-    path
-        Its name, for the message.
-
-    Returns
-    -------
-    str
-        The text.
-
-    Raises
-    ------
-    InputError
-        When the bytes are not UTF-8 text; the message has the line.
-    """
+    """Bytes as UTF-8 text, a byte-order mark left out."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -205,23 +156,5 @@ def decoded(raw: bytes, path: Path) -> str:
 
 
 def read_text(path: Path, largest: int = 64_000_000) -> str:
-    """A file's text.
-
-    Parameters
-    ----------
-    path
-        Of a file, or of a pipe.
-    largest
-        Size that is accepted [bytes].
-
-    Returns
-    -------
-    str
-        The text, without a byte-order mark.
-
-    Raises
-    ------
-    InputError
-        As :func:`read_bytes` and :func:`decoded`.
-    """
+    """A file's text."""
     return decoded(read_bytes(path, largest), path)

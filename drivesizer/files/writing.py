@@ -34,14 +34,7 @@ class _Waiting(NamedTuple):
 
 
 def ready(path: Path) -> None:
-    """Refuse a target that cannot be written, before its content is computed.
-
-    Raises
-    ------
-    InputError
-        When the folder does not exist, when the target is a folder or protected or cannot be written into, or when it
-        is what was read in this run, through whatever link.
-    """
+    """Refuse a target that cannot be written, before its content is computed."""
     try:
         found = _status(path)
         folder = path.resolve().parent if path.is_symlink() else path.parent
@@ -78,13 +71,7 @@ def check_targets(paths: Iterable[Path]) -> None:
 
 
 def remove_files(paths: Iterable[Path]) -> None:
-    """Remove earlier outputs where they exist; none of them where one was read in this run.
-
-    Raises
-    ------
-    InputError
-        When one of them was read, or cannot be removed.
-    """
+    """Remove earlier outputs where they exist; none of them where one was read in this run."""
     paths = list(paths)
     for path in paths:
         if was_read(path):
@@ -97,23 +84,7 @@ def remove_files(paths: Iterable[Path]) -> None:
 
 
 def write_files(files: Mapping[Path, bytes]) -> list[Path]:
-    """Write files; no target is touched before the content of all of them is on the disk.
-
-    Parameters
-    ----------
-    files
-        Content by path.
-
-    Returns
-    -------
-    list[Path]
-        The paths, in order.
-
-    Raises
-    ------
-    InputError
-        When a file cannot be written.
-    """
+    """Write files; no target is touched before the content of all of them is on the disk."""
     check_targets(files)
     waiting: list[_Waiting] = []
     complete, path = False, Path()
@@ -140,20 +111,7 @@ def write_files(files: Mapping[Path, bytes]) -> list[Path]:
 
 
 def new(path: Path, content: bytes) -> None:
-    """Write a file where none exists, whole or not at all.
-
-    Parameters
-    ----------
-    path
-        Of the new file.
-    content
-        Its bytes.
-
-    Raises
-    ------
-    InputError
-        When one exists, which is left unchanged, or the file cannot be written.
-    """
+    """Write a file where none exists, whole or not at all."""
     waiting: list[_Waiting] = []
     try:
         if os.path.lexists(path):

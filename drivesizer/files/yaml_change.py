@@ -11,24 +11,7 @@ __all__ = ["reads_as"]
 
 
 def reads_as(after: Any, before: Any, path: Path_, value: Any, *, text: bool) -> bool:
-    """Whether only one field differs.
-
-    Parameters
-    ----------
-    after, before
-        Data of both documents.
-    path
-        Of the field.
-    value
-        What it was set to; None where it was removed.
-    text
-        Whether it is to be read as that text.
-
-    Returns
-    -------
-    bool
-        Also False where a text is not read as it was given, or a removed field is still there.
-    """
+    """Whether only one field differs."""
     if value is None:
         return bool(_same_data(after, _without_value(before, path)))
     try:

@@ -38,28 +38,7 @@ class _Place(NamedTuple):
 
 
 def edited(text: str, edits: list[Edit], name: str = "spec") -> str:
-    """A YAML text with some of its fields changed.
-
-    Parameters
-    ----------
-    text
-        The document.
-    edits
-        Made one after the other.
-    name
-        What messages call the document.
-
-    Returns
-    -------
-    str
-        The document; lines of other fields, their comments and their order are those of `text`.
-
-    Raises
-    ------
-    InputError
-        When the text is not YAML that is accepted here, a path leads through what is no group of fields, or the text
-        is written in such a way that the change would reach other fields.
-    """
+    """A YAML text with some of its fields changed."""
     text = text.removeprefix("\ufeff")
     data = YamlSource(text, name).data  # refused in its own words before it is changed
     for edit in edits:

@@ -45,22 +45,7 @@ def _depth(data: Any, path: Path_) -> int:
 
 
 def overlay(whole: YamlSource, at: Path_, shared: dict[str, Any], own: dict[str, Any]) -> YamlOverlay:
-    """Fields of a part over shared ones: groups of fields field by field, anything else as a whole.
-
-    Parameters
-    ----------
-    whole
-        The document.
-    at
-        Path of the part in it.
-    shared, own
-        Defaults, and the fields of the part.
-
-    Returns
-    -------
-    YamlOverlay
-        Data of both, the lines of each.
-    """
+    """Fields of a part over shared ones: groups of fields field by field, anything else as a whole."""
     data = dict(shared)
     for name, value in own.items():
         default = shared.get(name)

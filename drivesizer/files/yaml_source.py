@@ -79,48 +79,12 @@ def _short(key: str, longest: int = 60) -> str:
 
 
 def read(path: Path, largest: int = _LARGEST) -> YamlSource:
-    """Read a YAML file of at most `largest` bytes.
-
-    Parameters
-    ----------
-    path
-        Of the file.
-    largest
-        Size that is accepted [bytes].
-
-    Returns
-    -------
-    YamlSource
-        The data with the line of each field.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read, is too large, is not UTF-8, or is not the YAML that is accepted here.
-    """
+    """Read a YAML file of at most `largest` bytes."""
     return YamlSource(read_text(path, largest), str(path))
 
 
 def written(data: Mapping[str, Any], name: str = "spec") -> YamlSource:
-    """Fields of a program as the YAML document that has them, read as strictly as a file.
-
-    Parameters
-    ----------
-    data
-        Texts, numbers, lists and dicts.
-    name
-        What messages call the document.
-
-    Returns
-    -------
-    YamlSource
-        The data; messages name its fields without a line.
-
-    Raises
-    ------
-    InputError
-        When the fields are not those of a YAML document.
-    """
+    """Fields of a program as the YAML document that has them, read as strictly as a file."""
     try:
         text = yaml.dump(dict(data), Dumper=_Unshared, sort_keys=False, allow_unicode=True, width=math.inf)
     except yaml.representer.RepresenterError as error:

@@ -31,29 +31,7 @@ _PARALLEL = 1e-6  # rad
 
 
 def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joints: Sequence[str]) -> Array:
-    """Angles of drives per angle of joints.
-
-    Parameters
-    ----------
-    section
-        Whose drives may have belts that pass joints.
-    robot
-        The description.
-    held
-        Positions of joints that do not move [rad or m].
-    joints
-        Those that move.
-
-    Returns
-    -------
-    array
-        C, shape (drives, joints): 1 of each joint's own drive, and 1 or -1 of the joints that its belt passes.
-
-    Raises
-    ------
-    FieldError
-        A belt that passes no joint, or one whose axis is not parallel to its own.
-    """
+    """Angles of drives per angle of joints."""
     found = np.eye(len(joints))
     for row, name in enumerate(joints):
         place, field = section.drives.get(name, DrivePlace()), ("robot", "drives", name, "belt_passes")

@@ -53,35 +53,7 @@ def torques_of(
     robot: Robot, held: Mapping[str, float], points: Sequence[Attached], joints: Sequence[str],
     states: tuple[Array, Array, Array], gravity: Array, directions: Array | None = None,
 ) -> Torques:  # fmt: skip
-    """Torques of joints in several states.
-
-    Parameters
-    ----------
-    robot
-        The description; its roots are fixed.
-    held
-        Positions of joints that do not move [rad or m].
-    points
-        Where further masses hang.
-    joints
-        Those that move.
-    states
-        Positions [rad or m], speeds and accelerations, each of shape (states, joints).
-    gravity
-        Acceleration of free fall in the frame of the roots [m/s^2], shape (3,).
-    directions
-        Motions of the joints, one a column, that torques and inertias are of; single joints where not given.
-
-    Returns
-    -------
-    Torques
-        Of each set of masses: torques in each direction, with which drives move the robot.
-
-    Raises
-    ------
-    InputError
-        MuJoCo is not installed, the mass of a link that moves is unknown or none.
-    """
+    """Torques of joints in several states."""
     mujoco = _mujoco()
     _refuse_unknown_masses(robot, held)
     model, bodies = _model(mujoco, robot, held, points)

@@ -45,45 +45,14 @@ class JointLoad(ComputedLoad):
 
 
 def joint_load(cycle: LoadCycle, joint: str, case: str = "") -> JointLoad:
-    """The load of one joint.
-
-    Parameters
-    ----------
-    cycle
-        Of the shaft that its drive turns.
-    joint, case
-        Its name, and the load case of the robot.
-
-    Returns
-    -------
-    JointLoad
-        A load of kind recorded that has its cycle already.
-    """
+    """The load of one joint."""
     made = JointLoad.model_construct(kind="recorded", file=cycle.name, motors=1, smoothing=0.0, inertia=0.0)
     made._cycle, made._joint, made._case = cycle, joint, case
     return made
 
 
 def radius_of(joint: Joint, travel_per_turn: float | None) -> float:
-    """Travel of a joint per angle of the shaft that its drive turns: 1, or m/rad of one that slides.
-
-    Parameters
-    ----------
-    joint
-        One that moves.
-    travel_per_turn
-        Of the shaft [m]; None where none is given.
-
-    Returns
-    -------
-    float
-        1, or [m].
-
-    Raises
-    ------
-    FieldError
-        A joint that slides without a travel per turn, or one that turns with it.
-    """
+    """Travel of a joint per angle of the shaft that its drive turns: 1, or m/rad of one that slides."""
     field = ("robot", "drives", joint.name)
     if joint.turns:
         if travel_per_turn is not None:
@@ -100,31 +69,7 @@ def cycle_of(
     name: str, duration: Array, moving: tuple[Array, Array], torque: Array, static: Array, inertia: float, *,
     radius: float = 1.0, friction: float = 0.0,
 ) -> LoadCycle:  # fmt: skip
-    """Load cycle at the shaft of one joint's drive.
-
-    Parameters
-    ----------
-    name
-        Of the joint.
-    duration
-        Of each segment [s], shape (segments,).
-    moving
-        Speed and acceleration in the joint's direction at both ends of each, shape (segments, 2) [rad/s, rad/s^2 or
-        m/s, m/s^2].
-    torque, static
-        Moving, damping included, and at rest [N*m or N], shape (segments, 2).
-    inertia
-        Largest of the joint alone [kg*m^2 or kg].
-    radius
-        Travel of the joint per angle of the shaft [1 or m].
-    friction
-        Coulomb friction against the speed [N*m or N].
-
-    Returns
-    -------
-    LoadCycle
-        Cut where speed or torque changes sign; ``held`` is the largest static torque.
-    """
+    """Load cycle at the shaft of one joint's drive."""
     speed, acceleration = moving
     held = float(np.abs(static).max()) * radius
     cycle = LoadCycle(

@@ -124,56 +124,12 @@ class JointTorques:
 def joint_loads(
     section: RobotSection, spec_file: str, masses: Mapping[str, float], gravity: float = _GRAVITY
 ) -> dict[str, JointLoad]:
-    """Loads of all joints along the trajectory, the drives' masses known.
-
-    Parameters
-    ----------
-    section
-        Of the machine.
-    spec_file
-        From whose folder files count; empty for a spec that is no file.
-    masses
-        Of the drive of each joint [kg]; 0 of those that are not named.
-    gravity
-        Acceleration of free fall [m/s^2].
-
-    Returns
-    -------
-    dict
-        By joint, in the order of the description.
-
-    Raises
-    ------
-    InputError
-        As :func:`joint_torques`, which serves further masses at little cost.
-    """
+    """Loads of all joints along the trajectory, the drives' masses known."""
     return joint_torques(section, spec_file, gravity).loads(masses)
 
 
 def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVITY) -> JointTorques:
-    """Torques of the joints of a section, over all its load cases.
-
-    Parameters
-    ----------
-    section
-        Of the machine.
-    spec_file
-        From whose folder files count; empty for a spec that is no file.
-    gravity
-        Acceleration of free fall [m/s^2].
-
-    Returns
-    -------
-    JointTorques
-        Columns of all drives and of the payload.
-
-    Raises
-    ------
-    FieldError
-        A field of the section is wrong; the caller adds file and line.
-    InputError
-        A file is wrong, or MuJoCo is not installed.
-    """
+    """Torques of the joints of a section, over all its load cases."""
     expected = "a URDF or MJCF file", "arm.urdf"
     robot = read_description(file_of(spec_file, section.description, ("robot", "description"), expected))
     motion = _ordered(motion_of(section, robot, spec_file), robot)

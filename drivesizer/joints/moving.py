@@ -19,25 +19,7 @@ _ROTARY = ("angle", "rotary_speed", "angular_acceleration", "angular_jerk")
 
 
 def joint_of(robot: Robot, name: str, field: Field) -> Joint:
-    """A joint that is moved.
-
-    Parameters
-    ----------
-    robot
-        The description.
-    name, field
-        Of the joint, and the field of the spec that names it.
-
-    Returns
-    -------
-    Joint
-        With one degree of freedom, and limits unless it is continuous.
-
-    Raises
-    ------
-    FieldError
-        There is none of that name, or it cannot be moved by a drive of its own.
-    """
+    """A joint that is moved."""
     joint = robot.joints.get(name)
     if joint is None:
         raise FieldError(field, f"{quoted(name)} is no joint of {robot.file}{nearest(name, robot.joints)}")
@@ -52,25 +34,7 @@ def joint_of(robot: Robot, name: str, field: Field) -> Joint:
 
 
 def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
-    """SI value of a figure of a joint.
-
-    Parameters
-    ----------
-    figure
-        As the section has it.
-    joint, field
-        Whose it is, and the field of the spec, for the message.
-
-    Returns
-    -------
-    float
-        In rad or m, and their derivatives.
-
-    Raises
-    ------
-    FieldError
-        An angle of a joint that slides, or a length of one that turns.
-    """
+    """SI value of a figure of a joint."""
     if (figure.kind in _ROTARY) != joint.turns:
         found = "a figure of a joint that turns" if figure.kind in _ROTARY else "a figure of a joint that slides"
         verb = "turns" if joint.turns else "slides"
@@ -81,27 +45,7 @@ def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
 
 
 def file_of(spec_file: str, name: str, field: Field, expected: tuple[str, str]) -> Path:
-    """Path of a file that a section names.
-
-    Parameters
-    ----------
-    spec_file
-        From whose folder it counts; empty for a spec that is no file.
-    name, field
-        As the section has it, and the field.
-    expected
-        Kind of the file and an example, for the message.
-
-    Returns
-    -------
-    Path
-        Of something that exists.
-
-    Raises
-    ------
-    FieldError
-        When there is none.
-    """
+    """Path of a file that a section names."""
     path = Path(spec_file).parent / name if spec_file else Path(name)
     if reason := missing(path):
         text = f"expected {expected[0]}, its path from the spec's folder, e.g. {expected[1]}"
@@ -115,20 +59,7 @@ def unit_of(joint: Joint) -> str:
 
 
 def within(joint: Joint, position: float) -> bool:
-    """Whether a position is inside the limits of a joint, up to rounding.
-
-    Parameters
-    ----------
-    joint
-        With or without limits.
-    position
-        To look at [rad or m].
-
-    Returns
-    -------
-    bool
-        True of a joint without limits, and of a continuous one, whatever its file has for them.
-    """
+    """Whether a position is inside the limits of a joint, up to rounding."""
     if joint.kind == "continuous" or not joint.lower <= joint.upper:
         return True
     slack = SLACK * max(abs(joint.lower), abs(joint.upper))
@@ -136,29 +67,7 @@ def within(joint: Joint, position: float) -> bool:
 
 
 def fixed_positions(section: RobotSection, robot: Robot, moved: Collection[str]) -> dict[str, float]:
-    """Positions of all joints that do not move.
-
-    Parameters
-    ----------
-    section
-        Whose ``held`` names some; others are held at 0.
-    robot
-        The description.
-    moved
-        Joints that the trajectory moves.
-
-    Returns
-    -------
-    dict
-        Position of each other joint with a degree of freedom [rad or m].
-
-    Raises
-    ------
-    FieldError
-        A joint that is not there or moves, or a position outside its limits.
-    InputError
-        A joint of several degrees of freedom, or one that follows another that moves.
-    """
+    """Positions of all joints that do not move."""
     for name in section.held:
         if name in moved:
             raise FieldError(("robot", "held", name), f"{quoted(name)} is moved by the trajectory; leave it out")

@@ -18,25 +18,6 @@ __all__ = ["carried_by", "drive_places", "outermost_first", "payload_place"]
 def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> dict[str, Attached]:
     """Points of links at which the drives of joints hang; those on the base, and those that the
     links' masses hold already, hang on none and are left out.
-
-    Parameters
-    ----------
-    section
-        Whose ``drives`` say where.
-    robot
-        The description.
-    joints
-        Those that move.
-
-    Returns
-    -------
-    dict
-        By joint.
-
-    Raises
-    ------
-    FieldError
-        A joint that does not move, or a link that is not there.
     """
     for name in section.drives:
         if name not in joints:
@@ -69,25 +50,7 @@ def _place(place: DrivePlace, robot: Robot, name: str) -> Attached:
 
 
 def payload_place(section: RobotSection, robot: Robot, joints: Sequence[str]) -> Attached | None:
-    """Point at which the payload hangs; None without any.
-
-    Parameters
-    ----------
-    section, robot
-        With the payload, and the description.
-    joints
-        Those that move.
-
-    Returns
-    -------
-    Attached
-        The only last link where the section names none.
-
-    Raises
-    ------
-    FieldError
-        A link that is not there or does not move, or several last ones.
-    """
+    """Point at which the payload hangs; None without any."""
     payload, field = section.payload, ("robot", "payload")
     if payload is None:
         return None
@@ -106,43 +69,13 @@ def payload_place(section: RobotSection, robot: Robot, joints: Sequence[str]) ->
 
 
 def carried_by(robot: Robot, drives: Mapping[str, Attached], joints: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """Joints whose drives ride beyond each joint; a drive on a link that it moves rides beyond its own.
-
-    Parameters
-    ----------
-    robot
-        The description.
-    drives
-        Point of each drive that is not on the base, by joint.
-    joints
-        Those that move.
-
-    Returns
-    -------
-    dict
-        By joint, in the order of ``joints``.
-    """
+    """Joints whose drives ride beyond each joint; a drive on a link that it moves rides beyond its own."""
     under = {name: {joint.name for joint in robot.chain(point.link)} for name, point in drives.items()}
     return {joint: tuple(name for name in joints if joint in under.get(name, ())) for joint in joints}
 
 
 def outermost_first(carried: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     """Joints in an order in which each comes behind those whose drives it carries.
-
-    Parameters
-    ----------
-    carried
-        Joints whose drives ride beyond each joint; its own is no circle.
-
-    Returns
-    -------
-    tuple of str
-        All joints.
-
-    Raises
-    ------
-    FieldError
-        Drives that carry each other in a circle.
 
     Examples
     --------

@@ -42,27 +42,7 @@ _EXACT, _MOST_NOISE = 1e-3, 0.2  # m or rad; of the largest acceleration
 
 
 def motion_in(path: Path, robot: Robot, smoothing: float = 0.0) -> JointMotion:
-    """Joints over time as a file has them.
-
-    Parameters
-    ----------
-    path
-        CSV with a column ``time`` and one for each joint that moves; a row of units below the header.
-    robot
-        The description, whose joints the columns name.
-    smoothing
-        Least time between the knots of the spline [s]; 0 goes through all samples.
-
-    Returns
-    -------
-    JointMotion
-        In the order of the file's columns.
-
-    Raises
-    ------
-    InputError
-        One line that says where, what was found and what is expected.
-    """
+    """Joints over time as a file has them."""
     text = read_text(path)
     rows = rows_of(path, text, 2)
     line, cells = next(rows, (1, []))

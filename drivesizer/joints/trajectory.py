@@ -18,29 +18,7 @@ __all__ = ["motion_of", "static_poses"]
 
 
 def motion_of(section: RobotSection, robot: Robot, spec_file: str) -> JointMotion:
-    """Joints over time, their limits kept.
-
-    Parameters
-    ----------
-    section
-        With a trajectory or waypoints.
-    robot
-        The description.
-    spec_file
-        From whose folder the trajectory's path counts; empty for a spec that is no file.
-
-    Returns
-    -------
-    JointMotion
-        Of the joints that the trajectory names.
-
-    Raises
-    ------
-    FieldError
-        A joint or limit of the section is wrong, or a move leaves the limits of a joint.
-    InputError
-        A file is wrong.
-    """
+    """Joints over time, their limits kept."""
     field = ("robot", "waypoints" if section.trajectory is None else "trajectory")
     if section.trajectory is None:
         motion = moves_of(section, robot)
@@ -75,27 +53,7 @@ def _when(motion: JointMotion, there: Array) -> float:
 def static_poses(
     section: RobotSection, robot: Robot, motion: JointMotion
 ) -> Iterator[tuple[str, float | None, JointMotion]]:
-    """Poses that the drives hold: name, payload [kg] where it is another, and one segment at rest.
-
-    Parameters
-    ----------
-    section
-        Whose ``holds`` they are.
-    robot
-        The description.
-    motion
-        Where joints stand that a pose does not name: at its start.
-
-    Returns
-    -------
-    Iterator
-        One for each.
-
-    Raises
-    ------
-    FieldError
-        A joint that the trajectory does not move, or a position outside its limits.
-    """
+    """Poses that the drives hold: name, payload [kg] where it is another, and one segment at rest."""
     for number, hold in enumerate(section.holds):
         position = motion.position[0, 0].copy()
         for name, figure in hold.positions.items():

@@ -53,25 +53,7 @@ class _Limits(NamedTuple):
 
 
 def moves_of(section: RobotSection, robot: Robot) -> JointMotion:
-    """Joints over time through the waypoints of a section.
-
-    Parameters
-    ----------
-    section
-        With waypoints.
-    robot
-        The description.
-
-    Returns
-    -------
-    JointMotion
-        From rest to rest at each waypoint.
-
-    Raises
-    ------
-    FieldError
-        A joint that is not there, a limit that is missing, nothing that moves.
-    """
+    """Joints over time through the waypoints of a section."""
     assert section.waypoints is not None
     joints, stops = _stops(section, robot)
     if not joints:

@@ -18,19 +18,7 @@ _NOT_LIVE = ("repeat", "file")  # sections of a report that say how it came abou
 
 
 def answer(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """Pieces ``spec``, ``wrong`` or ``ranking``, ``sections``, ``figures`` and one ``still`` after another.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` and ``edits``.
-
-    Yields
-    ------
-    Piece
-    """
+    """Pieces ``spec``, ``wrong`` or ``ranking``, ``sections``, ``figures`` and one ``still`` after another."""
     text = str(request["text"])
     try:
         text = text_of(held, request)
@@ -48,21 +36,7 @@ def answer(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 
 def result_pieces(held: EngineMemory, result: Any, proofs: Any = None) -> Iterator[Piece]:
-    """Pieces of a sizing: sections, figures, still figures.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    result
-        Of a spec or of a machine.
-    proofs
-        Its closed loop, where it was simulated.
-
-    Yields
-    ------
-    Piece
-    """
+    """Pieces of a sizing: sections, figures, still figures."""
     from drivesizer.output.json.documents import plain_data
     from drivesizer.output.report.html.stills import image
     from drivesizer.output.report.html.templates import section_html
@@ -101,19 +75,7 @@ def _parts(result: Any, proofs: Any) -> tuple[dict[str, Any], dict[str, Any], di
 
 
 def ranking(result: Any, proofs: Any = None) -> Piece:
-    """The drives in a few figures, for what the page shows before the report: the best, and what decides.
-
-    Parameters
-    ----------
-    result
-        Of a spec or of a machine.
-    proofs
-        Its closed loop, or that of each axis: the verdict is that of all.
-
-    Returns
-    -------
-    Piece
-    """
+    """The drives in a few figures, for what the page shows before the report: the best, and what decides."""
     from drivesizer.output.counted import meeting
     from drivesizer.results.check import gravest, worst
 

@@ -25,19 +25,7 @@ ALL = "all"  # of the shipped catalogues, as a spec names them
 
 
 def catalogues(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``catalogues``: all that ship, the spec's and the user's, with their parts; and the sections' columns.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` of the spec.
-
-    Yields
-    ------
-    Piece
-    """
+    """A piece ``catalogues``: all that ship, the spec's and the user's, with their parts; and the sections' columns."""
     from drivesizer.catalog import shipped
 
     chosen = listed_names(named_by(held, str(request["text"])))
@@ -84,20 +72,7 @@ def _sections() -> list[Piece]:
 
 
 def named_by(held: EngineMemory, text: str) -> list[str]:
-    """Catalogues that a spec names, those of all axes together; those of a spec without any where it is no YAML.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    text
-        The spec, right or not.
-
-    Returns
-    -------
-    list of str
-        As they stand there, each once.
-    """
+    """Catalogues that a spec names, those of all axes together; those of a spec without any where it is no YAML."""
     from drivesizer.files.yaml_source import YamlSource
     from drivesizer.spec.select import Select
 
@@ -125,27 +100,7 @@ def listed_names(names: Sequence[str]) -> list[str]:
 
 
 def shelf(held: EngineMemory, names: Sequence[str]) -> dict[str, Catalog]:
-    """Catalogues by name, each by itself; a file is read as it is now.
-
-    Parameters
-    ----------
-    held
-        What the process keeps: them too.
-    names
-        As a spec names them.
-
-    Returns
-    -------
-    dict of Catalog
-        In that order.
-
-    Raises
-    ------
-    InputError
-        When there is none of a name, or it may not be read.
-    CatalogError
-        When it is wrong.
-    """
+    """Catalogues by name, each by itself; a file is read as it is now."""
     from drivesizer.catalog import load, shipped
 
     if not held.shelf and set(names) & set(shipped()):  # all at once: a list mostly names many
@@ -155,25 +110,7 @@ def shelf(held: EngineMemory, names: Sequence[str]) -> dict[str, Catalog]:
 
 
 def hit_of(held: EngineMemory, name: str, section: str, part: str) -> Hit:
-    """A part by its catalogue, section and number.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    name, section, part
-        As ``parts`` gives them.
-
-    Returns
-    -------
-    Hit
-        With its catalogue.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-    """
+    """A part by its catalogue, section and number."""
     from drivesizer.catalog import DIRECT, PARTS
     from drivesizer.catalog.query import Hit
     from drivesizer.errors import quoted
@@ -189,20 +126,7 @@ def hit_of(held: EngineMemory, name: str, section: str, part: str) -> Hit:
 
 
 def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``parts`` with at most ``PAGE`` rows, or ``unmet`` with the conditions that cannot be read.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``section``, ``catalogues``, ``options`` and ``where`` as of the command, ``piece`` of text, ``sort``,
-        ``excluded``, and the number of the first row, ``start``.
-
-    Yields
-    ------
-    Piece
-    """
+    """A piece ``parts`` with at most ``PAGE`` rows, or ``unmet`` with the conditions that cannot be read."""
     from drivesizer.catalog.conditions import OPTIONS
     from drivesizer.catalog.query import select
 

@@ -26,20 +26,7 @@ _WHOLE = ("battery", "supply", "brake_resistor")
 
 
 def choose(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``edits``, by which a spec chooses what the page names.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` of the spec; ``part`` as of ``hit_of``, and whether its ``family`` is meant; or ``catalogues``, the
-        only ones, or with ``add`` beside the others; ``axis`` of a machine, empty for all.
-
-    Yields
-    ------
-    Piece
-    """
+    """A piece ``edits``, by which a spec chooses what the page names."""
     from drivesizer.files.yaml_source import YamlSource
 
     data = YamlSource(str(request["text"]), held.name).data

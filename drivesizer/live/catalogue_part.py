@@ -16,19 +16,7 @@ __all__ = ["part", "parts_compared"]
 
 
 def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``part``: figures with confidence and document of each, tables, remarks and curves.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``catalogue``, ``section`` and ``part``.
-
-    Yields
-    ------
-    Piece
-    """
+    """A piece ``part``: figures with confidence and document of each, tables, remarks and curves."""
     from drivesizer.catalog import singular
     from drivesizer.output.part.remarks import head
     from drivesizer.output.report.html.part_plots import part_plots
@@ -89,19 +77,7 @@ def _plain(table: PartTable) -> Piece:
 
 
 def parts_compared(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``section``, and ``parts``: catalogue and number of each.
-
-    Yields
-    ------
-    Piece
-    """
+    """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``."""
     from drivesizer.catalog.compare import side_by_side
     from drivesizer.output.part.figures import figure
     from drivesizer.output.part.remarks import DIFFERS, closing

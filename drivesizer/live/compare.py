@@ -14,19 +14,7 @@ __all__ = ["compare"]
 
 
 def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``compared``: rows of texts, a column for each drive.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` and ``edits``, and ``sets``: motor and gearhead of each by their parts.
-
-    Yields
-    ------
-    Piece
-    """
+    """A piece ``compared``: rows of texts, a column for each drive."""
     from drivesizer.sizing import explained, load_parts
     from drivesizer.spec.robot import read_spec
 

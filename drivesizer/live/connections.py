@@ -23,19 +23,7 @@ _PATIENCE = 10.0  # s from the first byte of a request's head to its last
 
 
 def serve(app: App, headers: Mapping[str, str], listening: socket.socket, workers: Iterable[Worker] = ()) -> None:
-    """Serve until Ctrl-C, or until the process is to end.
-
-    Parameters
-    ----------
-    app
-        The page.
-    headers
-        Of every response.
-    listening
-        Where requests come.
-    workers
-        Closed first at the end, so that what they answer ends too.
-    """
+    """Serve until Ctrl-C, or until the process is to end."""
     config = uvicorn.Config(
         app, http=_Connection, ws="none", loop="asyncio", lifespan="off", interface="asgi3", proxy_headers=False,
         headers=list(headers.items()), server_header=False, date_header=False, access_log=False,

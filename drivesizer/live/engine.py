@@ -39,22 +39,7 @@ INSIDE = {"check": "own_catalogues"}  # jobs of the server alone
 
 
 def done(held: EngineMemory, job: str, request: Piece) -> Iterator[Piece]:
-    """Pieces of the answer to a request; what is wrong with it is a piece as well.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    job
-        One of ``JOBS`` or ``INSIDE``.
-    request
-        What the page sent.
-
-    Yields
-    ------
-    Piece
-        ``kind`` says what it is; ``wrong`` has the lines that the command line would print.
-    """
+    """Pieces of the answer to a request; what is wrong with it is a piece as well."""
     try:
         yield from getattr(import_module(f"drivesizer.live.{(JOBS | INSIDE)[job]}"), job)(held, request)
     except InputError as error:
@@ -88,21 +73,7 @@ def _line(piece: Piece) -> bytes:
 
 
 def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: bool, folder: str) -> None:
-    """Do jobs until the pipe is closed: the whole life of the process.
-
-    Parameters
-    ----------
-    pipe
-        Takes ``(number, job, request)``, gives lines; an empty one ends a job, and the first one says that it is ready.
-    unwanted
-        Shared number of the job that is to stop.
-    file, spec
-        Name of the page's file, and its text when it was opened, where there is one.
-    first
-        Whether `spec` is sized before the first request; not where an earlier process ended.
-    folder
-        Where temporary files go; the server removes it.
-    """
+    """Do jobs until the pipe is closed: the whole life of the process."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which ends this process
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # a figure beyond all numbers is reported as unknown

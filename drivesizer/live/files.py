@@ -23,18 +23,6 @@ def document(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """The JSON document of ``drivesizer size --json --top 10 --pareto mass,price,energy``, byte for byte.
 
     A spec of which the page shows no front, or one of mass and price, is one without ``--pareto``, or with those.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` and ``edits``.
-
-    Yields
-    ------
-    Piece
-        A ``file``.
     """
     from drivesizer.output.json import documents
 
@@ -49,39 +37,14 @@ def document(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 
 def loop(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """The answer once more with its closed loop: ranking, sections, figures, still figures.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` and ``edits``.
-
-    Yields
-    ------
-    Piece
-    """
+    """The answer once more with its closed loop: ranking, sections, figures, still figures."""
     result, proofs = _proven(held, request)
     yield {"kind": "ranking", **ranking(result, proofs)}
     yield from result_pieces(held, result, proofs)
 
 
 def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A report as ``drivesizer report`` writes it.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` and ``edits``, and ``form``: pdf, html, xlsx, csv or json.
-
-    Yields
-    ------
-    Piece
-        A ``file``.
-    """
+    """A report as ``drivesizer report`` writes it."""
     from drivesizer.output.report import KNOWN, write, write_machine
 
     suffix = f".{request['form']}"
@@ -98,20 +61,7 @@ def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 
 def export(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """The best drive as ``drivesizer export`` writes it, a platform whole; several files come as one archive.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` and ``edits``, and ``form``: one of the formats.
-
-    Yields
-    ------
-    Piece
-        A ``file``.
-    """
+    """The best drive as ``drivesizer export`` writes it, a platform whole; several files come as one archive."""
     from drivesizer.output.export import FORMATS
     from drivesizer.output.export.machine import machine_export, write_machine
     from drivesizer.output.export.platform import write_drive

@@ -60,15 +60,7 @@ class EngineMemory:
 
 
 def take_over(held: EngineMemory, own: Mapping[str, bytes]) -> None:
-    """Take the user's catalogues in place of those before, and read them; what was found with these is forgotten.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    own
-        Content of each by its name, as a spec names it: a path from the spec's folder.
-    """
+    """Take the user's catalogues in place of those before, and read them; what was found with these is forgotten."""
     from drivesizer.catalog import load
 
     hand_over({Path(held.name).parent / name: content for name, content in own.items()})

@@ -27,23 +27,7 @@ _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,79}[.]ya?ml")
 
 
 async def taken(body: Any, own: dict[str, bytes], worker: Worker) -> Piece:
-    """Keep a catalogue where it is right, or give one up.
-
-    Parameters
-    ----------
-    body
-        ``name`` of the file and its ``content`` in base64, None to give it up; ``anyway`` keeps one whose figures
-        contradict each other.
-    own
-        Those that are kept, by name: changed here.
-    worker
-        Checks it.
-
-    Returns
-    -------
-    Piece
-        ``kept`` or ``given up`` with the name, ``contradictory`` or ``wrong`` with the lines.
-    """
+    """Keep a catalogue where it is right, or give one up."""
     name = _name(body.get("name")) if isinstance(body, dict) else ""
     if not name:
         return _wrong("expected the name of a file that ends in .yaml, and its content")
@@ -83,20 +67,7 @@ async def _checked(name: str, content: bytes, worker: Worker) -> Piece:
 
 
 def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """The findings of ``drivesizer catalog check`` on one catalogue.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``name`` and ``content``, as bytes.
-
-    Yields
-    ------
-    Piece
-        ``right`` or ``contradictory`` with parts by section and findings, a line each; else ``wrong``.
-    """
+    """The findings of ``drivesizer catalog check`` on one catalogue."""
     from drivesizer.catalog import catalog_of_text
     from drivesizer.catalog.laws.check import check as findings
 

@@ -21,56 +21,13 @@ _CHOICES = 200  # drives to choose from by weights, as in a report
 
 
 def text_of(held: EngineMemory, request: Piece) -> str:
-    """The text of a request with its edits made.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text``, and ``edits``: lists of path, value, and whether it is a text.
-
-    Returns
-    -------
-    str
-        YAML.
-
-    Raises
-    ------
-    InputError
-        When the text is no YAML, or a field is no place for an edit.
-    """
+    """The text of a request with its edits made."""
     edits = [Edit(tuple(path), value, bool(text)) for path, value, text in request.get("edits") or []]
     return edited(str(request["text"]), edits, held.name) if edits else str(request["text"])
 
 
 def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False, brief: bool = False) -> Any:
-    """The sizing of a text, made once.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    text
-        YAML of a spec or of a machine.
-    top
-        Drives.
-    front
-        Also those to choose from by weights, and those that no other beats in mass, price and energy, of a spec of one
-        axis without platform or battery; by the paper's method, which computes no energy, in mass and price.
-    brief
-        The drives alone, without alternatives and further searches.
-
-    Returns
-    -------
-    SizingResult or MachineSizing
-        As the command line finds it.
-
-    Raises
-    ------
-    InputError
-        As of the command line.
-    """
+    """The sizing of a text, made once."""
     from drivesizer.spec.several_axes.any_spec import read_any
     from drivesizer.spec.several_axes.machine import MachineSpec
 
@@ -89,20 +46,7 @@ def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False,
 
 
 def named(text: str, file: str) -> list[Path]:
-    """Files that a text may name: each text in it as a path from its folder, whether there is one or not.
-
-    Parameters
-    ----------
-    text
-        YAML.
-    file
-        Where it is.
-
-    Returns
-    -------
-    list of Path
-        None where it is no YAML that is accepted.
-    """
+    """Files that a text may name: each text in it as a path from its folder, whether there is one or not."""
     try:
         data = YamlSource(text, file).data
     except InputError:
@@ -126,21 +70,7 @@ def _front(spec: Any) -> tuple[str, ...]:
 
 
 def faults(error: InputError, name: str) -> list[Piece]:
-    """Each line of an error with the place that it names.
-
-    Parameters
-    ----------
-    error
-        What is wrong.
-    name
-        The file as messages call it.
-
-    Returns
-    -------
-    list of Piece
-        ``said`` as the command line prints it, ``text`` without the place, ``line`` and ``path``; None and nothing
-        where none is named.
-    """
+    """Each line of an error with the place that it names."""
     return [{"said": line.replace(name, Path(name).name), **_fault(line, name)} for line in error.lines]
 
 

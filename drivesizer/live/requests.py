@@ -129,25 +129,7 @@ REQUESTS: dict[str, type[SpecRequest]] = {
 
 
 def request_of(model: type[BaseModel], body: bytes) -> Piece:
-    """Fields of a request.
-
-    Parameters
-    ----------
-    model
-        What it must have.
-    body
-        JSON.
-
-    Returns
-    -------
-    Piece
-        Plain data.
-
-    Raises
-    ------
-    InputError
-        When it is another request.
-    """
+    """Fields of a request."""
     try:
         return model.model_validate_json(body).model_dump()
     except ValidationError as error:

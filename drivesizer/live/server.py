@@ -36,20 +36,7 @@ _NEWEST = {"answer", "sweep", "compare", "loop", "parts"}  # jobs of which a tab
 
 
 def engines(path: Path, own: Mapping[str, bytes]) -> dict[str, Worker]:
-    """Processes of the engine: a quick one for the ranking, and one for what takes longer.
-
-    Parameters
-    ----------
-    path
-        The spec; files that it names now are those that may be read.
-    own
-        Catalogues of the user by name, which change while they run.
-
-    Returns
-    -------
-    dict
-        To be closed.
-    """
+    """Processes of the engine: a quick one for the ranking, and one for what takes longer."""
     spec = content(path)["text"]
     return {"quick": Worker(str(path), spec, _QUICK, own), "slow": Worker(str(path), spec, _SLOW, own)}
 
@@ -57,26 +44,7 @@ def engines(path: Path, own: Mapping[str, bytes]) -> dict[str, Worker]:
 def application(
     path: Path, token: str, port: int, starting: str, workers: Mapping[str, Worker], own: dict[str, bytes]
 ) -> Guard:
-    """The page of one file.
-
-    Parameters
-    ----------
-    path
-        The spec: read, and written where the user saves it.
-    token
-        Head of every address.
-    port
-        Under which it is served.
-    starting
-        What the page shows where there is no file yet.
-    workers, own
-        As of :func:`engines`.
-
-    Returns
-    -------
-    Guard
-        An ASGI application.
-    """
+    """The page of one file."""
 
     async def job(request: Request) -> Response:
         return await _job(request, workers)

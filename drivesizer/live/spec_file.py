@@ -21,18 +21,7 @@ _SHORT = 100_000  # characters of a text that is read at once
 
 
 def content(path: Path) -> Piece:
-    """Text of the file, with line feeds alone, and its mark.
-
-    Parameters
-    ----------
-    path
-        Of the spec.
-
-    Returns
-    -------
-    Piece
-        ``text`` and ``mark``, None where there is no file; ``wrong`` with the reason where it cannot be read.
-    """
+    """Text of the file, with line feeds alone, and its mark."""
     try:
         raw = _raw(path)
         text = None if raw is None else decoded(raw, path).replace("\r\n", "\n")
@@ -42,18 +31,7 @@ def content(path: Path) -> Piece:
 
 
 def fields(text: str) -> Any:
-    """Fields of a spec, for the form before an engine is ready.
-
-    Parameters
-    ----------
-    text
-        YAML.
-
-    Returns
-    -------
-    Any
-        Plain data; None where the text cannot be read or is too long to be read beside requests.
-    """
+    """Fields of a spec, for the form before an engine is ready."""
     try:
         return YamlSource(text, "spec").data if len(text) <= _SHORT else None
     except InputError:
@@ -82,20 +60,7 @@ def _mark(raw: bytes) -> str:
 
 
 def saved(path: Path, request: Piece) -> Piece:
-    """Write the file, unless it is another one than the page has read: then the user decides.
-
-    Parameters
-    ----------
-    path
-        Of the spec.
-    request
-        ``text``, ``mark`` of the file as it was read, and whether it is to be replaced ``anyway``.
-
-    Returns
-    -------
-    Piece
-        ``saved`` with the new mark, ``changed``, or ``wrong`` with the reason.
-    """
+    """Write the file, unless it is another one than the page has read: then the user decides."""
     try:
         there = _raw(path)
         if there is not None and _mark(there) != request["mark"] and not request["anyway"]:

@@ -13,19 +13,7 @@ __all__ = ["rejected", "sweep"]
 
 
 def sweep(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``point`` for each value, in the order of the request.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` and ``edits``, ``path`` of the figure, and its ``values`` as one types them.
-
-    Yields
-    ------
-    Piece
-    """
+    """A piece ``point`` for each value, in the order of the request."""
     text, path = text_of(held, request), tuple(request["path"])
     for number, value in enumerate(request["values"]):
         held.go_on()
@@ -63,19 +51,7 @@ def _best(held: EngineMemory, text: str) -> Piece:
 
 
 def rejected(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``rejected``: whether a set still passes, and its check of the smallest margin.
-
-    Parameters
-    ----------
-    held
-        What the process keeps.
-    request
-        ``text`` and ``edits``, ``motor`` and ``gearhead`` by their parts.
-
-    Yields
-    ------
-    Piece
-    """
+    """A piece ``rejected``: whether a set still passes, and its check of the smallest margin."""
     from drivesizer.files.yaml_source import YamlSource
     from drivesizer.output.text import margin
     from drivesizer.results.check import worst

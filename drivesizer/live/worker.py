@@ -86,19 +86,7 @@ class Worker:
         return self.waiting.qsize() >= _MOST
 
     async def answer(self, tab: str, name: str, request: Piece) -> AsyncGenerator[bytes]:
-        """Pieces of a job as JSON, a line each; one that says so where a newer request of the tab came first.
-
-        Parameters
-        ----------
-        tab
-            Whose request it is: its newest one counts, and stops one that is under way. Empty: it counts alone.
-        name, request
-            As of ``engine.done``.
-
-        Yields
-        ------
-        bytes
-        """
+        """Pieces of a job as JSON, a line each; one that says so where a newer request of the tab came first."""
         if self.closed:
             yield _wrong(_STOPPED)
             return

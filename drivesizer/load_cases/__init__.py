@@ -54,20 +54,7 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
 
 
 def driven_shaft_cycle(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
-    """A load cycle with what the stages at the load add: the belt's inertia and friction, a gear of fixed ratio.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    cycle
-        Of its load alone.
-
-    Returns
-    -------
-    LoadCycle
-        At the driven shaft. A gear before a belt is seen as behind it, its inertia and friction by the belt's ratio.
-    """
+    """A load cycle with what the stages at the load add: the belt's inertia and friction, a gear of fixed ratio."""
     gear, belt = spec.gear, spec.belt
     if gear is None:
         return _with_belt(cycle, belt)
@@ -132,25 +119,7 @@ def _recorded(spec: RobotSpec, load: Any) -> LoadCycle:
 
 
 def cycle_of_course(spec: RobotSpec, course: Course) -> LoadCycle:
-    """The load cycle at the driven shaft of one drive, of any load but a recording, without the belt's inertia.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    course
-        How its load moves.
-
-    Returns
-    -------
-    LoadCycle
-        Of the load alone.
-
-    Raises
-    ------
-    InputError
-        When the load cannot follow, or a figure leaves the range of numbers that can be computed with.
-    """
+    """The load cycle at the driven shaft of one drive, of any load but a recording, without the belt's inertia."""
     with located(spec):
         cycle = LAWS[spec.load.kind](spec.load, spec.environment.gravity, course)
     return replace(cycle, own=()) if spec.platform else cycle  # a platform's own checks know more

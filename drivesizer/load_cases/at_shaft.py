@@ -48,13 +48,7 @@ class AtShaft(NamedTuple):
 
 @np.errstate(all="ignore")  # what leaves the range of numbers is refused with the drive train
 def at_shaft(spec: RobotSpec) -> AtShaft:
-    """Inertia and torques of a spec's load at the shaft.
-
-    Raises
-    ------
-    InputError
-        When a figure leaves the range of numbers that can be computed with.
-    """
+    """Inertia and torques of a spec's load at the shaft."""
     forward, rest = _creeping(spec, _CREEP), _creeping(spec, 0.0)
     found = (_first(forward), _backward(spec), _first(rest))
     return AtShaft(forward.inertia, forward.radius, *found)
@@ -86,13 +80,7 @@ def _backward(spec: RobotSpec) -> float:
 
 
 def motion_of(spec: RobotSpec) -> Profile:
-    """The motion profile of a spec; that of the shaft where the load is a recording.
-
-    Raises
-    ------
-    InputError
-        When its figures cannot be computed with, or its file is wrong.
-    """
+    """The motion profile of a spec; that of the shaft where the load is a recording."""
     if not isinstance(spec.load, Recorded):
         return profile_of(spec)
     cycle = load_cycle(spec)
@@ -102,24 +90,7 @@ def motion_of(spec: RobotSpec) -> Profile:
 
 
 def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArray[np.float64]:
-    """Torque of a motion beyond inertia and the constants of its direction.
-
-    Parameters
-    ----------
-    spec, profile, shaft
-        The machine, its motion, and its load of ``at_shaft``.
-
-    Returns
-    -------
-    array
-        Rows of time, as the profile counts it [s], and torque [N*m], times rising; none where nothing is left. A jump
-        is two rows, the first as late as numbers permit.
-
-    Raises
-    ------
-    InputError
-        When a figure leaves the range of numbers that can be computed with.
-    """
+    """Torque of a motion beyond inertia and the constants of its direction."""
     cycle = load_cycle(spec, None if isinstance(spec.load, Recorded) else profile)
     direction = np.sign(cycle.speed.mean(axis=1, keepdims=True))
     known = np.where(direction > 0.0, shaft.forward_torque, shaft.backward_torque)

@@ -16,27 +16,7 @@ Leg = tuple[_Field, float, float]  # field that gives its time; time [s]; speed 
 
 
 def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Profile:
-    """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint.
-
-    Parameters
-    ----------
-    name
-        Of the profile.
-    legs
-        One after the other.
-    there_and_back
-        Whether the same follows with speeds the other way.
-
-    Returns
-    -------
-    Profile
-        Its breakpoints.
-
-    Raises
-    ------
-    FieldError
-        When a leg's figures cannot be computed with.
-    """
+    """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint."""
     back = [(field, duration, -to) for field, duration, to in legs if there_and_back]
     time, speed = [0.0], [0.0]
     for field, duration, to in (*legs, *back):
@@ -61,25 +41,7 @@ def _motion_breakpoints(field: _Field) -> tuple[str | int, ...]:
 
 
 def checked(profile: Profile, field: str) -> Profile:
-    """The profile, when its numbers can be computed with.
-
-    Parameters
-    ----------
-    profile
-        As it was made.
-    field
-        Of the motion, for messages.
-
-    Returns
-    -------
-    Profile
-        The same.
-
-    Raises
-    ------
-    FieldError
-        When they leave the range of numbers, or a part has no length beside the whole.
-    """
+    """The profile, when its numbers can be computed with."""
     sloped = (*(profile.acceleration or ()), *itertools.chain.from_iterable(profile.ends or ()))
     figures = (*profile.time, *profile.speed, *sloped)
     if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:

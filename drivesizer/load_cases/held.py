@@ -19,18 +19,6 @@ def heaviest_positions(lever: Lever | None, moved: Course) -> Course:
     Power may be lost at any time, so that is the worst of the whole path. The torque of a mass on a lever goes as the
     cosine of its angle: it is largest at an end of the path, or level wherever the path passes there. Of any other load
     no position is worse than another. A light load may pull harder than a heavy one: against a counterweight.
-
-    Parameters
-    ----------
-    lever
-        The mass that gravity turns; None where there is none.
-    moved
-        How the load moves.
-
-    Returns
-    -------
-    Course
-        A segment of a second at each position.
     """
     carried = np.broadcast_to(moved.payload, (len(moved.duration), 1))[:, 0]
     found = [

@@ -61,28 +61,7 @@ def _curved_move(motion: Move) -> Profile:
 
 
 def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
-    """Speed of a cam table: the slope of a local parabola through its positions, times the speed of the master.
-
-    Parameters
-    ----------
-    path
-        The file: columns angle and position.
-    motion
-        Speed of the master, smoothing.
-    kind
-        ``length``, or ``angle`` of a load that turns.
-
-    Returns
-    -------
-    Profile
-        A breakpoint per row. The table repeats, shifted by what its last row is off the first: so the slopes at both
-        ends are the same.
-
-    Raises
-    ------
-    InputError
-        When the file is wrong, or the smoothing is longer than a run of the table.
-    """
+    """Speed of a cam table: the slope of a local parabola through its positions, times the speed of the master."""
     found = columns(Path(path), {"angle": "angle", "position": kind})
     time, position = (found["angle"] - found["angle"][0]) / motion.master_speed, found["position"]
     if len(time) < 4:

@@ -10,23 +10,7 @@ __all__ = ["load_cases"]
 
 
 def load_cases(spec: RobotSpec) -> tuple[tuple[int, str, RobotSpec], ...]:
-    """The load cases of a machine as they are sized: one for each driven wheel where its motion is a trajectory.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-
-    Returns
-    -------
-    tuple
-        The number of the machine's load case from 0, the name, and the spec with the load of the case.
-
-    Raises
-    ------
-    InputError
-        When a trajectory's file is wrong, limits are missing, or the wheels do not allow the motion.
-    """
+    """The load cases of a machine as they are sized: one for each driven wheel where its motion is a trajectory."""
     every = enumerate(spec.load_cases)
     return tuple((number, *found) for number, (name, case) in every for found in _split(name, case))
 

@@ -32,25 +32,7 @@ class HardestInstant(NamedTuple):
 
 
 def hardest_instant(spec: RobotSpec, rotor_inertia: float = 0.0) -> HardestInstant:
-    """A platform at the instant of its motion, in the first load case, at which a wheel has its largest torque.
-
-    Parameters
-    ----------
-    spec
-        With a platform.
-    rotor_inertia
-        Of a drive's rotors at its wheel [kg*m^2].
-
-    Returns
-    -------
-    HardestInstant
-        Straight ahead where the motion is no trajectory.
-
-    Raises
-    ------
-    InputError
-        When the motion is wrong, or the wheels do not allow it.
-    """
+    """A platform at the instant of its motion, in the first load case, at which a wheel has its largest torque."""
     name, case = spec.load_cases[0]
     d, trajectory = dynamics_of(case, rotor_inertia), trajectory_of(case)
     if trajectory is None:

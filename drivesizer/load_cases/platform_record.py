@@ -14,27 +14,7 @@ __all__ = ["box_inertia", "platform_assumptions", "platform_of"]
 
 
 def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 0.0) -> wheels.Platform:
-    """The platform with its payloads, of the load's mass.
-
-    Parameters
-    ----------
-    section
-        Where wheels and mass are.
-    load
-        Mass, wheel diameter, rolling resistance and inertia of a wheel. A wheel without a drive is taken as one with.
-    rotor_inertia
-        Of a drive's rotors at its wheel, K² (J_m + J_g) [kg*m^2].
-
-    Returns
-    -------
-    wheels.Platform
-        Wheels, casters, mass, inertia and centre of mass, with payloads and failed motors.
-
-    Raises
-    ------
-    InputError
-        When the number of driven wheels is another, the payloads leave no mass for the robot, or wheels are singular.
-    """
+    """The platform with its payloads, of the load's mass."""
     driven = sum(place.driven for place in section.places)
     if driven != load.driven_wheels:
         raise InputError(f"platform: {driven} of its wheels are driven, load.driven_wheels is {load.driven_wheels}")
@@ -77,37 +57,13 @@ def _own_mass(section: Platform, load: WheeledVehicle) -> float:
 
 
 def box_inertia(section: Platform, mass: float) -> float:
-    """Inertia of a homogeneous box of the robot's size about its vertical axis, m (L² + W²) / 12 [kg*m^2].
-
-    Parameters
-    ----------
-    section
-        With its size.
-    mass
-        Of the box [kg].
-
-    Returns
-    -------
-    float
-        Inertia [kg*m^2].
-    """
+    """Inertia of a homogeneous box of the robot's size about its vertical axis, m (L² + W²) / 12 [kg*m^2]."""
     assert section.size is not None
     return mass * (section.size.length**2 + section.size.width**2) / 12.0
 
 
 def platform_assumptions(section: Platform, load: WheeledVehicle) -> tuple[str, ...]:
-    """Assumptions about the platform where the spec gives no figure, as sentences.
-
-    Parameters
-    ----------
-    section, load
-        The spec's platform, and the vehicle that it belongs to.
-
-    Returns
-    -------
-    tuple of str
-        One sentence each; empty where everything is given.
-    """
+    """Assumptions about the platform where the spec gives no figure, as sentences."""
     found = []
     if section.inertia is None:
         inertia = show(box_inertia(section, _own_mass(section, load)), "kg*m^2", "inertia")

@@ -34,13 +34,7 @@ _SAME = 1e-9  # of the largest figure
 
 
 def trajectory_of(spec: RobotSpec) -> Trajectory | None:
-    """The trajectory of the platform; None where the spec's motion is none.
-
-    Raises
-    ------
-    InputError
-        When the file is wrong, or limits are missing that a plan needs.
-    """
+    """The trajectory of the platform; None where the spec's motion is none."""
     motion = spec.motion
     if isinstance(motion, Track):
         path = path_from_spec(spec.file, motion.trajectory, spec.where(("motion", "trajectory")))
@@ -75,20 +69,7 @@ def limits_of(spec: RobotSpec) -> Limits | None:
 
 
 def dynamics_of(spec: RobotSpec, rotor_inertia: float = 0.0) -> Dynamics:
-    """Kinematics and dynamics of a spec's platform.
-
-    Parameters
-    ----------
-    spec
-        With a platform.
-    rotor_inertia
-        Of a drive's rotors at its wheel [kg*m^2].
-
-    Returns
-    -------
-    Dynamics
-        With the kinematics of its wheels.
-    """
+    """Kinematics and dynamics of a spec's platform."""
     assert spec.platform is not None and isinstance(spec.load, WheeledVehicle)
     with _located(spec, "platform"):
         return dynamics(platform_of(spec.platform, spec.load, rotor_inertia))
@@ -101,20 +82,7 @@ def ground_of(spec: RobotSpec) -> Ground:
 
 
 def floor_friction(spec: RobotSpec, force: float) -> float:
-    """Force that friction transmits at a driven wheel of a vehicle straight on, of a platform at its worst [N].
-
-    Parameters
-    ----------
-    spec
-        The vehicle, with or without a platform; its slope is along its path.
-    force
-        With which each driven wheel pushes or brakes [N]: what it does to the floor moves the weight to and fro.
-
-    Returns
-    -------
-    float
-        Of the driven wheel that carries least [N]; NaN where coefficient or height is unknown.
-    """
+    """Force that friction transmits at a driven wheel of a vehicle straight on, of a platform at its worst [N]."""
     load, section, g = spec.load, spec.platform, spec.environment.gravity
     assert isinstance(load, WheeledVehicle)
     if section is None:
@@ -130,23 +98,7 @@ def floor_friction(spec: RobotSpec, force: float) -> float:
 
 
 def wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
-    """A load case of a platform as those of its wheels, the one of the largest RMS torque first.
-
-    Parameters
-    ----------
-    name, case
-        Of the load case; it is left as it is where its motion is no trajectory.
-
-    Returns
-    -------
-    iterator
-        Name and spec of each.
-
-    Raises
-    ------
-    InputError
-        When a trajectory's file is wrong, limits are missing, or the wheels do not allow the motion.
-    """
+    """A load case of a platform as those of its wheels, the one of the largest RMS torque first."""
     if not isinstance(case.motion, Track | Waypoints):
         yield name, case
         return
@@ -167,18 +119,6 @@ def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[Loa
     """The load cycle of each driven wheel of a platform on its trajectory, with the grip that it needs.
 
     What takes load off a wheel is a matter of the machine, whatever drives it: see ``budgets``.
-
-    Parameters
-    ----------
-    case
-        The machine, or one of its load cases.
-    d, trajectory
-        Its ``dynamics_of`` and its ``trajectory_of``.
-
-    Returns
-    -------
-    tuple of LoadCycle
-        In the order of the driven wheels; each with its own limit of traction.
     """
     load = case.load
     assert isinstance(load, WheeledVehicle)

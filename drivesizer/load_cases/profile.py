@@ -171,13 +171,7 @@ _MADE: dict[str, Callable[[Any], Profile]] = {
 
 
 def profile_of(spec: RobotSpec) -> Profile:
-    """The spec's motion as a profile, with the rest in which it waits for other axes of its machine.
-
-    Raises
-    ------
-    InputError
-        When its figures cannot be computed with, or its file is wrong.
-    """
+    """The spec's motion as a profile, with the rest in which it waits for other axes of its machine."""
     return resting(_own_motion(spec), spec.waits_until)
 
 
@@ -261,20 +255,7 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
 
 
 def from_csv(path: str | Path, kind: str = "speed") -> Profile:
-    """A recorded profile: a file with the columns time and speed, see :func:`drivesizer.files.csv_columns.columns`.
-
-    Parameters
-    ----------
-    path
-        The file.
-    kind
-        ``speed``, or ``rotary_speed`` of a load that turns.
-
-    Returns
-    -------
-    Profile
-        Breakpoints as recorded.
-    """
+    """A recorded profile: a file with the columns time and speed, see :func:`drivesizer.files.csv_columns.columns`."""
     found = columns(Path(path), {"time": "time", "speed": kind})
     return Profile(str(path), tuple(found["time"].tolist()), tuple(found["speed"].tolist()))
 

@@ -18,25 +18,7 @@ __all__ = ["requirement_checks"]
 
 
 def requirement_checks(spec: RobotSpec, required: Requirements) -> tuple[Check, ...]:
-    """Time over a distance, speed of the motion, devices; each where it is required.
-
-    Parameters
-    ----------
-    spec
-        The machine as it was specified.
-    required
-        Its section.
-
-    Returns
-    -------
-    tuple of Check
-        Margins of speed and devices are what the spec gives beyond the requirement.
-
-    Raises
-    ------
-    InputError
-        As of ``trip``.
-    """
+    """Time over a distance, speed of the motion, devices; each where it is required."""
     rotary = spec.load.axis == "rotary"
     return tuple(column.at((), "budget", rotary=rotary) for column in _columns(spec, required))
 

@@ -18,18 +18,7 @@ __all__ = ["screw_requirements"]
 
 
 def screw_requirements(cases: Sequence[RobotSpec]) -> list[Requirement]:
-    """Figures of the life of a ball screw in the load case in which it is shortest; none without a dynamic rating.
-
-    Parameters
-    ----------
-    cases
-        The load cases of one machine.
-
-    Returns
-    -------
-    list
-        Mean load, and life in turns, distance and hours.
-    """
+    """Figures of the life of a ball screw in the load case in which it is shortest; none without a dynamic rating."""
     lives = [life for spec in cases if (life := _life(spec)) is not None]
     if not lives:
         return []

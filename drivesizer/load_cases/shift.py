@@ -24,24 +24,7 @@ _TRIED = 200
 
 
 def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
-    """The load cycle of a spec; where cases of it alternate, the cycle of all of them.
-
-    Parameters
-    ----------
-    spec
-        With its further load cases.
-
-    Returns
-    -------
-    LoadCycle
-        At the driven shaft. Its inertia and its torque at rest are the largest of all cases, limits of the load those
-        of the worst.
-
-    Raises
-    ------
-    InputError
-        When shares and cycles are so unlike that the whole is too long to be computed with.
-    """
+    """The load cycle of a spec; where cases of it alternate, the cycle of all of them."""
     if not spec.shift:
         return load_cycle(spec)
     shares, lasting, specs = zip(*spec.shift, strict=True)
@@ -70,18 +53,6 @@ def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
 
 def counts(shares: Sequence[float], times: Sequence[float]) -> list[int]:
     """Numbers of some blocks in the shortest whole in which their shares of the time are right to 1 %.
-
-    Parameters
-    ----------
-    shares
-        Of the time [1].
-    times
-        Duration of one block of each [s].
-
-    Returns
-    -------
-    list of int
-        By block; where no whole is so near, those of the nearest.
 
     Examples
     --------

@@ -24,23 +24,7 @@ class Trip(NamedTuple):
 
 
 def trip(spec: RobotSpec) -> Trip:
-    """The motion of a load case, as it is specified; with cases that share its time the motion of all of them.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-
-    Returns
-    -------
-    Trip
-        Of one cycle, or of the shortest whole in which the cases have their shares.
-
-    Raises
-    ------
-    InputError
-        When a file is wrong, or limits are missing that a plan needs.
-    """
+    """The motion of a load case, as it is specified; with cases that share its time the motion of all of them."""
     if spec.platform is not None:
         from drivesizer.load_cases.platform_wheels import trajectory_of
 
@@ -53,20 +37,7 @@ def trip(spec: RobotSpec) -> Trip:
 
 
 def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
-    """Distance that a vehicle travels in a cycle.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        Its load cycle.
-
-    Returns
-    -------
-    float
-        [m]; NaN of a load that is no vehicle.
-    """
+    """Distance that a vehicle travels in a cycle."""
     load: Any = spec.load
     if load.is_wheel:
         return float(load.distance)

@@ -21,39 +21,13 @@ _NO_TIME = 1e-9  # of the cycle
 
 
 def static_torque(cycle: LoadCycle) -> float:
-    """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown.
-
-    Parameters
-    ----------
-    cycle
-        That ends at rest.
-
-    Returns
-    -------
-    float
-        Of a rest at its end that of the rest.
-    """
+    """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown."""
     torque, acceleration = float(cycle.torque[-1, 1]), float(cycle.acceleration[-1, 1])
     return torque if acceleration == 0.0 else torque - cycle.inertia * acceleration
 
 
 def with_rest(cycle: LoadCycle, until: float | None, held: float) -> LoadCycle:
-    """A load cycle with a rest at its end.
-
-    Parameters
-    ----------
-    cycle
-        That ends at rest.
-    until
-        Length with that rest [s]; None without one.
-    held
-        Torque of the rest [N*m]; NaN unknown.
-
-    Returns
-    -------
-    LoadCycle
-        As it is where it lasts so long, and where nobody knows what holds it.
-    """
+    """A load cycle with a rest at its end."""
     rest = rest_left(cycle.total, until)
     if not rest or isnan(held):
         return cycle
@@ -72,18 +46,6 @@ def resting(profile: Profile, until: float | None) -> Profile:
 
     >>> resting(Profile("x", (0.0, 1.0, 3.0), (0.0, 2.0, 0.0)), 5.0)
     Profile(name='x', time=(0.0, 1.0, 3.0, 5.0), speed=(0.0, 2.0, 0.0, 0.0), acceleration=None, payload=None, ends=None)
-
-    Parameters
-    ----------
-    profile
-        That ends at rest.
-    until
-        Duration with that rest [s]; None without one.
-
-    Returns
-    -------
-    Profile
-        As it is where it lasts so long.
     """
     if not rest_left(profile.duration, until):
         return profile
@@ -102,18 +64,5 @@ def resting(profile: Profile, until: float | None) -> Profile:
 
 
 def rest_left(total: float, until: float | None) -> float:
-    """Time that an axis waits.
-
-    Parameters
-    ----------
-    total
-        Duration of its motion [s].
-    until
-        End of the machine's cycle [s]; None where it does not wait for that.
-
-    Returns
-    -------
-    float
-        0 where what is left is rounding [s].
-    """
+    """Time that an axis waits."""
     return 0.0 if until is None or until - total <= _NO_TIME * until else until - total

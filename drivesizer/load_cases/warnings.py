@@ -23,18 +23,7 @@ _STANDS = 3  # wheels at least
 
 
 def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
-    """A warning where the cycle of a load case ends elsewhere than it starts; empty where it may, or does not.
-
-    Parameters
-    ----------
-    name, spec
-        The load case; without a name where there is only one.
-
-    Returns
-    -------
-    tuple
-        One sentence at most.
-    """
+    """A warning where the cycle of a load case ends elsewhere than it starts; empty where it may, or does not."""
     off = _off(spec)
     return (_sentence(name, off, spec),) if off else ()
 

@@ -53,39 +53,14 @@ class WheelLoad(ComputedLoad):
 def wheel_load(
     cycle: LoadCycle, wheels: int, numbers: Iterable[int], distance: float, of: str, rolling: float
 ) -> WheelLoad:
-    """The load of one wheel, or of several alike.
-
-    Parameters
-    ----------
-    cycle
-        Of its shaft.
-    wheels
-        Driven wheels of the platform.
-    numbers
-        Which of them have this load cycle, from 0.
-    distance, of
-        How far the platform goes in the cycle [m], and the load case that this is.
-    rolling
-        Torque that the wheel itself takes to roll on, on a level floor [N*m].
-
-    Returns
-    -------
-    WheelLoad
-        A load of kind recorded that has its cycle already.
-    """
+    """The load of one wheel, or of several alike."""
     made = WheelLoad.model_construct(kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0)
     made._cycle, made._numbers, made._distance, made._of, made._rolling = cycle, tuple(numbers), distance, of, rolling
     return made
 
 
 def machine_cases(cases: Iterable[tuple[str, Load]]) -> list[tuple[str, list[int]]]:
-    """The load cases of the whole machine: the name of each, and the numbers of those of its wheels.
-
-    Parameters
-    ----------
-    cases
-        Name and load of every load case.
-    """
+    """The load cases of the whole machine: the name of each, and the numbers of those of its wheels."""
     found: dict[tuple[str, int], list[int]] = {}  # two may have one name, unless they are wheels of one
     for number, (name, load) in enumerate(cases):
         key = (load.of, -1) if isinstance(load, WheelLoad) else (name, number)

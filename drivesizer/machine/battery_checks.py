@@ -54,77 +54,25 @@ class Load(NamedTuple):
 
 
 def required_autonomy(spec: RobotSpec, section: Battery) -> Any:
-    """Time that a battery must last: the autonomy of its section, else the mission.
-
-    Parameters
-    ----------
-    spec
-        The machine, with its mission.
-    section
-        The spec's battery.
-
-    Returns
-    -------
-    float
-        [s]; NaN where neither is given.
-    """
+    """Time that a battery must last: the autonomy of its section, else the mission."""
     mission = spec.mission.duration if spec.mission else nan
     return mission if section.autonomy is None else section.autonomy
 
 
 def battery_checks(spec: RobotSpec, section: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
-    """Every limit of a battery, in the order in which people read them.
-
-    Parameters
-    ----------
-    spec
-        The machine: its supply's voltages and its margins.
-    section
-        The spec's section: what is required, and the reserve.
-    pack, load
-        The battery, and its load.
-
-    Returns
-    -------
-    tuple[Check, ...]
-        One record for each limit that applies.
-    """
+    """Every limit of a battery, in the order in which people read them."""
     return tuple(column.at((), "budget") for column in battery_columns(spec, section, pack, load))
 
 
 def battery_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> tuple[CheckColumn, ...]:
-    """The same before they are records: single figures, or columns where the figures of spec and load are columns.
-
-    Parameters
-    ----------
-    spec, section, pack
-        As for ``battery_checks``.
-    load
-        Figures, or columns over samples.
-
-    Returns
-    -------
-    tuple[CheckColumn, ...]
-        One for each limit that applies.
-    """
+    """The same before they are records: single figures, or columns where the figures of spec and load are columns."""
     *raised, current = charging(spec, pack, load)
     checks = (*_lasting(spec, section, pack, load), *_voltages(spec, pack, load), *raised, *_room(pack, load))
     return (*checks, *_currents(spec, pack, load), *_charger(section, pack), current)
 
 
 def drawn_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> tuple[CheckColumn, ...]:
-    """Those of what is drawn alone, whatever is regenerated.
-
-    Parameters
-    ----------
-    spec, section, pack, load
-        As for ``battery_columns``.
-
-    Returns
-    -------
-    tuple[CheckColumn, ...]
-        One for each limit that applies.
-    """
+    """Those of what is drawn alone, whatever is regenerated."""
     return (*_lasting(spec, section, pack, load), *_voltages(spec, pack, load), *_currents(spec, pack, load))
 
 
@@ -134,40 +82,12 @@ def accepted(spec: Any) -> Any:
 
 
 def resting_voltage(pack: Pack, mean: Any) -> Any:
-    """Highest voltage at rest: that of the start, or of a full battery where more is regenerated than drawn.
-
-    Parameters
-    ----------
-    pack
-        The battery.
-    mean
-        Mean power drawn [W]; below 0 regenerated.
-
-    Returns
-    -------
-    float or Array
-        [V], in the shape of ``mean``.
-    """
+    """Highest voltage at rest: that of the start, or of a full battery where more is regenerated than drawn."""
     return pack.emf(np.where(np.asarray(mean) < 0.0, 1.0, pack.start))[()]
 
 
 def raised_voltage(pack: Pack, back: Any, emf: Any) -> Any:
-    """Voltage at the terminals while power is regenerated [V]: E + R I; E where none does, whatever the resistance.
-
-    Parameters
-    ----------
-    pack
-        The battery.
-    back
-        Power into it [W].
-    emf
-        Its voltage without that [V].
-
-    Returns
-    -------
-    float or Array
-        [V], in the common shape of ``back`` and ``emf``.
-    """
+    """Voltage at the terminals while power is regenerated [V]: E + R I; E where none does, whatever the resistance."""
     raised = terminal_voltage(-_returned_current(pack, back, emf), emf, pack.resistance)
     return np.where(np.asarray(back) == 0.0, emf, raised)[()]
 
@@ -181,18 +101,6 @@ def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
     """Highest voltage and charge current, from the largest regenerated power; without any no limit applies.
 
     The margin to the voltage at which a charge ends counts from the voltage at rest: by so much the current may grow.
-
-    Parameters
-    ----------
-    spec
-        The machine: its supply's highest voltage and its margins.
-    pack, load
-        The battery, and its load.
-
-    Returns
-    -------
-    tuple[CheckColumn, ...]
-        Overcharge, voltage of the supply, charge current.
     """
     rest, lacking = resting_voltage(pack, load.mean), _RESISTED if np.isnan(pack.resistance).all() else ""
     zero = np.where((np.asarray(load.back) == 0.0) | (np.asarray(load.highest) > rest), rest, 0.0)[()]

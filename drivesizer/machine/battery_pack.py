@@ -116,25 +116,7 @@ _LITHIUM = ("Li-ion", "LiFePO4")  # whose charge hardly depends on the current, 
 
 
 def pack_of(section: Battery, catalog: Catalog) -> Pack:
-    """The battery that a spec describes.
-
-    Parameters
-    ----------
-    section
-        The spec's section; what it gives itself counts before the catalogue's figures.
-    catalog
-        Where its part is listed.
-
-    Returns
-    -------
-    Pack
-        Figures of the whole battery.
-
-    Raises
-    ------
-    InputError
-        When the catalogues have no such battery.
-    """
+    """The battery that a spec describes."""
     pack: Pack = catalog.once("battery", lambda: _pack_of(section, catalog), (section,))
     return pack
 
@@ -165,18 +147,7 @@ def _pack_of(section: Battery, catalog: Catalog) -> Pack:
 
 
 def lacking(pack: Pack) -> tuple[str, ...]:
-    """Fields of a spec's section ``battery`` that would decide its checks, and that neither it nor a catalogue gives.
-
-    Parameters
-    ----------
-    pack
-        The battery.
-
-    Returns
-    -------
-    tuple[str, ...]
-        Names of fields; ``discharge`` where nothing relates run time to load.
-    """
+    """Fields of a spec's section ``battery`` that would decide its checks."""
     names = ("resistance", "continuous_current", "peak_current", "charge_voltage", "max_charge_current")
     run_times = () if pack.rule else ("chemistry or discharge",)
     return (*run_times, *(name for name in names if _unknown(getattr(pack, name))))
@@ -232,18 +203,6 @@ def run_time(pack: Pack, power: Any) -> Any:
 
     By its discharge table, inside of it; else by Peukert's law at the current P / V of its mean voltage; a lithium
     battery without an exponent gives its rated charge. Unknown otherwise; infinite where nothing is drawn.
-
-    Parameters
-    ----------
-    pack
-        The battery.
-    power
-        At its terminals [W].
-
-    Returns
-    -------
-    float or Array
-        [s], in the shape of ``power``.
     """
     current = np.asarray(power, float) / pack.mean_voltage
     if pack.table:
@@ -262,22 +221,7 @@ def _law(pack: Pack) -> tuple[float, float]:
 
 
 def capacity_needed(pack: Pack, power: float, time: float) -> float:
-    """Rated capacity of a battery of this kind that gives a power for a time, of the available share [A*s].
-
-    Parameters
-    ----------
-    pack
-        The battery; one that is larger is thought of as more of it side by side.
-    power
-        Constant [W].
-    time
-        That the share which is available must last for [s].
-
-    Returns
-    -------
-    float
-        [A*s]; NaN where nothing relates run time to load.
-    """
+    """Rated capacity of a battery of this kind that gives a power for a time, of the available share [A*s]."""
     whole = time / pack.available
     if power <= 0.0:
         return 0.0
@@ -289,19 +233,6 @@ def capacity_needed(pack: Pack, power: float, time: float) -> float:
 
 
 def strings_needed(pack: Pack, needed: float) -> float:
-    """Number of parallel strings for a capacity.
-
-    Parameters
-    ----------
-    pack
-        The battery, whose strings are the unit.
-    needed
-        Capacity [A*s].
-
-    Returns
-    -------
-    float
-        At least 1; NaN where the capacity is unknown.
-    """
+    """Number of parallel strings for a capacity."""
     share = needed / pack.capacity * pack.parallel
     return nan if isnan(share) else float(max(1, ceil(share * (1.0 - _NEARLY))))

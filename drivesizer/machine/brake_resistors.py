@@ -38,25 +38,7 @@ _NO_PEAK = "unknown: no data sheet gives it; give brake_resistor with figures of
 
 
 def resistor_choices(spec: RobotSpec, catalog: Catalog) -> list[BrakeResistor]:
-    """The brake resistors among which a spec leaves the choice, each with the chopper that switches it.
-
-    Parameters
-    ----------
-    spec
-        The machine, with a section ``brake_resistor``.
-    catalog
-        Where parts are listed; what is inside a drive is offered by its name alone.
-
-    Returns
-    -------
-    list of BrakeResistor
-        One alone where the spec gives its figures; those without a chopper's voltage are left out.
-
-    Raises
-    ------
-    InputError
-        When no catalogue has a part or family, or what is named has no chopper and the spec gives no voltage of one.
-    """
+    """The brake resistors among which a spec leaves the choice, each with the chopper that switches it."""
     section = spec.brake_resistor
     assert section is not None
     if section.resistance is not None:
@@ -120,20 +102,7 @@ def _is_one_of(one: BrakeResistor, section: Section, highest: float) -> bool:
 
 
 def suited(one: BrakeResistor, cases: Sequence[OnTheBus]) -> BrakeResistor:
-    """A size that is made in any resistance with the one to order: the largest of E24 that burns enough in every case.
-
-    Parameters
-    ----------
-    one
-        A resistor.
-    cases
-        What is regenerated.
-
-    Returns
-    -------
-    BrakeResistor
-        The same where its resistance is given.
-    """
+    """A size that is made in any resistance with the one to order."""
     if not isnan(one.resistance) or isnan(one.resistance_max):
         return one
     most = min((float(largest_resistance(one.chopper_voltage_min, _peak(one, case))) for case in cases), default=inf)
@@ -153,24 +122,7 @@ def _peak(one: BrakeResistor, case: OnTheBus) -> float:
 
 
 def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withstood: float) -> list[CheckColumn]:
-    """Limits of a brake resistor and its chopper in a load case.
-
-    Parameters
-    ----------
-    section
-        The spec's section.
-    one
-        The resistor with its chopper.
-    case
-        What is regenerated.
-    withstood
-        Highest voltage that the controllers withstand [V]; NaN unknown.
-
-    Returns
-    -------
-    list of CheckColumn
-        Single figures.
-    """
+    """Limits of a brake resistor and its chopper in a load case."""
     spec, volts = case.spec, (one.chopper_voltage_min, one.chopper_voltage_max)
     power = derated_power(one.power, spec.environment.ambient, one.rated_ambient, one.zero_power_ambient)
     burnt = case.burnt(_capacity(one, case), section.averaging_time, power)

@@ -41,22 +41,7 @@ _STAYS = "unknown: how far regenerated energy raises the voltage: give brake_res
 
 
 def braking_budget(problem: Problem, one: DriveParts, worst: Worst) -> BrakingBudget | None:
-    """Regenerated energy of a machine with a drive, its ways from the bus, and their limits.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    one
-        The drive.
-    worst
-        Of checks by load case each where it is worst.
-
-    Returns
-    -------
-    BrakingBudget or None
-        None where a battery takes all, or nothing is regenerated and the spec limits nothing.
-    """
+    """Regenerated energy of a machine with a drive, its ways from the bus, and their limits."""
     spec = problem.machine
     if spec.battery is not None or spec.supply.kind == "battery":
         return None
@@ -67,26 +52,7 @@ def braking_budget(problem: Problem, one: DriveParts, worst: Worst) -> BrakingBu
 def bus_budget(
     spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float, worst: Worst
 ) -> BrakingBudget | None:
-    """Limits of a bus to which energies go and from which they come.
-
-    Parameters
-    ----------
-    spec
-        The machine: brake resistor and supply.
-    catalog
-        Where brake resistors are listed.
-    cases
-        What is regenerated in each load case.
-    withstood
-        Highest voltage that the controllers withstand [V]; NaN unknown.
-    worst
-        As ``braking_budget`` takes it.
-
-    Returns
-    -------
-    BrakingBudget or None
-        None where nothing is regenerated and the spec limits nothing.
-    """
+    """Limits of a bus to which energies go and from which they come."""
     if not spec.limits_the_bus and not any(case.energy > 0.0 for case in cases):
         return None
     section, resistor, checks = spec.brake_resistor, None, tuple[Check, ...]()

@@ -58,20 +58,7 @@ class MachineBudget(NamedTuple):
 
 
 def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
-    """Refuse a battery that no catalogue lists, before the search.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    catalog
-        Where its battery should be listed.
-
-    Raises
-    ------
-    InputError
-        One line that says where.
-    """
+    """Refuse a battery that no catalogue lists, before the search."""
     if spec.battery is None:
         return
     try:
@@ -81,13 +68,7 @@ def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
 
 
 def machine_requirements(spec: RobotSpec) -> MechanicalBudget | None:
-    """Requirements, and room, footing and grip of a platform, which are the same whatever drives it; None without.
-
-    Parameters
-    ----------
-    spec
-        The machine as it was specified, its trajectory not yet split into wheels.
-    """
+    """Requirements, and room, footing and grip of a platform, which are the same whatever drives it; None without."""
     if spec.platform is None and spec.requirements is None:
         return None
     from drivesizer.machine.platform_budget import worst_case_budget
@@ -98,24 +79,7 @@ def machine_requirements(spec: RobotSpec) -> MechanicalBudget | None:
 def machine_budget(
     problem: Problem, one: DriveParts, machine: MechanicalBudget | None = None, *, brief: bool = False
 ) -> MachineBudget:
-    """The machine with a drive in it, against its budgets.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    one
-        The drive.
-    machine
-        Checks that are the same for every drive, of ``machine_requirements``.
-    brief
-        Without consumers and figures of the battery: its checks alone.
-
-    Returns
-    -------
-    MachineBudget
-        Of several load cases each check where it is worst.
-    """
+    """The machine with a drive in it, against its budgets."""
     spec, parts = problem.spec, [machine] if machine else []
     if spec.budget and spec.budget.weighs:
         parts.insert(0, _mass(problem, spec.budget, one))
@@ -139,18 +103,7 @@ def machine_budget(
 
 
 def regeneration(problem: Problem, one: DriveParts) -> BrakingBudget | None:
-    """Regenerated energy of the machine with a drive, and its ways from the bus.
-
-    Parameters
-    ----------
-    problem, one
-        As for ``machine_budget``.
-
-    Returns
-    -------
-    BrakingBudget or None
-        None where a battery takes all, or there is nothing.
-    """
+    """Regenerated energy of the machine with a drive, and its ways from the bus."""
     return braking_budget(problem, one, worst_of_cases)
 
 
@@ -182,38 +135,12 @@ def _powers(problem: Problem, one: DriveParts) -> Iterator[tuple[str, RobotSpec,
 
 
 def drive_mass(problem: Problem, one: DriveParts) -> float:
-    """Mass of all drives together that the machine must carry: what is estimated at the upper end of its band.
-
-    Parameters
-    ----------
-    problem
-        The machine, and the catalogues with their estimates.
-    one
-        The drive.
-
-    Returns
-    -------
-    float
-        [kg], parts of unknown mass left out.
-    """
+    """Mass of all drives together that the machine must carry: what is estimated at the upper end of its band."""
     return math.fsum(row.ends[1] for row in rows_of_drive(problem, one) if not isnan(row.each))
 
 
 def rows_of_drive(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
-    """Masses of all drives of a machine, by part.
-
-    Parameters
-    ----------
-    problem
-        The machine, and the catalogues with their estimates.
-    one
-        The drive.
-
-    Returns
-    -------
-    tuple[MassRow, ...]
-        A fixed gear of the spec among them.
-    """
+    """Masses of all drives of a machine, by part."""
     spec = problem.spec
     belt = spec.belt.mass if spec.belt else None
     rows = drive_rows(one, spec.load.motors, problem.catalog, belt, spec.wants_encoder)
@@ -227,55 +154,17 @@ def riding_mass(problem: Problem, one: DriveParts) -> float:
     """Mass of an axis' drives that ride on another, without their controllers [kg].
 
     What is estimated counts at the upper end of its band, as for a vehicle that carries its own drive.
-
-    Parameters
-    ----------
-    problem
-        The axis.
-    one
-        Its drive.
-
-    Returns
-    -------
-    float
-        Without parts of unknown mass.
     """
     return math.fsum(row.ends[1] for row in riding_rows(problem, one) if not isnan(row.each))
 
 
 def riding_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
-    """Masses of an axis' drives that ride on another, part by part: all but the controllers.
-
-    Parameters
-    ----------
-    problem
-        The axis.
-    one
-        Its drive.
-
-    Returns
-    -------
-    tuple of MassRow
-        NaN where a mass is unknown.
-    """
+    """Masses of an axis' drives that ride on another, part by part: all but the controllers."""
     return tuple(row for row in rows_of_drive(problem, one) if row.name != "controller")
 
 
 def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
-    """Known mass of the machine beside its drive: structure, equipment, payloads, battery.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    catalog
-        Where its battery is listed.
-
-    Returns
-    -------
-    float
-        [kg], what is unknown left out.
-    """
+    """Known mass of the machine beside its drive: structure, equipment, payloads, battery."""
     budget, platform = spec.budget, spec.platform
     assert budget is not None
     found = [budget.structure or 0.0, *(item.mass * item.number for item in budget.others)]

@@ -39,22 +39,7 @@ class Operation(NamedTuple):
 
 
 def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
-    """A drive at constant speeds.
-
-    Parameters
-    ----------
-    found
-        The drive; its winding is as warm as its cycle makes it.
-    torque
-        At the gearhead's output, below 0 where it brakes [N*m].
-    speed
-        There [rad/s], not below 0.
-
-    Returns
-    -------
-    Operation
-        Current [A], voltage [V] and efficiency [1] at each point, shape of ``torque``.
-    """
+    """A drive at constant speeds."""
     torque, speed = np.broadcast_arrays(torque, speed)
     functions = np.zeros((torque.size, 1, 6))
     functions[:, 0, DRIVING] = np.maximum(torque, 0.0).ravel()

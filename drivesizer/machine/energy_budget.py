@@ -53,31 +53,7 @@ def energy_budget(
     catalog: Catalog,
     drive: DrivePower,
 ) -> EnergyBudget:
-    """Consumers, autonomy and checks of a drive in a machine, or in one of its load cases.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    drive_set
-        What drives it.
-    battery, equipment
-        What feeds it, and what else draws.
-    catalog
-        Where the battery's part is listed.
-    drive
-        Power that all drives of the machine take together.
-
-    Returns
-    -------
-    EnergyBudget
-        Figures that are not known are NaN.
-
-    Raises
-    ------
-    InputError
-        When the battery's part is not listed, or a consumer's time has no mission.
-    """
+    """Consumers, autonomy and checks of a drive in a machine, or in one of its load cases."""
     drawing, assumed = consumers_of(spec, drive_set, drive), tuple(loss_assumptions(spec, drive_set.controller))
     return budget_of_consumers(spec, drawing, battery, equipment, catalog, drive, assumed)
 
@@ -91,29 +67,7 @@ def budget_of_consumers(
     drive: DrivePower,
     assumed: Sequence[str] = (),
 ) -> EnergyBudget:
-    """Consumers, autonomy and checks of a machine whose drives are known by what they draw.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    drawing
-        Lines of its drives.
-    battery, equipment, catalog, drive
-        As for ``energy_budget``.
-    assumed
-        Assumptions of the losses of the drives.
-
-    Returns
-    -------
-    EnergyBudget
-        Figures that are not known are NaN.
-
-    Raises
-    ------
-    InputError
-        As of ``energy_budget``.
-    """
+    """Consumers, autonomy and checks of a machine whose drives are known by what they draw."""
     pack = pack_of(battery, catalog)
     others = _equipment_power(spec, equipment)
     load, power = _battery_load(spec, battery, pack, others, drive)
@@ -141,23 +95,7 @@ def budget_of_consumers(
 def checks_of_battery(
     spec: RobotSpec, battery: Battery, equipment: Sequence[Consumer], catalog: Catalog, drive: DrivePower
 ) -> tuple[Check, ...]:
-    """The checks alone of ``energy_budget``.
-
-    Parameters
-    ----------
-    spec, battery, equipment, catalog, drive
-        As for ``energy_budget``.
-
-    Returns
-    -------
-    tuple[Check, ...]
-        One record for each limit that applies.
-
-    Raises
-    ------
-    InputError
-        As of ``energy_budget``.
-    """
+    """The checks alone of ``energy_budget``."""
     pack = pack_of(battery, catalog)
     load, _ = _battery_load(spec, battery, pack, _equipment_power(spec, equipment), drive)
     return battery_checks(spec, battery, pack, load)
@@ -175,22 +113,7 @@ def _battery_power(spec: RobotSpec, drive: DrivePower, lasting: float, share: fl
 
 
 def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> tuple[Consumption, ...]:
-    """Lines of a drive in the table of consumers.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    drive_set
-        What drives it.
-    drive
-        Power that all its drives take together.
-
-    Returns
-    -------
-    tuple of Consumption
-        What its motors draw and regenerate, losses of controllers, brakes and cables.
-    """
+    """Lines of a drive in the table of consumers."""
     share, sets, slip = spec.supply.regeneration, spec.load.motors, spec.platform.slip if spec.platform else 0.0
     mean = {name: drive.mean(getattr(drive, name)) for name in _MEANS}
     drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
@@ -341,20 +264,6 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
 
     Drawn and returned charge count alike, against what the battery gives at the mean load: a full one is empty when
     ``full_time`` has passed, and below 0 after that. Of a mission of very many cycles the mean is reported.
-
-    Parameters
-    ----------
-    budget
-        The consumers and the battery.
-    mission
-        How long [s].
-    most
-        Points at most.
-
-    Returns
-    -------
-    tuple[Array, Array]
-        Times and shares, each of shape (points,).
     """
     all_of_it = budget.mean_power * budget.full_time
     cycle = float(budget.duration.sum())

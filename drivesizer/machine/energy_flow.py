@@ -59,13 +59,7 @@ class EnergyFlow(NamedTuple):
 
 
 def energy_flow(found: SetCycle) -> EnergyFlow:
-    """The energies of one drive's cycle, times the number of drives.
-
-    Parameters
-    ----------
-    found
-        The drive over the cycle. Where its current is only a least one, everything that hangs on it is unknown.
-    """
+    """The energies of one drive's cycle, times the number of drives."""
     stepper, power = bool(found.motor["kind"][0] == "stepper"), power_of(found)
     lost = power.bus_drawn - power.motor_drawn - (power.returned - power.motor_returned)  # 0 where no stage loses any
     drawn, resisted, returned, controller = (

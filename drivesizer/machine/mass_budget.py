@@ -98,26 +98,7 @@ class MassBudget:
 def drive_rows(
     drive_set: DriveParts, sets: int, catalog: Catalog | None = None, belt: float | None = None, encoder: bool = True
 ) -> tuple[MassRow, ...]:
-    """Masses of the parts of several drives of one kind; unknown where a part is not chosen or its mass not to be had.
-
-    Parameters
-    ----------
-    drive_set
-        The drive. Its mass alone counts motor and gearhead only; here are encoder, controller and belt too.
-    sets
-        How many there are.
-    catalog
-        With its estimates, where these count.
-    belt
-        Mass of belt and pulleys that are not out of the catalogues [kg].
-    encoder
-        Whether one is required: else none need be there.
-
-    Returns
-    -------
-    tuple[MassRow, ...]
-        One row for each kind of part.
-    """
+    """Masses of the parts of several drives of one kind."""
     rows = [
         MassRow(name=role, number=sets, each=_unlisted(catalog, role)[0] if part is None else part.mass,
                 band=_unlisted(catalog, role)[1] if part is None else _band(catalog, role, part))
@@ -155,31 +136,7 @@ def mass_budget(
     others: Sequence[tuple[str, float]] = (),
     limit: float | None = None,
 ) -> MassBudget:
-    """The rows of a machine.
-
-    Parameters
-    ----------
-    drive
-        Of the drives, as of ``drive_rows``.
-    structure
-        Frame, wheels, covers [kg]; unknown where not given, for no machine is without.
-    battery
-        [kg]; NaN where it is unknown, None where there is none.
-    others
-        Equipment and payloads: name and mass [kg].
-    limit
-        What all may weigh [kg].
-
-    Returns
-    -------
-    MassBudget
-        Rows and limit; the limit is NaN without one.
-
-    Raises
-    ------
-    InputError
-        When a mass is below 0.
-    """
+    """The rows of a machine."""
     rows = [*drive, MassRow(name="structure", each=math.nan if structure is None else structure)]
     if battery is not None:
         rows.append(MassRow(name="battery", each=battery))
@@ -222,34 +179,6 @@ def settle(
     sized: Sized, base: float, *, first: float = 0.0, tolerance: float = _GRAM, limit: float = _HEAVIEST, most: int = 40
 ) -> Settled:
     """The mass at which a drive carries itself: m = base + drive(m), by going round.
-
-    Parameters
-    ----------
-    sized
-        Mass of the drive [kg] that a machine of a mass [kg] takes, and which it is; None where there is none. Pure: the
-        same for the same mass.
-    base
-        The machine without its drive [kg].
-    first
-        Mass of the drive to begin with [kg].
-    tolerance
-        By which two rounds may differ [kg].
-    limit
-        Mass at which it is given up [kg].
-    most
-        Rounds at most.
-
-    Returns
-    -------
-    Settled
-        Every round, and its end: settled; a cycle, where drives alternate: of them the one that was sized for the
-        heaviest machine, which it does not fill; none, where none carries the machine, or the masses run away; unknown,
-        where a drive's mass is; open, where rounds ran out while they still draw near.
-
-    Raises
-    ------
-    InputError
-        When a mass is not a number of 0 or more.
 
     Examples
     --------

@@ -35,24 +35,7 @@ Array = NDArray[np.float64]
 
 
 def motor_pieces(cycle: AtGearhead, demand: Demands, torque_constant: float, case: str = "") -> tuple[MotorPiece, ...]:
-    """The pieces of a drive's cycle in the order of time, and last the whole of it.
-
-    Parameters
-    ----------
-    cycle
-        The load cycle behind the drive's belt.
-    demand
-        Of the drive: columns of one row.
-    torque_constant
-        Of its motor [N*m/A].
-    case
-        Name of the load case.
-
-    Returns
-    -------
-    tuple of MotorPiece
-        Motor figures are unknown where the drive's demands are only lower bounds.
-    """
+    """The pieces of a drive's cycle in the order of time, and last the whole of it."""
     load, looked = cycle.load_cycle, cycle.base.census
     if looked is not None and looked.runs > _MOST:
         return _of_kinds(cycle, looked, demand, torque_constant, case)

@@ -73,25 +73,7 @@ def hot_winding(found: OperatingField) -> str:
 
 
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
-    """The field of a drive's motor, and the cycle of a spec in it.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    drive_set
-        What drives it.
-
-    Returns
-    -------
-    OperatingField
-        Limits of the motor over speed, and the cycle's points.
-
-    Raises
-    ------
-    InputError
-        When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
-    """
+    """The field of a drive's motor, and the cycle of a spec in it."""
     motor, gearhead, encoder = (one_row(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
     if drive_set.steps:
@@ -112,23 +94,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
 
 
 def with_pull_out(found: OperatingField, spec: RobotSpec, catalog: Catalog, part: str) -> OperatingField:
-    """The field of a stepper with its pull-out torque, up to half more than the highest speed of the cycle.
-
-    Parameters
-    ----------
-    found
-        Of ``field``.
-    spec
-        The machine, or one of its load cases.
-    catalog
-        As a search for steppers takes it.
-    part
-        Of the stepper.
-
-    Returns
-    -------
-    OperatingField
-    """
+    """The field of a stepper with its pull-out torque, up to half more than the highest speed of the cycle."""
     speed = 1.5 * found.speed
     torque = torque_of_part(catalog, part, speed, spec.supply.lowest)
     return replace(found, speed=speed, pull_out=torque, factor=spec.margins.pull_out)

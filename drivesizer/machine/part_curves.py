@@ -65,18 +65,7 @@ class Line(NamedTuple):
 
 
 def line(hit: PartFigures) -> Line:
-    """No load and stall of a motor, or of an actuator's output, with a cold winding.
-
-    Parameters
-    ----------
-    hit
-        The motor or actuator.
-
-    Returns
-    -------
-    Line
-        The two ends; NaN where they do not follow from the figures.
-    """
+    """No load and stall of a motor, or of an actuator's output, with a cold winding."""
     voltage, R, k_t = hit["nominal_voltage"], hit["resistance"], _torque_constant(hit)
     if hit.section == "actuators":
         inside, own = hit["motor_torque_constant"], hit["motor_back_emf_constant"]
@@ -108,18 +97,6 @@ def nominal_voltage_curves(hit: PartFigures, torque: NDArray[np.float64]) -> tup
 
     Above the permitted speed, where the voltage must be lower, all three are unknown. Of a motor with its controller
     inside, which limits the no-load speed, current and efficiency are unknown.
-
-    Parameters
-    ----------
-    hit
-        The motor or actuator.
-    torque
-        At the shaft or the output [N*m].
-
-    Returns
-    -------
-    tuple of arrays
-        Speed [rad/s], current [A] and efficiency [1]; NaN where a figure is unknown.
     """
     ends = line(hit)
     speed = ends.speed * (1.0 - torque / ends.torque)
@@ -133,18 +110,6 @@ def gear_efficiency(hit: PartFigures, torque: NDArray[np.float64]) -> NDArray[np
     r"""Efficiency of a gearhead over the torque at its output, its losses without load apart (``gear_loss``).
 
     .. math:: \frac{1}{\eta} = \frac{1}{e'} + \frac{i\,T_0}{T}
-
-    Parameters
-    ----------
-    hit
-        The gearhead.
-    torque
-        At the output, above 0 [N*m].
-
-    Returns
-    -------
-    array
-        Efficiency [1]; NaN where the torque without load is unknown.
     """
     efficiency, _ = gear_loss(hit)
     return np.asarray(1.0 / (1.0 / efficiency + hit["ratio"] * hit["no_load_torque"] / torque))
@@ -154,16 +119,6 @@ def continuous_curve(hit: PartFigures) -> tuple[list[float], list[float]]:
     """Continuous torque [N*m] and speed [rad/s] through the maker's three points; nothing where one is unknown.
 
     Iron losses at speed reduce the permitted copper losses: the square of the torque falls with a power of the speed.
-
-    Parameters
-    ----------
-    hit
-        The motor or actuator.
-
-    Returns
-    -------
-    tuple of lists
-        Torques [N*m] and speeds [rad/s].
     """
     if hit.section != "motors":
         return [], []
@@ -182,18 +137,6 @@ def permitted_current(hit: PartFigures, ambient: float) -> float:
     """Continuous current in an ambient [K]: the nominal one, derated; else by heat alone, at standstill [A].
 
     NaN above the permitted ambient, and where a figure is unknown.
-
-    Parameters
-    ----------
-    hit
-        The motor or actuator.
-    ambient
-        Temperature around the motor [K].
-
-    Returns
-    -------
-    float
-        Current [A].
     """
     limit = hit["max_winding_temperature"]
     if ambient > hit["ambient_max"]:
@@ -209,18 +152,6 @@ def overload_times(hit: PartFigures, current: float) -> tuple[float, float]:
 
     Warm is winding and housing as warm as the housing gets at the nominal point in the long run: a motor that has just
     been running. An actuator's loss of friction and iron is not known, so that its warmth is not.
-
-    Parameters
-    ----------
-    hit
-        The motor or actuator.
-    current
-        At standstill [A].
-
-    Returns
-    -------
-    tuple of floats
-        Times from cold and from warm [s].
     """
     bodies, limit = two_bodies(hit), hit["max_winding_temperature"]
     loss = nan

@@ -65,18 +65,6 @@ def permitted_speeds(spec: RobotSpec, drive: DriveSet) -> PermittedSpeeds | None
 
     A wheel whose motor has failed turns freely, or is held where the spec has ``blocked``. Its motor and gearhead
     resist nothing.
-
-    Parameters
-    ----------
-    spec
-        The machine, with a platform.
-    drive
-        Of each driven wheel.
-
-    Returns
-    -------
-    PermittedSpeeds or None
-        None of steppers.
     """
     if drive.steps:
         return None

@@ -49,38 +49,14 @@ class MechanicalBudget:
 
 
 def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBudget:
-    """Mass of a machine against its limits.
-
-    Parameters
-    ----------
-    mass
-        Of ``machine_mass``.
-    sized_for
-        The load's mass [kg], where the load is the machine itself.
-
-    Returns
-    -------
-    MechanicalBudget
-        Checks and figures of the mass.
-    """
+    """Mass of a machine against its limits."""
     checks = mass_checks(mass, sized_for)
     assumptions, figures = _excluding_mass(mass), tuple(_mass_checks(mass))
     return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
 
 
 def worst_case_budget(spec: RobotSpec) -> MechanicalBudget:
-    """Requirements of a machine, and room, footing and grip of its platform, in the load case that is worst for each.
-
-    Parameters
-    ----------
-    spec
-        The machine, with requirements, a platform, or both.
-
-    Returns
-    -------
-    MechanicalBudget
-        Figures and assumptions are those of the first load case.
-    """
+    """Requirements of a machine, and room, footing and grip of its platform."""
     checks = requirement_checks(spec, spec.requirements) if spec.requirements else ()
     if spec.platform is None:
         return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=(), assumptions=())

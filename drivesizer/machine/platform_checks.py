@@ -97,24 +97,7 @@ def _unknown(column: CheckColumn, note: str) -> CheckColumn:
 def machine_mass(
     budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
 ) -> MassBudget:
-    """The mass budget of a machine with given rows of its drives.
-
-    Parameters
-    ----------
-    budget
-        The spec's section.
-    drive
-        Rows of the drives, as of ``drive_rows``; none for the machine beside its drive.
-    platform
-        With its payloads.
-    battery
-        Mass of it [kg]; NaN where it is unknown, None where there is none or ``others`` has it.
-
-    Returns
-    -------
-    MassBudget
-        The rows given, then those of the machine.
-    """
+    """The mass budget of a machine with given rows of its drives."""
     carried = [(item.name if item.number == 1 else f"{item.number} x {item.name}", item.mass * item.number)
                for item in budget.others]  # fmt: skip
     carried += [(payload.name, payload.mass) for payload in (platform.payloads if platform else ())]
@@ -122,20 +105,7 @@ def machine_mass(
 
 
 def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Check, ...]:
-    """The known mass against the limit, and against the mass that the drive is sized for.
-
-    Parameters
-    ----------
-    found
-        Of ``machine_mass``. What is unknown leaves a check unknown, unless the rest is too much already.
-    sized_for
-        The load's mass [kg], where the load is the machine itself.
-
-    Returns
-    -------
-    tuple[Check, ...]
-        One for each limit that is given.
-    """
+    """The known mass against the limit, and against the mass that the drive is sized for."""
     low, high = found.ends
     middle, *ends = (
         mass_columns(np.array([mass]), bool(found.unknown), found.limit, sized_for) for mass in (found.known, low, high)
@@ -160,22 +130,7 @@ def _mass_check(found: MassBudget, column: CheckColumn) -> Check:
 
 
 def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
-    """The known mass against the limits, as columns.
-
-    Parameters
-    ----------
-    known
-        Known mass of the machine [kg], a figure or a column.
-    lacking
-        Whether some mass is unknown, in the same shape.
-    limit, sized_for
-        Limit, and mass that the drive is sized for [kg]; None where there is none.
-
-    Returns
-    -------
-    list[CheckColumn]
-        One for each limit that is given.
-    """
+    """The known mass against the limits, as columns."""
     limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
     columns = [at_most(name, known, most) for name, most in limits.items() if most == most]
     return [replace(column, passed=column.passed & ~np.asarray(lacking, bool)) for column in columns]
@@ -185,20 +140,7 @@ def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float
 
 
 def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> tuple[Check, ...]:
-    """Every passage, in the order of the spec; the passage's name is the check's case.
-
-    Parameters
-    ----------
-    section
-        Size and passages.
-    trajectory
-        How the robot moves in the world, where that is known; held against passages that have a place there.
-
-    Returns
-    -------
-    tuple[Check, ...]
-        Width, height, turning, corner and clearance of each passage, as far as they apply.
-    """
+    """Every passage, in the order of the spec; the passage's name is the check's case."""
     placed = [p for p in section.passages if p.x is not None]
     clearance_at = {}
     if trajectory is not None and section.size is not None:

@@ -22,20 +22,7 @@ BY_PIECES = (("price_20", 20), ("price_5", 5))
 
 
 def of_drives(problem: Problem, one: DriveParts) -> Iterator[Item]:
-    """The parts of all drives of one kind that are to be bought.
-
-    Parameters
-    ----------
-    problem
-        The machine, or one of its axes.
-    one
-        Its drive.
-
-    Yields
-    ------
-    Item
-        With belt and gear of which no part is known.
-    """
+    """The parts of all drives of one kind that are to be bought."""
     spec = problem.spec
     needless = "encoder" if one.encoder is None and not spec.wants_encoder else ""
     parts = {role: part for role, part in one.parts.items() if role != needless}
@@ -47,22 +34,7 @@ def of_drives(problem: Problem, one: DriveParts) -> Iterator[Item]:
 
 
 def of_supply(part: str | None, resistor: Any, catalog: Catalog) -> Iterator[Item]:
-    """Power supply and brake resistor of a machine, as far as they are out of catalogues.
-
-    Parameters
-    ----------
-    part
-        Of the power supply; None where the spec names none.
-    resistor
-        None where there is none; one without a part is the spec's own.
-    catalog
-        Where the supply is listed.
-
-    Yields
-    ------
-    Item
-        One each.
-    """
+    """Power supply and brake resistor of a machine, as far as they are out of catalogues."""
     if part is not None:
         yield "power supply", catalog.power_supplies.record(catalog.power_supplies.rows[part]), 1
     if resistor is not None and resistor.part:
@@ -70,39 +42,13 @@ def of_supply(part: str | None, resistor: Any, catalog: Catalog) -> Iterator[Ite
 
 
 def price_of_each(part: Any, pieces: int) -> float:
-    """The price of a part where so many are bought.
-
-    Parameters
-    ----------
-    part
-        Of a catalogue.
-    pieces
-        How many.
-
-    Returns
-    -------
-    float
-        Of one [EUR]; NaN unknown.
-    """
+    """The price of a part where so many are bought."""
     prices = (getattr(part, name, nan) for name, least in BY_PIECES if pieces >= least)
     return next((price for price in prices if not isnan(price)), getattr(part, "price", nan))
 
 
 def price_check(items: Sequence[Item], limit: float) -> Check:
-    """The known prices of what is bought against what it may cost.
-
-    Parameters
-    ----------
-    items
-        Of all drives, with power supply and brake resistor where the machine has them.
-    limit
-        [EUR].
-
-    Returns
-    -------
-    Check
-        It fails where the known prices alone exceed the limit; else it is unknown while a price is.
-    """
+    """The known prices of what is bought against what it may cost."""
     pieces = Counter[str]()
     for _, part, number in items:
         if part is not None:

@@ -28,26 +28,7 @@ __all__ = ["changed", "problem", "quickest_winding", "with_cycle", "with_spec"]
 
 
 def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
-    """The sizing problem of a machine.
-
-    Parameters
-    ----------
-    machine
-        The spec as it was read, its mass that of the machine.
-    catalog
-        Parts to choose from, prepared for the search.
-
-    Returns
-    -------
-    Problem
-        With the load cycle of every load case.
-
-    Raises
-    ------
-    InputError
-        When no pulleys, no belt or no ratio fits, no catalogue has the power supply or brake resistor, a trajectory or
-        a recording is wrong, or a load cycle's figures leave the range of numbers that can be computed with.
-    """
+    """The sizing problem of a machine."""
     if machine.brake:
         catalog = with_own_brake(catalog, machine.brake.figures)
     if machine.mounting is not None and machine.mounting.changes_housing:
@@ -94,63 +75,20 @@ def quickest_winding(catalog: Catalog) -> float:
 
 
 def changed(problem: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Problem:
-    """The problem with one figure changed in the machine and in all load cases; cycles that depend on it made anew.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    change
-        Makes the copy of a spec with the other figure.
-
-    Returns
-    -------
-    Problem
-        Wheels of a platform keep the load of the trajectory that was planned.
-    """
+    """The problem with one figure changed in the machine and in all load cases; cycles that depend on it made anew."""
     quickest = quickest_winding(problem.catalog)
     cases = tuple(with_spec(case, case.spec.changed(change), quickest) for case in problem.cases)
     return replace(problem, machine=problem.machine.changed(change), cases=cases)
 
 
 def with_spec(case: LoadCase, spec: RobotSpec, quickest: float) -> LoadCase:
-    """A load case with another spec, its cycle made anew where that depends on it.
-
-    Parameters
-    ----------
-    case
-        As it was.
-    spec
-        A copy of its spec with other figures.
-    quickest
-        Time constant of the quickest winding [s].
-
-    Returns
-    -------
-    LoadCase
-        The wheel of a platform keeps the load of the trajectory that was planned.
-    """
+    """A load case with another spec, its cycle made anew where that depends on it."""
     kept = all(a is b for a, b in zip(_shaping(spec), _shaping(case.spec), strict=True))
     return replace(case, spec=spec) if kept else with_cycle(case, spec, quickest)
 
 
 def with_cycle(case: LoadCase, spec: RobotSpec, quickest: float) -> LoadCase:
-    """A load case with another spec, its cycle made anew.
-
-    Parameters
-    ----------
-    case
-        As it was.
-    spec
-        In its place.
-    quickest
-        Time constant of the quickest winding [s].
-
-    Returns
-    -------
-    LoadCase
-        Of the same name and number.
-    """
+    """A load case with another spec, its cycle made anew."""
     return _case(case.name, case.number, spec, quickest)
 
 

@@ -21,24 +21,7 @@ _FIGURES = ("holding_torque", "nominal_current", "resistance", "inductance", "po
 
 
 def torque_of_part(catalog: Catalog, part: str, speed: Array, voltage: float) -> Array:
-    """Pull-out torque of one stepper.
-
-    Parameters
-    ----------
-    catalog
-        As a search for steppers takes it.
-    part
-        Of the stepper.
-    speed
-        Of the motor, shape (points,) [rad/s].
-    voltage
-        Of the supply [V].
-
-    Returns
-    -------
-    array
-        [N*m], shape (points,).
-    """
+    """Pull-out torque of one stepper."""
     row = catalog.motors.rows[part]
     one = catalog.motors.taken(slice(row, row + 1))
     found: Array = available_torque(one, catalog.pull_outs, speed[None], voltage)[0]
@@ -46,20 +29,7 @@ def torque_of_part(catalog: Catalog, part: str, speed: Array, voltage: float) ->
 
 
 def curves_of(catalog: Catalog, row: int) -> PullOuts:
-    """Printed curves of one stepper, as a record of its drive keeps them.
-
-    Parameters
-    ----------
-    catalog
-        As a search takes it.
-    row
-        Of the motor; one that is no stepper has no curves.
-
-    Returns
-    -------
-    PullOuts
-        As if the stepper were the only one.
-    """
+    """Printed curves of one stepper, as a record of its drive keeps them."""
     if STEPPER not in catalog.motors.columns:
         return NO_PULL_OUTS
     own = catalog.pull_outs.on(catalog.pull_outs.stepper == catalog.motors[STEPPER][row])
@@ -67,22 +37,7 @@ def curves_of(catalog: Catalog, row: int) -> PullOuts:
 
 
 def torque_of_drive(drive: DriveParts, speed: Array, voltage: float) -> Array:
-    """Pull-out torque of the stepper of a drive.
-
-    Parameters
-    ----------
-    drive
-        With the printed curves of its stepper.
-    speed
-        Of the motor, shape (points,) [rad/s].
-    voltage
-        Of the supply [V].
-
-    Returns
-    -------
-    array
-        [N*m], shape (points,).
-    """
+    """Pull-out torque of the stepper of a drive."""
     one: dict[str, Any] = {name: np.array([getattr(drive.motor, name)]) for name in _FIGURES}
     found: Array = available_torque(one | {STEPPER: np.zeros(1, int)}, drive.pull_outs, speed[None], voltage)[0]
     return found
@@ -92,22 +47,6 @@ def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: An
     """Pull-out torque of steppers: by the printed curve where there is one, else the model's times its share.
 
     Of several curves that of the highest voltage that the supply reaches counts, else that of the lowest.
-
-    Parameters
-    ----------
-    motor
-        Columns over candidates by field name, the row of the stepper among them.
-    curves
-        Printed points of the catalogue.
-    speed
-        Of the motors [rad/s], shape (candidates, points).
-    voltage
-        Of the supply, of all or of each [V].
-
-    Returns
-    -------
-    array
-        [N*m], shape (candidates, points).
     """
     figures = {
         name: motor[column][:, None]

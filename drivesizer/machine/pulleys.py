@@ -47,25 +47,7 @@ class _Layouts(NamedTuple):
 
 
 def belt_drives(spec: RobotSpec, catalog: Catalog) -> BeltDrives | None:
-    """The belt drives that the catalogues have for a spec; None where it names its belt ratios, or has no belt.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    catalog
-        Belts and pulleys to choose from.
-
-    Returns
-    -------
-    BeltDrives | None
-        One drive for each ratio, at most ``MOST_RATIOS`` of them.
-
-    Raises
-    ------
-    InputError
-        When no pulleys, no belt or no ratio fits: which there are.
-    """
+    """The belt drives that the catalogues have for a spec; None where it names its belt ratios, or has no belt."""
     if spec.belt is None or spec.belt.pulleys is None:
         return None
     stage = spec.transmission.index(spec.belt)
@@ -189,23 +171,7 @@ def _fewer(required: Pulleys, best: _Layouts) -> _Layouts:
 
 
 def spread(values: Array, most: int) -> NDArray[np.int64]:
-    """Rows of at most so many values that cover their range best: each further one is farthest from those before.
-
-    Parameters
-    ----------
-    values
-        Shape (n,).
-    most
-        Number of rows at most.
-
-    Returns
-    -------
-    array of int
-        Rows, ascending, shape (``most``,) or fewer.
-
-    >>> spread(np.array([0.0, 1.0, 1.1, 4.0, 10.0]), 3).tolist()
-    [0, 3, 4]
-    """
+    """Rows of at most so many values that cover their range best: each further one is farthest from those before."""
     if len(values) <= most:
         return np.arange(len(values))
     rows = [int(values.argmin()), int(values.argmax())]

@@ -111,22 +111,7 @@ class Regenerated(NamedTuple):
         return raised_voltage(self.spec, self.stored, more)
 
     def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
-        """Load of a brake resistor beside a bus that stores so much.
-
-        Parameters
-        ----------
-        capacity
-            Energy that the bus stores [J].
-        window
-            Over which the mean counts [s].
-        continuous
-            Power up to which burning is no pulse [W].
-
-        Returns
-        -------
-        Burnt
-            Unknown where the drive's demand is.
-        """
+        """Load of a brake resistor beside a bus that stores so much."""
         if not self.known:
             return Burnt(nan, nan, nan, nan)
         steady = 0.0 if isnan(continuous) else continuous
@@ -143,22 +128,7 @@ class Regenerated(NamedTuple):
 
 
 def raised_voltage(spec: RobotSpec, stored: float, more: float = 0.0) -> float:
-    """Voltage to which a bus rises by an energy.
-
-    Parameters
-    ----------
-    spec
-        The machine, with its supply.
-    stored
-        Energy that stays on the bus [J].
-    more
-        Capacitance beside that of the spec [F].
-
-    Returns
-    -------
-    float
-        [V]; NaN where the capacitance is unknown.
-    """
+    """Voltage to which a bus rises by an energy."""
     if stored == 0.0:
         return spec.supply.highest
     capacitance = (spec.supply.capacitance or nan) + more
@@ -166,20 +136,7 @@ def raised_voltage(spec: RobotSpec, stored: float, more: float = 0.0) -> float:
 
 
 def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
-    """Energies to and from the bus in each load case of a machine.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles.
-    one
-        The drive.
-
-    Returns
-    -------
-    list of Regenerated
-        In the order of the load cases.
-    """
+    """Energies to and from the bus in each load case of a machine."""
     found = []
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
@@ -200,22 +157,7 @@ def _of_several(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Reg
 
 
 def regenerated_of(case: str, spec: RobotSpec, power: DrivePower) -> Regenerated:
-    """Energies to and from the bus of a machine whose power is known.
-
-    Parameters
-    ----------
-    case
-        Name of the load case.
-    spec
-        The machine in it, with its supply.
-    power
-        Of all drives together.
-
-    Returns
-    -------
-    Regenerated
-        Piece by piece.
-    """
+    """Energies to and from the bus of a machine whose power is known."""
     share = 1.0 - spec.supply.regeneration
     return Regenerated(
         case=case,

@@ -85,27 +85,7 @@ class Warming(NamedTuple):
 
 
 def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCycle:
-    """A drive over the load cycle of a spec.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    drive_set
-        What drives it.
-    base
-        Its load cycle before a belt's ratio, of ``at_gearhead``, where it is at hand.
-
-    Returns
-    -------
-    SetCycle
-        Its demands, heat and stress, each of one row.
-
-    Raises
-    ------
-    InputError
-        When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
-    """
+    """A drive over the load cycle of a spec."""
     drive, cycle, demand, heating = driven(spec, drive_set, base)
     return SetCycle(
         spec,
@@ -122,18 +102,7 @@ def set_cycle(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> SetCy
 
 
 def driven(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[Drive, AtGearhead, Demands, Heat]:
-    """A drive as the kernel takes it, torque and speed over the load cycle of a spec, and its losses.
-
-    Parameters
-    ----------
-    spec, drive_set, base
-        As ``set_cycle`` takes them.
-
-    Returns
-    -------
-    tuple
-        The drive, the load cycle at the gearhead's output, the demand and the heat, of one row.
-    """
+    """A drive as the kernel takes it, torque and speed over the load cycle of a spec, and its losses."""
     motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
     cycle, demand = turned(spec, drive_set, base)
     at_flange = loss_at_flange(spec, cycle, gearhead)
@@ -145,18 +114,7 @@ def driven(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[Dr
 
 
 def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[AtGearhead, Demands]:
-    """Torque and speed of a drive over the load cycle of a spec; a stepper's own friction is in its pull-out torque.
-
-    Parameters
-    ----------
-    spec, drive_set, base
-        As ``set_cycle`` takes them.
-
-    Returns
-    -------
-    tuple
-        The load cycle at the gearhead's output, and the demand, of one row.
-    """
+    """Torque and speed of a drive over the load cycle of a spec; a stepper's own friction is in its pull-out torque."""
     turning = drive_set.motor
     if drive_set.steps:
         turning = replace(turning, friction_torque=0.0, viscous_friction=0.0)
@@ -168,18 +126,7 @@ def turned(spec: RobotSpec, drive_set: DriveParts, base: Any = None) -> tuple[At
 
 
 def waveform(found: SetCycle) -> Wave:
-    """Current and voltage over the pieces of the cycle, of one candidate, the winding as warm as it is at their ends.
-
-    Parameters
-    ----------
-    found
-        The drive over its cycle.
-
-    Returns
-    -------
-    Wave
-        Voltage [V] and current [A] of one candidate, piece by piece.
-    """
+    """Current and voltage over the pieces of the cycle, of one candidate."""
     d, p = found.drive, found.pieces
     current, speed, rises = (np.stack(x, axis=-1) for x in ((p.I_0, p.I_1), (p.w_0, p.w_1), (p.rise_0, p.rise_1)))
     return Wave(p.duration, current[None], (d.emf * speed + (d.R + d.R_rise * rises) * current)[None])

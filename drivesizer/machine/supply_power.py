@@ -83,29 +83,7 @@ _DRAWN = ("drawn", "bus_drawn", "peak", "motor_drawn", "most")
 
 
 def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, merged: bool = False) -> DrivePower:
-    """Power over one cycle in periodic steady state; unknown where the winding's temperature is.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    drive_set
-        What drives it.
-    base
-        As ``set_cycle`` takes it.
-    merged
-        Of a long cycle take pieces in a row that return nothing as one.
-
-    Returns
-    -------
-    DrivePower
-        Powers of all drives together [W] over the cycle's pieces.
-
-    Raises
-    ------
-    InputError
-        When the load cycle's figures leave the range of numbers that can be computed with, or a recording is wrong.
-    """
+    """Power over one cycle in periodic steady state; unknown where the winding's temperature is."""
     if drive_set.steps:
         feed = spec.feed_of(drive_set.controller, drive_set.brake)
         return _stepper_power(spec, one_row(drive_set.motor), *turned(spec, drive_set, base), feed)
@@ -114,18 +92,7 @@ def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, mer
 
 
 def power_of(found: SetCycle) -> DrivePower:
-    """The same of a drive whose cycle is at hand.
-
-    Parameters
-    ----------
-    found
-        The drive over its cycle.
-
-    Returns
-    -------
-    DrivePower
-        As ``drive_power``.
-    """
+    """The same of a drive whose cycle is at hand."""
     if found.motor["kind"][0] == "stepper":
         return _stepper_power(found.spec, found.motor, found.cycle, found.demands, found.feed)
     return _of_a_servo(found.spec, found.drive, found.cycle, found.demands, found.feed, False)
@@ -158,22 +125,7 @@ def _of_a_servo(
 
 
 def stepper_loss(spec: RobotSpec, motor: Figures, speed: Array) -> Array:
-    """Loss of a stepper's windings by the speeds at both ends of segments [W].
-
-    Parameters
-    ----------
-    spec
-        The machine, with the current at rest.
-    motor
-        The stepper, as columns of one.
-    speed
-        Of the motor [rad/s].
-
-    Returns
-    -------
-    array
-        Of its rated current, which flows at any time: shape (segments,).
-    """
+    """Loss of a stepper's windings by the speeds at both ends of segments [W]."""
     return np.asarray(copper_loss(*(motor[x][0] for x in ("nominal_current", "resistance")))
                       * idle_loss(speed, spec.control.idle_current))  # fmt: skip
 
@@ -224,18 +176,7 @@ def together(powers: Sequence[DrivePower]) -> DrivePower:
 
 
 def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
-    """Powers over cycles of the same length, all in the same pieces: cut where any of them is.
-
-    Parameters
-    ----------
-    powers
-        At least one.
-
-    Returns
-    -------
-    list of DrivePower
-        In their order; one alone is as it was.
-    """
+    """Powers over cycles of the same length, all in the same pieces: cut where any of them is."""
     if len(powers) == 1:
         return list(powers)
     ends = [np.concatenate([[0.0], np.cumsum(p.duration)]) for p in powers]

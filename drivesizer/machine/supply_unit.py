@@ -17,25 +17,7 @@ __all__ = ["power_supply_of", "with_parts_of_supply"]
 
 
 def power_supply_of(spec: RobotSpec, catalog: Catalog) -> PowerSupply | None:
-    """The power supply that a spec names; None where it names none.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    catalog
-        Where it is listed.
-
-    Returns
-    -------
-    PowerSupply or None
-        Out of the catalogue.
-
-    Raises
-    ------
-    InputError
-        When no catalogue has it.
-    """
+    """The power supply that a spec names; None where it names none."""
     part = spec.supply.part
     if part is None:
         return None
@@ -49,25 +31,7 @@ def power_supply_of(spec: RobotSpec, catalog: Catalog) -> PowerSupply | None:
 
 
 def with_parts_of_supply(machine: RobotSpec, catalog: Catalog) -> RobotSpec:
-    """A spec with the figures of its power supply, and of the chopper that its brake resistor brings.
-
-    Parameters
-    ----------
-    machine
-        The spec as it was read; what it gives itself counts before the catalogue's figures.
-    catalog
-        Where the parts are listed.
-
-    Returns
-    -------
-    RobotSpec
-        The same where it names none.
-
-    Raises
-    ------
-    InputError
-        When no catalogue has a part, or a power supply does not give the voltage.
-    """
+    """A spec with the figures of its power supply, and of the chopper that its brake resistor brings."""
     unit, section = power_supply_of(machine, catalog), machine.brake_resistor
     if unit is not None:
         _refuse_voltage(machine, unit)

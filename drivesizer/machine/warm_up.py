@@ -39,20 +39,7 @@ class WarmUp(NamedTuple):
 
 
 def finer(found: Warming, constant: float) -> Warming:
-    """The same pieces, cut so that a curve through their ends shows how the winding follows.
-
-    Parameters
-    ----------
-    found
-        Pieces of constant losses.
-    constant
-        Time constant of the winding [s].
-
-    Returns
-    -------
-    Warming
-        More pieces, of the same losses and total time.
-    """
+    """The same pieces, cut so that a curve through their ends shows how the winding follows."""
     first = np.minimum(_STEP * constant / found.duration, 1.0)
     count = np.where(first < 1.0 / _PIECES, _PIECES, np.ceil(1.0 / first)).astype(np.int64)
     owner = np.repeat(np.arange(len(count)), count)
@@ -63,22 +50,7 @@ def finer(found: Warming, constant: float) -> Warming:
 
 
 def warm_up(motor: TwoBodies, ambient: float, found: Warming) -> WarmUp | None:
-    """Temperatures from cold to the periodic steady state; None where a figure is unknown or the motor runs away.
-
-    Parameters
-    ----------
-    motor
-        Winding and housing.
-    ambient
-        Temperature around the motor, and of the motor at the start [K].
-    found
-        The losses over the cycle.
-
-    Returns
-    -------
-    WarmUp or None
-        Temperatures [K] over time [s].
-    """
+    """Temperatures from cold to the periodic steady state; None where a figure is unknown or the motor runs away."""
     if not motor.known:
         return None
     some = finer(found, float(motor.tau_w))

@@ -207,20 +207,7 @@ class AxisSizings:
 
 
 def as_chosen(spec: RobotSpec, one: DriveSet) -> RobotSpec:
-    """The spec with the choice of a drive that is not its own best, but that of the machine.
-
-    Parameters
-    ----------
-    spec
-        The axis.
-    one
-        The drive.
-
-    Returns
-    -------
-    RobotSpec
-        Of the same axis.
-    """
+    """The spec with the choice of a drive that is not its own best, but that of the machine."""
     select = spec.select
     motor = select.motor.model_copy(update={"family": None, "part": [one.motor.part]})
     gearhead = select.gearhead
@@ -239,20 +226,7 @@ def _first(result: SizingResult, chosen: DriveSet) -> SizingResult:
 
 
 def choices_of(result: SizingResult, objective: Ranking) -> list[Choice]:
-    """Drives that count for others: the best, and those on the front of cost and mass that are as certain as it.
-
-    Parameters
-    ----------
-    result
-        The sizing of an axis.
-    objective
-        That ranked it.
-
-    Returns
-    -------
-    list of Choice
-        By cost; none where no drive passes.
-    """
+    """Drives that count for others: the best, and those on the front of cost and mass that are as certain as it."""
     if not result.sets:
         return []
     best = result.sets[0]
@@ -286,16 +260,5 @@ def _cost(one: DriveSet, objective: Ranking, motors: int, best: bool) -> Cost:
 
 
 def carried_mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
-    """Mass of an axis' drives that ride on another, and parts of unknown mass.
-
-    Parameters
-    ----------
-    problem, one
-        The axis and its drive.
-
-    Returns
-    -------
-    tuple
-        Mass without controllers [kg], and names of the parts.
-    """
+    """Mass of an axis' drives that ride on another, and parts of unknown mass."""
     return riding_mass(problem, one), tuple(row.name for row in riding_rows(problem, one) if isnan(row.each))

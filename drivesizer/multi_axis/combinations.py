@@ -67,24 +67,7 @@ class _Search:
 def best_combination(
     order: Sequence[str], carried: Mapping[str, Sequence[str]], sized: Sized, most: int = 100
 ) -> Combination:
-    """The drives of all axes of which the sum of costs is the least.
-
-    Parameters
-    ----------
-    order
-        Names of the axes, carried ones before those that carry them.
-    carried
-        By name the axes whose drives ride on one.
-    sized
-        Drives of an axis with some masses on it: those that no other equals or beats in cost and mass, by cost.
-    most
-        Sizings of single axes, after which no further combination is begun.
-
-    Returns
-    -------
-    Combination
-        Of those that cost the same the first that is found: the cheapest drives of the outermost axes.
-    """
+    """The drives of all axes of which the sum of costs is the least."""
     search = _Search(order, carried, sized, most)
     lightest: dict[str, float] = {}
     for axis in order:  # bounds: each axis with the least masses on it
@@ -99,18 +82,7 @@ def best_combination(
 
 
 def axis_by_axis(order: Sequence[str], carried: Mapping[str, Sequence[str]], sized: Sized) -> Combination:
-    """The best drive of each axis as it is, those that ride on it chosen before.
-
-    Parameters
-    ----------
-    order, carried, sized
-        As of ``best_combination``.
-
-    Returns
-    -------
-    Combination
-        Another may cost less in all.
-    """
+    """The best drive of each axis as it is, those that ride on it chosen before."""
     search = _Search(order, carried, sized, 0)
     return _sequential_choice(search, lambda found: found[0])
 

@@ -67,31 +67,7 @@ class CommonBus(NamedTuple):
 def common_bus(
     name: str, shared: RobotSpec, axes: Sequence[AxisPower], synchronised: bool, cycle_time: float | None
 ) -> CommonBus:
-    """All axes of a machine on its bus in a load case.
-
-    Parameters
-    ----------
-    name
-        Of the load case.
-    shared
-        What the axes share.
-    axes
-        With their drives.
-    synchronised
-        Whether they start together; else at any time.
-    cycle_time
-        Of the machine [s]; None: until the last axis that waits for the others is done.
-
-    Returns
-    -------
-    CommonBus
-        Their courses and the sum.
-
-    Raises
-    ------
-    FieldError
-        When a motion is longer than the cycle.
-    """
+    """All axes of a machine on its bus in a load case."""
     feed = shared.feed_of(None)._replace(drives=1)
     cases = [axis.case(name) for axis in axes]
     waits = [synchronised and axis.waits(some) for axis, some in zip(axes, cases, strict=True)]

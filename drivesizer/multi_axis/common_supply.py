@@ -45,32 +45,7 @@ def common_supply(
     synchronised: bool = True,
     cycle_time: float | None = None,
 ) -> MachinePower:
-    """Power of a machine's axes on their supply, and the limits of supply, brake resistor and battery.
-
-    Parameters
-    ----------
-    shared
-        What the axes share: supply, brake resistor, battery, equipment, environment, margins, mission; load cases by
-        their names.
-    catalog
-        Where power supplies, brake resistors and batteries are listed.
-    axes
-        At least one, with its drive.
-    synchronised
-        Whether the axes' motions start together, each at its offset; else at any time.
-    cycle_time
-        Of the machine [s]; that of its longest axis where not given.
-
-    Returns
-    -------
-    MachinePower
-        Of the load case with the largest peak; checks where each is worst.
-
-    Raises
-    ------
-    InputError
-        When a motion is longer than the cycle, or a part of the supply is not listed.
-    """
+    """Power of a machine's axes on their supply, and the limits of supply, brake resistor and battery."""
     shared = with_parts_of_supply(shared, catalog)
     cases = dict(shared.load_cases)
     buses = {name: common_bus(name, cases.get(name, shared), axes, synchronised, cycle_time) for name in _cases(axes)}

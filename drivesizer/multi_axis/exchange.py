@@ -38,20 +38,7 @@ _SAME = 1e-9  # relative: two periods
 
 
 def from_start(power: DrivePower, start: float) -> DrivePower:
-    """A course that repeats, begun so much later.
-
-    Parameters
-    ----------
-    power
-        Of one cycle.
-    start
-        When it begins [s]; whole cycles count for nothing.
-
-    Returns
-    -------
-    DrivePower
-        Over one cycle too: what runs past its end is at its beginning.
-    """
+    """A course that repeats, begun so much later."""
     cut = power.total - start % power.total
     ends = np.cumsum(power.duration)
     piece = min(int(np.searchsorted(ends, cut, side="right")), len(ends) - 1)
@@ -64,20 +51,7 @@ def from_start(power: DrivePower, start: float) -> DrivePower:
 
 
 def fitted(power: DrivePower, window: float) -> DrivePower:
-    """A course repeated as often as it goes into a window, its time stretched to fill that where it is no multiple.
-
-    Parameters
-    ----------
-    power
-        Of one cycle.
-    window
-        No shorter than it [s].
-
-    Returns
-    -------
-    DrivePower
-        The same peaks and means.
-    """
+    """A course repeated as often as it goes into a window, its time stretched to fill that where it is no multiple."""
     count = max(round(window / power.total), 1)
     scale = window / (count * power.total)
     pieces = np.tile(np.arange(len(power.duration)), count)
@@ -87,18 +61,6 @@ def fitted(power: DrivePower, window: float) -> DrivePower:
 
 def common_period(periods: Sequence[float], pieces: Sequence[int] = ()) -> float:
     """Shortest time that is a multiple of all periods.
-
-    Parameters
-    ----------
-    periods
-        At least one [s].
-    pieces
-        Of the course of each period, where they count.
-
-    Returns
-    -------
-    float
-        [s]; NaN where there is none within 60 of the longest, or one of more pieces than are computed with.
 
     Examples
     --------
@@ -116,20 +78,7 @@ def common_period(periods: Sequence[float], pieces: Sequence[int] = ()) -> float
 
 
 def exchanged(powers: Sequence[DrivePower], feed: Feed) -> DrivePower:
-    """Power of several axes at the same time, each drawing what others regenerate, (1) to (3).
-
-    Parameters
-    ----------
-    powers
-        Of the axes, over cycles of the same length.
-    feed
-        The supply: its lowest voltage, its resistance.
-
-    Returns
-    -------
-    DrivePower
-        Net; of one axis as it is.
-    """
+    """Power of several axes at the same time, each drawing what others regenerate, (1) to (3)."""
     if len(powers) == 1:
         return powers[0]
     both = summed_up(powers, feed)
@@ -152,18 +101,7 @@ def exchanged(powers: Sequence[DrivePower], feed: Feed) -> DrivePower:
 
 
 def summed_up(powers: Sequence[DrivePower], feed: Feed) -> DrivePower:
-    """Power of several axes as if none drew what another regenerates: no course of them draws or returns more.
-
-    Parameters
-    ----------
-    powers, feed
-        As ``exchanged`` takes them.
-
-    Returns
-    -------
-    DrivePower
-        The sums.
-    """
+    """Power of several axes as if none drew what another regenerates: no course of them draws or returns more."""
     if len(powers) == 1:
         return powers[0]
     cut = side_by_side(powers)

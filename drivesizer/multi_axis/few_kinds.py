@@ -34,18 +34,7 @@ class _Merger(NamedTuple):
 
 
 def within(cost: Cost, limit: Cost) -> bool:
-    """Whether a cost is no more than a limit, but for rounding.
-
-    Parameters
-    ----------
-    cost, limit
-        Figures that are unknown, and the sum of the others.
-
-    Returns
-    -------
-    bool
-        A figure more that is unknown exceeds any limit.
-    """
+    """Whether a cost is no more than a limit, but for rounding."""
     return cost[0] < limit[0] or (cost[0] == limit[0] and cost[1] <= limit[1] + _ROUNDING * abs(limit[1]))
 
 
@@ -56,26 +45,7 @@ def fewer_kinds(
     limit: Cost,
     tried: Callable[[Permitted], Combination],
 ) -> tuple[Combination, dict[str, Kind]]:
-    """A combination of fewer kinds of drives within a limit.
-
-    Parameters
-    ----------
-    best
-        Of which the sum of costs is the least.
-    kinds
-        Of its drives, by axis.
-    offered
-        Costs of the kinds that each axis may have, with the masses of the best drives on it.
-    limit
-        Of the sum.
-    tried
-        The best combination in which some axes have a certain kind; with ``missing`` where there is none.
-
-    Returns
-    -------
-    tuple
-        The combination, and the kind of each axis that shares its own; the best and none of them where none is saved.
-    """
+    """A combination of fewer kinds of drives within a limit."""
     groups = _alike(kinds)
     common = {axis: kinds[axis] for group in groups if len(group) > 1 for axis in group}
     first = len(groups)

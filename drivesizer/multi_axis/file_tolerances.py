@@ -19,39 +19,13 @@ def toleranced(machine: MachineSpec) -> dict[Path_, Toleranced]:
 
 
 def place_of(figures: Mapping[Path_, Toleranced], axis: str, path: Path_) -> Path_:
-    """Place of an axis' figure in the file.
-
-    Parameters
-    ----------
-    figures
-        Of ``toleranced``.
-    axis
-        Its name.
-    path
-        Place in the axis' own spec.
-
-    Returns
-    -------
-    tuple
-        Under the axis, else at the top.
-    """
+    """Place of an axis' figure in the file."""
     own = ("axes", axis, *path)
     return own if own in figures else path
 
 
 def without_effect(machine: MachineSpec) -> tuple[str, ...]:
-    """Figures with a tolerance that neither an axis nor the supply takes.
-
-    Parameters
-    ----------
-    machine
-        With the joints of its robot.
-
-    Returns
-    -------
-    tuple of str
-        Their names.
-    """
+    """Figures with a tolerance that neither an axis nor the supply takes."""
     figures = toleranced(machine)
     used = {place_of(figures, axis.name, one.path) for axis in machine.axes for one in axis.spec.toleranced}
     used |= {("axes", axis.name, "start") for axis in machine.axes}

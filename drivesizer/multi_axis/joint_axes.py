@@ -44,22 +44,7 @@ class Joints:
         return self.torques is not None and axis in self.torques.carried.get(axis, ())
 
     def laden(self, spec: RobotSpec, joint: str, masses: Mapping[str, float]) -> RobotSpec:
-        """The spec of a joint with drives of these masses on it, payloads and poses as load cases.
-
-        Parameters
-        ----------
-        spec
-            Of the axis, its load not yet computed.
-        joint
-            Its name.
-        masses
-            Of the drives that it carries, by joint [kg]; its own among them where it moves that.
-
-        Returns
-        -------
-        RobotSpec
-            With the load of every load case.
-        """
+        """The spec of a joint with drives of these masses on it, payloads and poses as load cases."""
         assert self.torques is not None
         loads = [self.torques.load(joint, masses, case) for case in range(len(self.torques.cases))]
         made = spec.changed(lambda one: one.model_copy(update={"load": loads[0]}))
@@ -67,19 +52,7 @@ class Joints:
         return made.with_cases((name, made.alone(load=load)) for name, load in further)
 
     def notes_on(self, drives: Mapping[str, tuple[DriveSet, float]]) -> Iterator[str]:
-        """Sentences on what the chosen drives of joints mean to the robot.
-
-        Parameters
-        ----------
-        drives
-            Of each joint its drive, and what of it counts where it rides [kg].
-
-        Yields
-        ------
-        str
-            A drive heavier than the link whose mass is said to hold it; and the most that rotors beyond a joint add to
-            its torque, :math:`\\sum_j K_j J_{m,j} |\\ddot q_j|`, were all their axes parallel to its own.
-        """
+        """Sentences on what the chosen drives of joints mean to the robot."""
         for joint in self.torques.joints if self.torques else ():
             yield from self._heavier(joint, drives)
             yield from self._spun(joint, drives)
@@ -119,20 +92,7 @@ class Joints:
         return any(one.name == joint for one in robot.chain(robot.joints[other].parent))
 
     def rises(self, joint: str, masses: Mapping[str, float]) -> bool:
-        """Whether more mass of the drives on a joint nowhere lessens its torque.
-
-        Parameters
-        ----------
-        joint
-            Its name.
-        masses
-            Of the drives that it carries, by joint [kg].
-
-        Returns
-        -------
-        bool
-            Of all load cases.
-        """
+        """Whether more mass of the drives on a joint nowhere lessens its torque."""
         assert self.torques is not None
         for case in range(len(self.torques.cases)):
             own = self.torques.load(joint, masses, case).cycle
@@ -147,25 +107,7 @@ class Joints:
 
 
 def with_joints(machine: MachineSpec, torques_of: TorquesOf = joint_torques) -> tuple[MachineSpec, Joints]:
-    """A machine with the joints of its robot among its axes.
-
-    Parameters
-    ----------
-    machine
-        As it was read.
-    torques_of
-        Computes the torques of a robot's joints, or has them already.
-
-    Returns
-    -------
-    tuple
-        The machine, its joints in the order of the description before all others, and their torques.
-
-    Raises
-    ------
-    InputError
-        When the description, the trajectory or an axis is wrong: one line with file and line.
-    """
+    """A machine with the joints of its robot among its axes."""
     if machine.robot is None:
         return machine, Joints(None)
     try:

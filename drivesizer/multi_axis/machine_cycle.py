@@ -32,25 +32,7 @@ class Moving(NamedTuple):
 
 
 def cycle_of(axes: Sequence[Moving], cycle_time: float | None) -> float:
-    """Length of the machine's cycle: as given, or until the last axis that waits for the others is done.
-
-    Parameters
-    ----------
-    axes
-        Their motions.
-    cycle_time
-        As given [s].
-
-    Returns
-    -------
-    float
-        Of axes that all repeat the longest period [s].
-
-    Raises
-    ------
-    FieldError
-        When a motion is longer than the cycle.
-    """
+    """Length of the machine's cycle: as given, or until the last axis that waits for the others is done."""
     ones = [one for one in axes if one.waits]
     if not ones:
         return max(one.period for one in axes)
@@ -64,25 +46,7 @@ def cycle_of(axes: Sequence[Moving], cycle_time: float | None) -> float:
 
 
 def waiting_times(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> Cycles:
-    """Until when each axis waits at rest: for the others, or for the machine's ``cycle_time``.
-
-    Parameters
-    ----------
-    machine
-        Its axes; those with a supply of their own keep their own cycle.
-    spec_of
-        The spec of an axis by its name, with its load.
-
-    Returns
-    -------
-    Cycles
-        None of a single axis, and where motions do not start together.
-
-    Raises
-    ------
-    InputError
-        When a motion is longer than the cycle, or its file is wrong.
-    """
+    """Until when each axis waits at rest: for the others, or for the machine's ``cycle_time``."""
     if not machine.synchronised or not machine.is_several:
         return {}
     found = {axis.name: _motions(spec_of(axis.name)) for axis in machine.axes if not axis.own_supply}

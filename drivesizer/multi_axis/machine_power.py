@@ -38,25 +38,7 @@ class _OnSupply(NamedTuple):
 
 
 def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePower | None:
-    """Power of the best drives of all axes on the machine's supply.
-
-    Parameters
-    ----------
-    machine
-        What the axes share.
-    axes
-        Their sizings.
-
-    Returns
-    -------
-    MachinePower or None
-        None of a single axis, whose own record has it, and where an axis on the supply has no drive.
-
-    Raises
-    ------
-    InputError
-        As of ``common_supply``.
-    """
+    """Power of the best drives of all axes on the machine's supply."""
     found = _supplied_axes(machine, axes)
     if found is None:
         return None
@@ -71,22 +53,7 @@ def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePo
 def over_tolerances(
     machine: MachineSpec, axes: Sequence[AxisSizing], power: MachinePower, how: Sampling
 ) -> MachinePower:
-    """The same with the probability that no limit of the supply is exceeded, over all uncertain figures.
-
-    Parameters
-    ----------
-    machine, axes
-        As of ``machine_power``.
-    power
-        At nominal figures.
-    how
-        Samples, seed, and the required confidence.
-
-    Returns
-    -------
-    MachinePower
-        With its reliability; where the power of an axis is unknown with the assumption that figures are nominal.
-    """
+    """The same with the probability that no limit of the supply is exceeded, over all uncertain figures."""
     found = _supplied_axes(machine, axes)
     if found is None or power.unknown:
         said = "limits of the supply are judged at nominal figures: power over tolerances is unknown"
@@ -132,20 +99,7 @@ def _motor_voltage(power: MachinePower, shared: RobotSpec, on_it: Sequence[AxisS
 
 
 def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: MachinePower | None) -> tuple[Check, ...]:
-    """Mass and price of all axes against the machine's budget.
-
-    Parameters
-    ----------
-    machine, axes
-        As of ``machine_power``.
-    power
-        Of all axes, with the brake resistor.
-
-    Returns
-    -------
-    tuple of Check
-        None of a single axis, whose own drive is held against it, and where an axis has no drive.
-    """
+    """Mass and price of all axes against the machine's budget."""
     budget, drives = machine.budget, [(one.result.problem, one.best) for one in axes if one.best]
     if budget is None or _alone(machine) or len(drives) < len(axes):
         return ()
@@ -162,25 +116,7 @@ def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: Machi
 
 
 def with_choppers(machine: MachineSpec, catalog_of: Callable[[RobotSpec], Catalog]) -> MachineSpec:
-    """The machine on a bus that rises to the lowest voltage of the choppers among which its spec leaves the choice.
-
-    Parameters
-    ----------
-    machine
-        As it was read.
-    catalog_of
-        Catalogues of an axis.
-
-    Returns
-    -------
-    MachineSpec
-        The same where its spec gives that voltage, or has no brake resistor.
-
-    Raises
-    ------
-    InputError
-        When no catalogue has the resistor or the power supply.
-    """
+    """The machine on a bus that rises to the lowest voltage of the choppers among which its spec leaves the choice."""
     section, on_it = machine.brake_resistor, [one.spec for one in machine.axes if not one.own_supply]
     if section is None or section.chopper_voltage is not None or _alone(machine) or not on_it:
         return machine

@@ -70,20 +70,7 @@ class OfferedKinds:
         self.axes = axes
 
     def costs(self, statuses: Mapping[str, Status], slack: float) -> dict[str, dict[Kind, Cost]]:
-        """Cost of the kinds of drives of every axis that pass, the cheapest first.
-
-        Parameters
-        ----------
-        statuses
-            By axis: no drive of a worse one counts.
-        slack
-            By how much one may cost more than the cheapest of its axis.
-
-        Returns
-        -------
-        dict
-            By axis.
-        """
+        """Cost of the kinds of drives of every axis that pass, the cheapest first."""
         found = {axis: _costs(self.loaded(axis, on_it), statuses[axis]) for axis, on_it in self.axes.items()}
         self.first = {axis: frozenset(list(costs)[:_FIRST]) for axis, costs in found.items()}
         return {axis: _within(costs, slack) for axis, costs in found.items()}
@@ -94,20 +81,7 @@ class OfferedKinds:
         return [row.choice for row in found.values() if _no_worse(row, status)][:_FREE]
 
     def record(self, axis: str, masses: Masses, name: str) -> tuple[Problem, DriveSet]:
-        """A drive that ``choices`` gave, in full, and the problem it is of.
-
-        Parameters
-        ----------
-        axis, masses
-            The axis, and what rides on it [kg].
-        name
-            The drive's label.
-
-        Returns
-        -------
-        tuple
-            The problem has the catalogue of that search.
-        """
+        """A drive that ``choices`` gave, in full, and the problem it is of."""
         known = (rows for (one, on_it, _), rows in self.made.items() if (one, on_it) == (axis, masses))
         found = next(row for rows in known for row in rows.values() if row.choice.name == name)
         short, evaluation = found.shortlist, found.shortlist.found.evaluation

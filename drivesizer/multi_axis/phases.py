@@ -140,20 +140,7 @@ class AtAnyPhase(NamedTuple):
 
 
 def bus_power(power: float, feed: Feed) -> float:
-    """Power at the bus for one out of its source: without what the source's resistance turns to heat.
-
-    Parameters
-    ----------
-    power
-        Out of the source [W].
-    feed
-        The supply: its lowest voltage, its resistance.
-
-    Returns
-    -------
-    float
-        [W]; of more than a source can give to its bus the most that it can.
-    """
+    """Power at the bus for one out of its source: without what the source's resistance turns to heat."""
     most = feed.voltage**2 / (2.0 * feed.resistance) if feed.resistance else inf  # no source gives more to its bus
     taken = min(power, most)
     return float(taken - feed.resistance * (taken / feed.voltage) ** 2)
@@ -166,20 +153,6 @@ def worst_start(power: DrivePower) -> float:
 
 def share_above(courses: Sequence[tuple[Array, Array]], limit: float, *, up: bool = True) -> float:
     """Share of the time in which the sum of courses at random phases exceeds a limit, (2).
-
-    Parameters
-    ----------
-    courses
-        Duration of the pieces of each course [s], and its even power in each [W].
-    limit
-        Of the sum [W].
-    up
-        Round powers up on the grid: the share is no less than the exact one; else down, and it is no more.
-
-    Returns
-    -------
-    float
-        From 0 to 1; NaN where a power is unknown.
 
     Examples
     --------
@@ -208,18 +181,6 @@ def longest_run_of_two(courses: Sequence[tuple[Array, Array]], limit: float) -> 
 
     On a grid over their common period; each cell has the largest power of itself and of the next, so that no phase
     between those of the grid makes more of it.
-
-    Parameters
-    ----------
-    courses
-        Duration of the pieces of each [s], and its even power in each [W].
-    limit
-        Of the sum [W].
-
-    Returns
-    -------
-    float
-        Infinite where it always does; no less than the exact one, and more by two cells at most.
 
     Examples
     --------
@@ -263,16 +224,6 @@ def returned_over_phases(first: tuple[Array, Array], second: tuple[Array, Array]
 
     The mean is straight in the phase between moments at which an edge of one course meets one of the other, so that its
     second derivative is a sum of impulses there, and its extremes are at such a phase: exact for even powers.
-
-    Parameters
-    ----------
-    first, second
-        Duration of the pieces of each [s], and its even net power in each [W].
-
-    Returns
-    -------
-    tuple of float
-        Largest and least.
 
     Examples
     --------

@@ -49,24 +49,7 @@ def with_samples(
     power: MachinePower,
     how: Sampling,
 ) -> MachinePower:
-    """The power of a machine with the probability that no limit of its supply is exceeded.
-
-    Parameters
-    ----------
-    machine
-        As it was read.
-    shared, catalog, axes
-        As of ``common_supply``.
-    power
-        At nominal figures.
-    how
-        Samples, seed, and the required confidence.
-
-    Returns
-    -------
-    MachinePower
-        With its reliability, and a check of it where a confidence is required.
-    """
+    """The power of a machine with the probability that no limit of its supply is exceeded."""
     one = uncertain_machine(machine, _as_chosen(shared, power), axes)
     drawn = sample(one.given, min(how.samples, _MOST), how.seed)
     found = [_sample_checks(machine, catalog, *one.at(values)) for values in drawn.values]

@@ -25,20 +25,7 @@ _CHANGED: dict[str, dict[str, Callable[..., float]]] = {  # by load cases: which
 
 
 def shared_sections(machine: MachineSpec, axes: Sequence[RobotSpec]) -> RobotSpec:
-    """Sections that all axes share, as a spec with the load cases of the axes.
-
-    Parameters
-    ----------
-    machine
-        As it was read.
-    axes
-        Those on its supply, at least one.
-
-    Returns
-    -------
-    RobotSpec
-        Its load and motion are those of the first axis, and mean nothing.
-    """
+    """Sections that all axes share, as a spec with the load cases of the axes."""
     shared = axes[0].alone(
         supply=machine.supply,
         battery=machine.battery,

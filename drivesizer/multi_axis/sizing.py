@@ -207,26 +207,7 @@ def _saved(before: int, result: MachineSizing, best: MachineSizing, objective: s
 
 
 def laden(machine: MachineSpec, axis: str) -> RobotSpec:
-    """The spec of one axis with the drives that ride on it.
-
-    Parameters
-    ----------
-    machine
-        All axes.
-    axis
-        Name of the one. Where drives ride on it, or it on others, the machine is sized first; a drive that is the best
-        for the whole and not for the axis is then the choice of the spec.
-
-    Returns
-    -------
-    RobotSpec
-        Of the axis alone.
-
-    Raises
-    ------
-    InputError
-        When there is no such axis, or as ``size`` does.
-    """
+    """The spec of one axis with the drives that ride on it."""
     alone = machine.robot is None and not machine.axis(axis).carries
     rides = any(axis in machine.carried(other.name) for other in machine.axes)
     if alone and not rides and machine.few_kinds is None:

@@ -73,18 +73,7 @@ class UncertainMachine(NamedTuple):
     axes: tuple[_UncertainAxis, ...]
 
     def at(self, values: Values) -> tuple[RobotSpec, list[AxisPower]]:
-        """Shared sections and axes with the figures of a sample.
-
-        Parameters
-        ----------
-        values
-            Of the assumptions [SI].
-
-        Returns
-        -------
-        tuple
-            As ``common_supply`` takes them.
-        """
+        """Shared sections and axes with the figures of a sample."""
         moves = _moves(self.of_shared, values, self.given)
 
         def moved(spec: RobotSpec) -> RobotSpec:  # a load case with a figure of its own keeps that
@@ -110,22 +99,7 @@ def _figure(spec: Any, path: Path_) -> Any:
 
 
 def uncertain_machine(machine: MachineSpec, shared: RobotSpec, axes: Sequence[AxisPower]) -> UncertainMachine:
-    """The uncertain figures of a machine.
-
-    Parameters
-    ----------
-    machine
-        As it was read.
-    shared
-        What the axes share.
-    axes
-        Those on the supply, with their drives.
-
-    Returns
-    -------
-    UncertainMachine
-        Each figure once, whichever axes have it.
-    """
+    """The uncertain figures of a machine."""
     figures = toleranced(machine)
     given: dict[Path_ | Class, Assumption] = {}
 

@@ -23,18 +23,7 @@ _STILL = 1e-9  # of the largest speed
 
 
 def moving_alone(problem: Problem) -> Problem:
-    """An axis without the rest in which it waits.
-
-    Parameters
-    ----------
-    problem
-        The axis as it was sized.
-
-    Returns
-    -------
-    Problem
-        The same where it does not wait.
-    """
+    """An axis without the rest in which it waits."""
     if all(case.spec.waits_until is None for case in problem.cases):
         return problem
     quickest = quickest_winding(problem.catalog)
@@ -43,13 +32,7 @@ def moving_alone(problem: Problem) -> Problem:
 
 
 def starts_and_ends_at_rest(cases: Sequence[LoadCase]) -> bool:
-    """Whether a motion begins and ends at rest.
-
-    Parameters
-    ----------
-    cases
-        Drives of an axis that act at the same time.
-    """
+    """Whether a motion begins and ends at rest."""
     return all(
         max(abs(float(case.cycle.speed[0, 0])), abs(float(case.cycle.speed[-1, 1])))
         <= _STILL * float(np.abs(case.cycle.speed).max())
@@ -58,20 +41,7 @@ def starts_and_ends_at_rest(cases: Sequence[LoadCase]) -> bool:
 
 
 def waiting(case: LoadCase, until: float) -> CycleAtBelt:
-    """The load cycle of an axis with a rest at its end.
-
-    Parameters
-    ----------
-    case
-        The axis, or one of its drives.
-    until
-        Length of the cycle with that rest [s].
-
-    Returns
-    -------
-    CycleAtBelt
-        As it is where it lasts so long; held by nothing where that is unknown.
-    """
+    """The load cycle of an axis with a rest at its end."""
     if not rest_left(case.cycle.total, until):
         return case.at_belt
     cycle = load_cycle(case.spec.waiting(dict.fromkeys([name for name, _ in case.spec.load_cases], until)))

@@ -20,22 +20,7 @@ def within_limits(
     offers: Callable[[], Mapping[str, Sequence[Choice]]],
     tried: Callable[[Mapping[str, Choice]], MachineSizing | None],
 ) -> MachineSizing:
-    """The machine with the drives that keep its own limits at the least cost, of those that are tried.
-
-    Parameters
-    ----------
-    best
-        With the best drives of all axes.
-    offers
-        Gives drives that each axis may have, by cost.
-    tried
-        The machine with some drives; None where one of them does not pass with what rides on it then.
-
-    Returns
-    -------
-    MachineSizing
-        The same where no limit is broken, or no other choice keeps all of them, which a note says.
-    """
+    """The machine with the drives that keep its own limits at the least cost, of those that are tried."""
     broken = [check.title for check in best.checks if check.status == "fail"]
     if not broken or not best.complete:
         return best
@@ -59,20 +44,7 @@ def _keeps(result: MachineSizing, best: MachineSizing) -> bool:
 
 
 def cheapest_first(offers: Mapping[str, Sequence[Choice]], most: int) -> Iterator[dict[str, Choice]]:
-    """Choices of one drive for each axis in the order of their cost, the cheapest of all left out.
-
-    Parameters
-    ----------
-    offers
-        By axis, by cost.
-    most
-        How many at most.
-
-    Yields
-    ------
-    dict
-        A drive for each axis.
-    """
+    """Choices of one drive for each axis in the order of their cost, the cheapest of all left out."""
     names = list(offers)
     start = (0,) * len(names)
 

@@ -21,18 +21,6 @@ _TURNING = {*"\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"}  # change
 def visible(text: str, longest: int = LONGEST) -> str:
     """A text with invisible characters spelled out, cut to the length of a cell.
 
-    Parameters
-    ----------
-    text
-        Any text.
-    longest
-        Characters that are kept.
-
-    Returns
-    -------
-    str
-        The text of a cell.
-
     Examples
     --------
     >>> visible("a\\x00b\\r\\nc"), visible("abcdef", 4)

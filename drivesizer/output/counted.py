@@ -12,20 +12,6 @@ __all__ = ["meeting", "number_of"]
 def number_of(count: int, thing: str, several: str = "") -> str:
     """A number with what it counts.
 
-    Parameters
-    ----------
-    count
-        The number.
-    thing
-        What one of them is called.
-    several
-        What others are called; with an s where not given.
-
-    Returns
-    -------
-    str
-        The text, thousands apart.
-
     Examples
     --------
     >>> number_of(1, "part"), number_of(2345, "part"), number_of(0, "axis", "axes")
@@ -36,20 +22,6 @@ def number_of(count: int, thing: str, several: str = "") -> str:
 
 def meeting(counts: Counts, best: Status | None, of: str = "") -> str:
     """Number of drives that meet all limits, and that fail none as far as figures are known, in words.
-
-    Parameters
-    ----------
-    counts
-        Of a sizing.
-    best
-        Status of the best drive: where a limit of its machine is unknown no drive is said to meet all.
-    of
-        Whose limits, behind these: " of the drive".
-
-    Returns
-    -------
-    str
-        A predicate.
 
     Examples
     --------

@@ -67,20 +67,6 @@ def symbol(text: str) -> str:
 def quantity(value: float, unit: str, kind: str) -> str:
     """An SI value in a unit of its kind, as typst mathematics.
 
-    Parameters
-    ----------
-    value
-        In SI.
-    unit
-        The unit to show.
-    kind
-        Kind of quantity.
-
-    Returns
-    -------
-    str
-        Typst source.
-
     Examples
     --------
     >>> quantity(1.08e-6, "kg*m^2", "inertia")

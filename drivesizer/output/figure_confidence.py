@@ -13,22 +13,7 @@ __all__ = ["LESS", "confidences", "not_quoted"]
 
 
 def confidences(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict[str, str]:
-    """Confidence of each known figure of a part; of estimated ones those that the drive's checks rest on.
-
-    Parameters
-    ----------
-    part, role
-        A part of the drive, and which one it is.
-    found
-        The drive.
-    catalog
-        The catalogue of its parts.
-
-    Returns
-    -------
-    dict of str to str
-        By the name of the figure.
-    """
+    """Confidence of each known figure of a part; of estimated ones those that the drive's checks rest on."""
     section = section_of(part)
     row = catalog.table(section).rows.get(part.part)
     if row is None:  # a brake that the spec describes
@@ -46,18 +31,7 @@ def confidences(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict
 
 
 def not_quoted(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict[str, str]:
-    """Figures of less confidence than quoted, those of the highest confidence first.
-
-    Parameters
-    ----------
-    part, role, found, catalog
-        As for :func:`confidences`.
-
-    Returns
-    -------
-    dict of str to str
-        Confidence by the name of the figure.
-    """
+    """Figures of less confidence than quoted, those of the highest confidence first."""
     figures = confidences(part, role, found, catalog)
     return {name: level for one in LESS for name, level in figures.items() if level == one}
 

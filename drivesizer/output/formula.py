@@ -58,20 +58,7 @@ def computed(declared: Equation) -> str:
 
 
 def symbol_text(name: str, *, paper: bool = False) -> str:
-    """A symbol for the terminal.
-
-    Parameters
-    ----------
-    name
-        Of a term, as ``M_rms_m`` or ``eta_gear``.
-    paper
-        Whether with the paper's letters.
-
-    Returns
-    -------
-    str
-        As ``M_rms/m`` or ``η_g`` (the paper's: ``η``).
-    """
+    """A symbol for the terminal."""
     name = (_PAPER if paper else {}).get(name) or _NAMES.get(name, name)
     head, _, tail = name.partition("_")
     tail = re.sub(r"_(m0?)$", r"/\1", tail)
@@ -80,20 +67,7 @@ def symbol_text(name: str, *, paper: bool = False) -> str:
 
 
 def symbol_typst(name: str, *, paper: bool = False) -> str:
-    """A symbol in typst mathematics.
-
-    Parameters
-    ----------
-    name
-        Of a term, as ``M_rms_m``.
-    paper
-        Whether with the paper's letters.
-
-    Returns
-    -------
-    str
-        As ``M_"rms/m"``.
-    """
+    """A symbol in typst mathematics."""
     head, _, tail = symbol_text(name, paper=paper).partition("_")
     head = {"υ": "upsilon", **{v: k for k, v in _GREEK.items()}}.get(head, f'"{head}"' if len(head) > 1 else head)
     return f'{head}_"{tail}"' if tail else head
@@ -101,20 +75,6 @@ def symbol_typst(name: str, *, paper: bool = False) -> str:
 
 def text(expression: str, *, paper: bool = False, values: dict[str, str] | None = None) -> str:
     """An expression on one line of text.
-
-    Parameters
-    ----------
-    expression
-        Python source of a formula.
-    paper
-        Whether with the paper's letters.
-    values
-        Each name's value, in place of its symbol.
-
-    Returns
-    -------
-    str
-        The text.
 
     Examples
     --------
@@ -139,20 +99,6 @@ def text(expression: str, *, paper: bool = False, values: dict[str, str] | None 
 
 def typst(expression: str, *, paper: bool = False, values: dict[str, str] | None = None) -> str:
     """An expression in typst mathematics.
-
-    Parameters
-    ----------
-    expression
-        Python source of a formula.
-    paper
-        Whether with the paper's letters.
-    values
-        Typst source of each name's value, in place of its symbol.
-
-    Returns
-    -------
-    str
-        Typst source.
 
     Examples
     --------

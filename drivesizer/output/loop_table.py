@@ -179,18 +179,7 @@ def gain_rows(gains: Gains | Cascade | Stepping) -> list[GainRow]:
 
 
 def remedies(proof: Validation) -> tuple[str, list[tuple[str, str, str, Status]]]:
-    """Changes that help a drive that fails in its loop, and those that were tried in vain.
-
-    Parameters
-    ----------
-    proof
-        The simulation.
-
-    Returns
-    -------
-    tuple
-        A title; and of each change its words, how it is entered, the check of the smallest margin, and the status.
-    """
+    """Changes that help a drive that fails in its loop, and those that were tried in vain."""
     rows = []
     for one in sorted(proof.tried, key=lambda one: one.status == "fail"):
         tight = f"{sentence_case(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""

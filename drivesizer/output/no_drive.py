@@ -39,20 +39,7 @@ def not_enough(result: SizingResult) -> str:
 
 
 def changes_by_outcome(changes: Sequence[Relaxation], of: str) -> Iterator[tuple[str, list[Relaxation]]]:
-    """Changes of a spec after which a drive passes, then those after which it fails nothing and figures are missing.
-
-    Parameters
-    ----------
-    changes
-        Each enough by itself.
-    of
-        Whose: a drive, it.
-
-    Yields
-    ------
-    tuple
-        A title and its changes.
-    """
+    """Changes of a spec after which a drive passes, then those after which it fails nothing and figures are missing."""
     passing = [one for one in changes if one.status == "pass"]
     rest = [one for one in changes if one.status != "pass"]
     if passing:

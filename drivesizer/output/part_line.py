@@ -57,26 +57,7 @@ _PRICES = (  # field, and from how many pieces
 
 
 def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[str, Any]) -> PartLine:
-    """A part as a line.
-
-    Parameters
-    ----------
-    role
-        Of the part in its drive, a key of ``SAID``.
-    part
-        Of the catalogue; None where none is known.
-    catalog
-        The catalogue.
-    quantity
-        Of the whole machine.
-    mass
-        ``mass`` of one [kg], with ``mass_low`` and ``mass_high`` where it is estimated.
-
-    Returns
-    -------
-    PartLine
-        With its price for that quantity.
-    """
+    """A part as a line."""
     if part is None:
         return PartLine(role=role, quantity=quantity, **mass)
     section = section_of(part)
@@ -92,42 +73,14 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
 
 
 def resistor_line(resistor: BrakeResistor, catalog: Catalog) -> PartLine:
-    """A brake resistor as a line.
-
-    Parameters
-    ----------
-    resistor
-        Of the catalogue, or without a part number one that the spec gives.
-    catalog
-        The catalogue.
-
-    Returns
-    -------
-    PartLine
-        One for the whole machine.
-    """
+    """A brake resistor as a line."""
     if resistor.part:
         return line_of("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
     return PartLine(role="brake resistor", said=SAID["brake resistor"](resistor), quantity=1)
 
 
 def price_for(part: Any, quantity: int, known: dict[str, Source]) -> dict[str, Any]:
-    """The price of a part for a quantity.
-
-    Parameters
-    ----------
-    part
-        Of a catalogue.
-    quantity
-        Number of pieces.
-    known
-        Sources by figure, of ``origins``: figures without one are unknown.
-
-    Returns
-    -------
-    dict
-        Fields of a ``PartLine``, with the source of the price; empty where none is known.
-    """
+    """The price of a part for a quantity."""
     for name, pieces in _PRICES:
         if quantity >= pieces and name in known:
             source, unit = known[name], columns_of(section_of(part))[name].unit
@@ -138,20 +91,7 @@ def price_for(part: Any, quantity: int, known: dict[str, Source]) -> dict[str, A
 
 
 def ordered_as(part: str, order_number: str) -> str:
-    """A part for ordering: its order number, or its name and that no order number is known.
-
-    Parameters
-    ----------
-    part
-        Its name in the catalogue.
-    order_number
-        The maker's; empty where unknown.
-
-    Returns
-    -------
-    str
-        The text.
-    """
+    """A part for ordering: its order number, or its name and that no order number is known."""
     return order_number or (f"{part}, {NO_NUMBER}" if part else "")
 
 

@@ -31,36 +31,12 @@ class Total:
 
 
 def totals(lines: Sequence[PartLine]) -> list[Total]:
-    """Mass and price of the whole list; prices by currency, and no line for what no part has.
-
-    Parameters
-    ----------
-    lines
-        Of :func:`parts_list`.
-
-    Returns
-    -------
-    list of Total
-        Mass [kg], then prices.
-    """
+    """Mass and price of the whole list; prices by currency, and no line for what no part has."""
     return named_totals(lines, [line.role for line in lines])
 
 
 def named_totals(lines: Sequence[PartLine], names: Sequence[str]) -> list[Total]:
-    """Mass and price of lines of which several may have a role.
-
-    Parameters
-    ----------
-    lines
-        Of one or several axes.
-    names
-        A name for each line that no other line of its role has.
-
-    Returns
-    -------
-    list of Total
-        As of :func:`totals`.
-    """
+    """Mass and price of lines of which several may have a role."""
     masses = [(x.quantity * x.mass, x.quantity * x.mass_low, x.quantity * x.mass_high) for x in lines]
     wanted: list[tuple[str, str, list[tuple[float, float, float]]]] = [("mass", "kg", masses)]
     for currency in dict.fromkeys(line.currency for line in lines if line.currency):
@@ -88,20 +64,7 @@ def _once(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def money_text(price: float, currency: str) -> str:
-    """A price as it is printed.
-
-    Parameters
-    ----------
-    price
-        NaN where it is unknown.
-    currency
-        Its unit.
-
-    Returns
-    -------
-    str
-        The text.
-    """
+    """A price as it is printed."""
     return "unknown" if isnan(price) else f"{price:.2f} {currency}"
 
 
@@ -112,20 +75,7 @@ def mass_text(line: PartLine) -> str:
 
 
 def total_text(total: Total, digits: int) -> str:
-    """A total as it is printed: at least, where a part of it is unknown.
-
-    Parameters
-    ----------
-    total
-        Of mass or price.
-    digits
-        Of a mass.
-
-    Returns
-    -------
-    str
-        The text.
-    """
+    """A total as it is printed: at least, where a part of it is unknown."""
     least = LEAST if total.lacks else ""
     if total.name == "price":
         return f"{least}{total.value:.2f} {total.unit}"
@@ -133,20 +83,7 @@ def total_text(total: Total, digits: int) -> str:
 
 
 def total_texts(lines: Sequence[PartLine], text: Callable[[Total], str]) -> str:
-    """Mass and prices of a parts list in a line; of which no part's is known is said.
-
-    Parameters
-    ----------
-    lines
-        Of :func:`parts_list`.
-    text
-        Prints one of them.
-
-    Returns
-    -------
-    str
-        The line, ``mass unknown`` and ``no price is known`` in it.
-    """
+    """Mass and prices of a parts list in a line; of which no part's is known is said."""
     found = totals(lines)
     known = {one.name for one in found}
     texts = [] if "mass" in known else ["mass unknown"]

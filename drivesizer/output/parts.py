@@ -24,24 +24,7 @@ OWN_SUPPLY = "of its own supply"  # behind the voltage of a brake that is not th
 
 
 def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | None = None) -> list[PartLine]:
-    """The parts list of a machine: a line for each part of a drive.
-
-    Parameters
-    ----------
-    found
-        The drive; a role without a known part has a line as well, and so has a belt known by its ratio.
-    catalog
-        The catalogue of its parts.
-    drives
-        Number of drives of the machine.
-    belt
-        Mass of belt and pulleys that are not out of the catalogues [kg]; estimated where not given.
-
-    Returns
-    -------
-    list of PartLine
-        In the order of the roles.
-    """
+    """The parts list of a machine: a line for each part of a drive."""
     masses = {row.name: _massed(row) for row in drive_rows(found, drives, catalog, belt)}
     lines = [line_of(role, part, catalog, drives, masses[role]) for role, part in found.parts.items()]
     lines = [replace(x, said=", ".join((x.said, *found.belt_running))) if x.role == "belt" else x for x in lines]
@@ -61,20 +44,7 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | Non
 
 
 def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
-    """The parts list of the machine of a sizing.
-
-    Parameters
-    ----------
-    found
-        The drive.
-    problem
-        The machine and the catalogues.
-
-    Returns
-    -------
-    list of PartLine
-        Of :func:`parts_list`.
-    """
+    """The parts list of the machine of a sizing."""
     spec = problem.machine
     lines = parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
     if found.brake and not isnan(found.brake.supply) and _has_own_supply(found, spec):

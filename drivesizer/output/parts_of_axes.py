@@ -29,18 +29,7 @@ class SharedLine(NamedTuple):
 
 
 def machine_parts_of_axes(sizing: MachineSizing) -> list[SharedLine]:
-    """The parts list of a machine of several axes: equal parts of several axes are one line.
-
-    Parameters
-    ----------
-    sizing
-        The machine; an axis without a drive that meets all limits has no parts.
-
-    Returns
-    -------
-    list of SharedLine
-        By role, motors first; in a role by the order of the axes.
-    """
+    """The parts list of a machine of several axes: equal parts of several axes are one line."""
     found: dict[str, list[tuple[str, PartLine]]] = {}
     for name, lines in parts_by_axis(sizing).items():
         for line in lines:  # NaN is not equal to itself, its text is
@@ -77,18 +66,7 @@ def _place(role: str) -> int:
 
 
 def parts_by_axis(sizing: MachineSizing) -> dict[str, list[PartLine]]:
-    """The parts lists of all axes of a machine, at the prices of the quantity of all of them.
-
-    Parameters
-    ----------
-    sizing
-        The machine.
-
-    Returns
-    -------
-    dict
-        Of :func:`machine_parts` by name of the axis, in the order of the file; of one without a drive an empty list.
-    """
+    """The parts lists of all axes of a machine, at the prices of the quantity of all of them."""
     found = {one.name: machine_parts(one.best, one.result.problem) if one.best else [] for one in sizing.axes}
     count = Counter[tuple[str, str, str]]()
     for line in (line for lines in found.values() for line in lines):
@@ -114,16 +92,5 @@ _SUPPLY_SECTIONS = {"power supply": "power_supplies", "brake resistor": "brake_r
 
 
 def totals_of_axes(lines: Sequence[SharedLine]) -> list[Total]:
-    """Mass and price of a machine of several axes.
-
-    Parameters
-    ----------
-    lines
-        Of :func:`machine_parts_of_axes`.
-
-    Returns
-    -------
-    list of Total
-        As of :func:`totals`; a part whose figure is known on some axes only is left out with the names of the others.
-    """
+    """Mass and price of a machine of several axes."""
     return named_totals([one.line for one in lines], [f"{one.line.role} of {', '.join(one.axes)}" for one in lines])

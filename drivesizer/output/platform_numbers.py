@@ -46,19 +46,7 @@ class PlatformNumbers(NamedTuple):
 
 
 def platform_numbers(spec: RobotSpec, drive: DriveSet | None) -> PlatformNumbers:
-    """Tables of a platform.
-
-    Parameters
-    ----------
-    spec
-        The machine, with a platform.
-    drive
-        Whose rotors turn with the wheels; none where there is no drive.
-
-    Returns
-    -------
-    PlatformNumbers
-    """
+    """Tables of a platform."""
     at = hardest_instant(spec, drive.rotors_at_load if drive else 0.0)
     d = at.dynamics
     sentences = _rotors(drive), _moment(at)
@@ -74,28 +62,7 @@ class EquationNumbers(NamedTuple):
 
 
 def equation_of(declared: MatrixEquation, spec: RobotSpec, drive: DriveSet | None, turning: bool) -> EquationNumbers:
-    """An equation of the platform with the numbers of a spec.
-
-    Parameters
-    ----------
-    declared
-        The equation.
-    spec
-        The machine, with a platform.
-    drive
-        Whose rotors turn with the wheels; none where there is no drive.
-    turning
-        Whether inertias of the wheels may be in it.
-
-    Returns
-    -------
-    EquationNumbers
-
-    Raises
-    ------
-    InputError
-        When the equation does not hold for this platform.
-    """
+    """An equation of the platform with the numbers of a spec."""
     at = hardest_instant(spec, drive.rotors_at_load if drive else 0.0)
     try:
         tables, others = (
@@ -141,19 +108,7 @@ class Printed(NamedTuple):
 
 
 def printed(numbers: Numbers, *, above: bool = True) -> Printed:
-    """A table with each unit once: above it, else at the head of its column, else in its cells.
-
-    Parameters
-    ----------
-    numbers
-        The table.
-    above
-        Whether there is a place above it.
-
-    Returns
-    -------
-    Printed
-    """
+    """A table with each unit once: above it, else at the head of its column, else in its cells."""
     columns = list(zip(*numbers.values.tolist(), strict=True)), list(zip(*numbers.units, strict=True))
     shared = [{u for v, u in zip(*column, strict=True) if v} for column in zip(*columns, strict=True)]
     of_all = set().union(*shared)
@@ -172,16 +127,6 @@ def printed(numbers: Numbers, *, above: bool = True) -> Printed:
 
 def cell(value: float, unit: str) -> str:
     """An entry with its unit, to four digits.
-
-    Parameters
-    ----------
-    value, unit
-        Of the entry.
-
-    Returns
-    -------
-    str
-        Zero without a unit.
 
     Examples
     --------

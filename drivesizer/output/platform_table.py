@@ -42,18 +42,7 @@ def speed_text(speed: float) -> str:
 
 
 def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
-    """Directions in which a speed is not permitted, and assumptions of the table, as sentences.
-
-    Parameters
-    ----------
-    found
-        Of a drive.
-
-    Yields
-    ------
-    str
-        A sentence.
-    """
+    """Directions in which a speed is not permitted, and assumptions of the table, as sentences."""
     required, every = found.required, len(found.direction)
     slow = {failed: int((speed < (required or 0.0)).sum()) for failed, speed in found.speed.items()}
     if required is not None and any(slow.values()):

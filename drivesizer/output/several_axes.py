@@ -25,18 +25,7 @@ class Branch(NamedTuple):
 
 
 def mass_tree(machine: MachineSpec) -> list[Branch]:
-    """The axes of a machine from those that carry all others to the outermost.
-
-    Parameters
-    ----------
-    machine
-        Its axes with what they carry; an axis on two others stands below each of them.
-
-    Returns
-    -------
-    list of Branch
-        Each before those that ride on it, otherwise in the order of the file.
-    """
+    """The axes of a machine from those that carry all others to the outermost."""
     riding = {axis.name: list(machine.carried(axis.name)) for axis in machine.axes}
     carried = {name for names in riding.values() for name in names}
 
@@ -51,18 +40,7 @@ def mass_tree(machine: MachineSpec) -> list[Branch]:
 
 
 def choice_text(result: MachineSizing) -> str:
-    """Whether another choice of the drives that ride on others can be better.
-
-    Parameters
-    ----------
-    result
-        A machine in which every axis has a drive.
-
-    Returns
-    -------
-    str
-        A sentence without its point; empty where no drive rides on another axis.
-    """
+    """Whether another choice of the drives that ride on others can be better."""
     if not result.complete or not any(axis.carried for axis in result.axes):
         return ""
     said = "no other choice of the carried drives gives"
@@ -71,18 +49,7 @@ def choice_text(result: MachineSizing) -> str:
 
 
 def supply_texts(power: MachinePower) -> Iterator[str]:
-    """Power of all axes in a sentence each: peak, mean, what is regenerated and what burns it.
-
-    Parameters
-    ----------
-    power
-        Of all axes on the supply.
-
-    Returns
-    -------
-    Iterator of str
-        Sentences without their points.
-    """
+    """Power of all axes in a sentence each: peak, mean, what is regenerated and what burns it."""
     if power.unknown:
         yield f"power of all axes unknown: {'; '.join(power.unknown)}"
         return
@@ -102,18 +69,7 @@ def supply_texts(power: MachinePower) -> Iterator[str]:
 
 
 def sampled_text(found: Reliability) -> str:
-    """The probability that no limit of the supply is exceeded, as a sentence without its point.
-
-    Parameters
-    ----------
-    found
-        Of the supply of all axes.
-
-    Returns
-    -------
-    str
-        With the error of sampling and the weakest check.
-    """
+    """The probability that no limit of the supply is exceeded, as a sentence without its point."""
     said = f"over tolerances no limit of the supply is exceeded with {likely(found.probability)}"
     error = f"{said} ± {100.0 * found.error:.2g} %, weakest: {sentence_case(found.weakest)}"
     return f"{error}; unknown: {', '.join(found.unknown)}" if found.unknown else error

@@ -8,18 +8,5 @@ __all__ = ["unknown_of"]
 
 
 def unknown_of(drive_set: DriveSet, known: tuple[str, ...]) -> tuple[str, ...]:
-    """The parts of a drive that a sum does not cover.
-
-    Parameters
-    ----------
-    drive_set
-        The drive.
-    known
-        Roles that the sum covers.
-
-    Returns
-    -------
-    tuple of str
-        The other roles.
-    """
+    """The parts of a drive that a sum does not cover."""
     return tuple(name for name in drive_set.parts if name not in known)

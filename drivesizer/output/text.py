@@ -47,18 +47,6 @@ _RAW = {*MATHEMATICS, "svg"}  # made by us
 def short(text: str, longest: int = 60) -> str:
     """A text for a line that must not wrap.
 
-    Parameters
-    ----------
-    text
-        Any text.
-    longest
-        Characters to keep.
-
-    Returns
-    -------
-    str
-        The text, cut with an ellipsis.
-
     Examples
     --------
     >>> short("a long name", 8)

@@ -11,18 +11,6 @@ __all__ = ["curve_points", "extremes"]
 def extremes(values: NDArray[np.float64], most: int) -> NDArray[np.int64]:
     """Indices of the least and the largest value in equal bins, and of both ends; all where they are few.
 
-    Parameters
-    ----------
-    values
-        A column; NaN counts as 0.
-    most
-        Number to keep, without the ends.
-
-    Returns
-    -------
-    ndarray
-        Rising indices.
-
     Examples
     --------
     >>> extremes(np.array([0.0, 0.0, 9.0, 0.0, -9.0, 0.0, 0.0, 1.0]), 4).tolist()
@@ -38,20 +26,7 @@ def extremes(values: NDArray[np.float64], most: int) -> NDArray[np.int64]:
 
 
 def curve_points(columns: tuple[NDArray[np.float64], ...], most: int) -> NDArray[np.int64]:
-    """Indices of points along smooth curves over one axis, evenly, with the peaks and troughs of each.
-
-    Parameters
-    ----------
-    columns
-        Curves over the same points.
-    most
-        Largest number to keep: half of them evenly, the others at the extremes.
-
-    Returns
-    -------
-    ndarray
-        Rising indices.
-    """
+    """Indices of points along smooth curves over one axis, evenly, with the peaks and troughs of each."""
     count = len(columns[0])
     if count <= most:
         return np.arange(count)

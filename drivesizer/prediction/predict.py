@@ -108,20 +108,7 @@ _CONDITIONS = {"voltage": ("voltage", "--voltage"), "load": ("load", "--load"), 
 
 
 def completed(given: Conditions, motor: Hit, gearhead: Hit | None) -> Conditions:
-    """Conditions with those that are not given: the motor's nominal voltage, the set's continuous torque.
-
-    Parameters
-    ----------
-    given
-        NaN where not given.
-    motor, gearhead
-        The set.
-
-    Returns
-    -------
-    Conditions
-        NaN where nothing gives them.
-    """
+    """Conditions with those that are not given: the motor's nominal voltage, the set's continuous torque."""
     torque = motor["nominal_torque"]
     if gearhead is not None:
         own = torque * gearhead["ratio"] * gearhead["efficiency"]
@@ -132,22 +119,7 @@ def completed(given: Conditions, motor: Hit, gearhead: Hit | None) -> Conditions
 
 
 def predict(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions) -> Prediction:
-    """Predict what is measured of a set at the bench.
-
-    Parameters
-    ----------
-    motor
-        A motor or an actuator.
-    gearhead, controller
-        None without.
-    given
-        What is done; see ``completed``.
-
-    Returns
-    -------
-    Prediction
-        Figures, a line, temperatures over time.
-    """
+    """Predict what is measured of a set at the bench."""
     parts = sampled_parts(motor, gearhead, controller, _POWER)
     with np.errstate(all="ignore"):
         one = set_at_voltage(parts, given)

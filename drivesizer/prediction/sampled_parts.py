@@ -52,22 +52,7 @@ class SampledParts(NamedTuple):
 
 
 def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, power: int) -> SampledParts:
-    """The parts of a set over 2 to the power samples, and their nominal figures before them.
-
-    Parameters
-    ----------
-    motor
-        A motor or an actuator.
-    gearhead, controller
-        None without.
-    power
-        Of two: number of samples.
-
-    Returns
-    -------
-    SampledParts
-        Columns of 1 + 2^power rows.
-    """
+    """The parts of a set over 2 to the power samples, and their nominal figures before them."""
     sold = {"actuator" if motor.section == "actuators" else "motor": motor} | (
         {"gearhead": gearhead} if gearhead else {}
     )

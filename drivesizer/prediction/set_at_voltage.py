@@ -63,22 +63,7 @@ class Heating(NamedTuple):
 
 
 def over_time(heating: Heating, start: State, times: Array) -> tuple[Array, Array]:
-    """Temperatures of winding and housing at times.
-
-    Parameters
-    ----------
-    heating
-        The motor and its losses.
-    start
-        Temperatures at the first time [K].
-    times
-        Ascending [s].
-
-    Returns
-    -------
-    tuple of arrays
-        Winding and housing [K], shape (times, samples); infinite after a runaway.
-    """
+    """Temperatures of winding and housing at times."""
     state = _at(heating, start)
     found = [state]
     for span in np.diff(times):
@@ -88,18 +73,7 @@ def over_time(heating: Heating, start: State, times: Array) -> tuple[Array, Arra
 
 
 def in_the_long_run(heating: Heating) -> tuple[Array, Array]:
-    """Temperatures of winding and housing in the long run [K]; infinite where the winding runs away.
-
-    Parameters
-    ----------
-    heating
-        The motor and its losses.
-
-    Returns
-    -------
-    tuple of arrays
-        Winding and housing [K], shape (samples,).
-    """
+    """Temperatures of winding and housing in the long run [K]; infinite where the winding runs away."""
     body, ambient = heating.bodies, heating.ambient
     low, high = (np.full(np.shape(body.R_25), x) for x in (ambient, _RUNAWAY))
     loss = np.zeros_like(low)
@@ -114,22 +88,7 @@ def in_the_long_run(heating: Heating) -> tuple[Array, Array]:
 
 
 def time_to_limit(heating: Heating, start: State, limit: Any) -> Array:
-    """Time until the winding has its permitted temperature.
-
-    Parameters
-    ----------
-    heating
-        The motor and its losses.
-    start
-        Temperatures at the start [K].
-    limit
-        Permitted temperature of the winding [K].
-
-    Returns
-    -------
-    array
-        Time [s], shape (samples,); infinite where it is never reached.
-    """
+    """Time until the winding has its permitted temperature."""
     state, body = _at(heating, start), heating.bodies
     slope = (_step(heating, state, 1e-6 * body.tau_w)[0] - state[0]) / (1e-6 * body.tau_w)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -245,20 +204,7 @@ class HeldAtRest(NamedTuple):
 
 
 def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
-    """A set at a supply.
-
-    Parameters
-    ----------
-    parts
-        Its figures over samples.
-    given
-        Voltage and resistance of the supply.
-
-    Returns
-    -------
-    SetAtVoltage
-        Columns over samples.
-    """
+    """A set at a supply."""
     motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
     whole = np.ones(len(motor["part"]))
     own = motor_and_gears(motor, gearhead)
@@ -301,20 +247,6 @@ def static_hold(one: SetAtVoltage, parts: SampledParts, torque_out: Any) -> Held
 
     Friction carries any part between :math:`M e / i - M_f` (it helps) and :math:`M / (i e) + M_f` (it has just been
     overcome): uniform between the two over the samples, M/i in the nominal row.
-
-    Parameters
-    ----------
-    one
-        The set.
-    parts
-        Its figures, with further uniform ones.
-    torque_out
-        At the output [N*m].
-
-    Returns
-    -------
-    HeldAtRest
-        Current [A] and bodies of heat.
     """
     helped = np.maximum(torque_out * one.efficiency / one.ratio - one.coulomb, 0.0)
     overcome = one.motor_torque(torque_out)
@@ -329,18 +261,6 @@ def hottest_phase(one: SetAtVoltage, parts: SampledParts) -> TwoBodies:
     A brushless motor at rest heats its phases unequally: by the rotor's angle the hottest has 1.5 to 2 times the mean
     loss (three sinusoidal currents). Of what is above the mean its neighbours lead away any part, which varies over
     the samples: in a measured RI50 the same spot warmed at 1, 0.8 and 0.6 of a rate with the rotor at three angles.
-
-    Parameters
-    ----------
-    one
-        The set.
-    parts
-        Its figures, with uniform ones for the rotor's angle and for what its neighbours lead away.
-
-    Returns
-    -------
-    TwoBodies
-        Those of the set for a brushed motor.
     """
     if one.motor["kind"][0] != "brushless":
         return one.bodies

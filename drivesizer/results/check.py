@@ -118,37 +118,13 @@ def worst(checks: tuple[Check, ...]) -> Check | None:
 
 
 def tightest(checks: tuple[Check, ...], count: int) -> list[Check]:
-    """The checks that a reader wants first: conditions that fail, then the smallest margins.
-
-    Parameters
-    ----------
-    checks
-        Of a drive; those whose margin does not depend on the load are left out.
-    count
-        How many at most.
-
-    Returns
-    -------
-    list of Check
-        Those that fail without a margin, then rising margins.
-    """
+    """The checks that a reader wants first: conditions that fail, then the smallest margins."""
     failed = [c for c in checks if c.status == "fail" and isnan(c.margin)]
     return [*failed, *sorted((c for c in checks if c.is_comparable), key=lambda c: c.margin)][:count]
 
 
 def worst_of_cases(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Check, ...]:
-    """Of checks in several load cases each where it is worst; those of a passage, which is their case, each alone.
-
-    Parameters
-    ----------
-    by_case
-        Names of the load cases, and the checks in each.
-
-    Returns
-    -------
-    tuple of Check
-        In the order in which they first appear.
-    """
+    """Of checks in several load cases each where it is worst; those of a passage, which is their case, each alone."""
     alike: dict[tuple[str, str], list[Check]] = {}
     for name, checks in by_case:
         for check in checks:

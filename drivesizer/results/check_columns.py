@@ -117,21 +117,7 @@ class CheckColumn:
         cases: Sequence[str] = ("",),
         rotary: bool = False,
     ) -> Check:
-        """The check of one candidate; ``()`` for a column that is a single figure.
-
-        Parameters
-        ----------
-        index
-            Which candidate.
-        method
-            Under which the check is declared.
-        at_time, note
-            In place of the column's own.
-        cases
-            Names of the load cases.
-        rotary
-            Whether the load turns about an axis, which gives some checks another unit.
-        """
+        """The check of one candidate; ``()`` for a column that is a single figure."""
         declared = CHECKS[method][self.name]
         kind, unit = declared.rotary if rotary and declared.rotary else (declared.kind, declared.unit)
         status: Status = "pass" if self.passed[index] else "fail" if self.failed[index] else "unknown"
@@ -244,22 +230,6 @@ def _column(
 def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
     """A demand that must not exceed a limit; margin = limit/demand - 1.
 
-    Parameters
-    ----------
-    name
-        Declared in ``check_kinds``.
-    demand, limit
-        In SI: a figure or a column of all candidates. Where the limit is known from one side only: its low end, up to
-        which it passes; NaN where that is unknown.
-    more
-        ``most``, the high end of the limit, above which it fails; further fields of the column: ``needed``, ``zero``,
-        ``time``, ``advice``, ``at_best``.
-
-    Returns
-    -------
-    CheckColumn
-        Of the candidates.
-
     Examples
     --------
     >>> at_most("motor_power", 10.0, 20.0).margin.item()
@@ -271,41 +241,12 @@ def at_most(name: str, demand: Any, limit: Any, **more: Any) -> CheckColumn:
 
 
 def at_least(name: str, required: Any, actual: Any, **more: Any) -> CheckColumn:
-    """A minimum that must be reached; margin = actual/required - 1.
-
-    Parameters
-    ----------
-    name
-        Declared in ``check_kinds``.
-    required, actual
-        In SI: a figure or a column of all candidates.
-    more
-        Further fields; ``by_choice`` marks what the search keeps as small as it may be, so that its margin says nothing
-        of the load.
-
-    Returns
-    -------
-    CheckColumn
-        Of the candidates.
-    """
+    """A minimum that must be reached; margin = actual/required - 1."""
     return _column(name, required, actual, **more)
 
 
 def fits(name: str, good: Any, known: Any) -> CheckColumn:
-    """A condition that is met or not, without figures.
-
-    Parameters
-    ----------
-    name
-        Declared in ``check_kinds``.
-    good, known
-        Whether the condition is met, and whether that is known.
-
-    Returns
-    -------
-    CheckColumn
-        Without demand, limit and margin.
-    """
+    """A condition that is met or not, without figures."""
     good, known = np.asarray(good, bool), np.asarray(known, bool)
     passed, failed = good & known, ~good & known
     nothing = np.full(passed.shape, nan)
@@ -316,16 +257,6 @@ def between(low: CheckColumn, high: CheckColumn) -> CheckColumn:
     """A check of whose demand only bounds are known: it passes where the higher does and fails where the lower does.
 
     Shown is the bound that decides; where neither does, the lower demand.
-
-    Parameters
-    ----------
-    low, high
-        The check with the lower bound of its demand, and with the higher one.
-
-    Returns
-    -------
-    CheckColumn
-        Unknown where the bounds do not decide.
 
     Examples
     --------
@@ -344,20 +275,6 @@ def between(low: CheckColumn, high: CheckColumn) -> CheckColumn:
 
 def over_band(middle: CheckColumn, ends: Sequence[CheckColumn], estimated: NDArray[np.int64]) -> CheckColumn:
     """A check at estimated figures: it passes where it passes at both ends of their band, and fails where at both.
-
-    Parameters
-    ----------
-    middle
-        The check of all candidates at the middle of the band.
-    ends
-        At its ends, of those that have estimated figures.
-    estimated
-        Which candidates these are.
-
-    Returns
-    -------
-    CheckColumn
-        Open where the ends disagree; unknown where it is so at both and in the middle.
 
     Examples
     --------
@@ -386,11 +303,6 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     """The same check in several load cases as one: where it fails, is unknown, or is tightest; of equals the first.
 
     Of a check without a margin, as nobody prints the limit, that is where most is demanded.
-
-    Parameters
-    ----------
-    found
-        The checks, each with the number of its load case.
     """
     numbers, checks = [number for number, _ in found], [check for _, check in found]
     if len(checks) == 1:

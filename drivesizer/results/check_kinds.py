@@ -346,16 +346,6 @@ _NAMES = frozenset(name for declared in CHECKS.values() for name in declared)
 
 
 def refuse_undeclared(name: str) -> None:
-    """Refuse a check that no method declares.
-
-    Raises
-    ------
-    LookupError
-        Then: a slip in the program, not of a user.
-
-    >>> refuse_undeclared("motor_sped")
-    Traceback (most recent call last):
-    LookupError: check 'motor_sped' is not declared in results/check_kinds.py
-    """
+    """Refuse a check that no method declares."""
     if name not in _NAMES:
         raise LookupError(f"check {name!r} is not declared in results/check_kinds.py")

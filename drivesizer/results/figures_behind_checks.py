@@ -27,19 +27,7 @@ _GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rot
 
 
 def rests_on(check: Check, drive_set: DriveSet) -> tuple[str, ...]:
-    """The figures that a check of a drive rests on, such as ``motor.resistance``; none for what has none.
-
-    Parameters
-    ----------
-    check
-        One of the drive's.
-    drive_set
-        The drive: the figures of its motor's friction depend on the motor.
-
-    Returns
-    -------
-    tuple[str, ...]
-    """
+    """The figures that a check of a drive rests on, such as ``motor.resistance``; none for what has none."""
     found: list[str] = []
     for name in CHECKS[check.method][check.name].rests_on:
         found += _figures_of_word(name, drive_set) if name.isupper() else [name]
@@ -106,23 +94,7 @@ def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
 
 
 def figure_words(role: str, field: str, inside: bool = False) -> str:
-    """A figure in words; of a part inside an actuator the one that is printed of that.
-
-    Parameters
-    ----------
-    role, field
-        Of the figure.
-    inside
-        Whether the part is inside an actuator.
-
-    Returns
-    -------
-    str
-        Role and field.
-
-    >>> in_words("motor", "motor_time_constant"), in_words("gearhead", "continuous_torque", inside=True)
-    ('motor time constant', 'actuator nominal torque')
-    """
+    """A figure in words; of a part inside an actuator the one that is printed of that."""
     if inside:
         role, field = "actuator", printed_field(role, field)
     return f"{role} {field.removeprefix(f'{role}_').replace('_', ' ')}"
@@ -149,20 +121,7 @@ _OF_THE_SPEC = "a figure of the load or of the spec"
 
 
 def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
-    """Figures that are only derived or recalled and that a check rests on: their values, confidences and checks.
-
-    Parameters
-    ----------
-    drive_set
-        The drive.
-    catalog
-        The catalogue of its parts.
-
-    Returns
-    -------
-    list of list
-        Name, value, confidence and titles of checks, as texts.
-    """
+    """Figures that are only derived or recalled and that a check rests on: their values, confidences and checks."""
     resting: dict[str, list[str]] = {}
     for check in _reported(drive_set):
         for name in rests_on(check, drive_set):

@@ -14,20 +14,7 @@ __all__ = ["loss_assumptions", "voltage_assumption"]
 
 
 def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator[str]:
-    """Assumptions of the losses between supply and motor.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    controller
-        Of the drive, or None.
-
-    Returns
-    -------
-    iterator of str
-        Sentences.
-    """
+    """Assumptions of the losses between supply and motor."""
     bought, stage = controller or Controller(), spec.feed_of(controller).stage
     if stage.assumed:
         loss = show(ASSUMED_LOSS, "V", "voltage")
@@ -41,22 +28,7 @@ def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator
 
 
 def voltage_assumption(spec: RobotSpec, controller: Controller | None, limit: float) -> str:
-    """Assumption behind the usable voltage of a controller that does not print what it takes of the supply's.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    controller
-        Of the drive, or None.
-    limit
-        The usable voltage that the motor's was held against [V]; NaN where none decides.
-
-    Returns
-    -------
-    str
-        A sentence; empty where all is printed or nothing is decided.
-    """
+    """Assumption behind the usable voltage of a controller that does not print what it takes of the supply's."""
     feed = spec.feed_of(controller)
     if isnan(limit) or not isnan(feed.usable):
         return ""

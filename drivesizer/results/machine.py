@@ -22,22 +22,7 @@ SUMMED = tuple(name for name, kind in OBJECTIVES.items() if not kind.more_is_bet
 
 
 def objective_sum(objective: str, one: DriveSet, drives: int) -> float:
-    """An objective of all drives of an axis.
-
-    Parameters
-    ----------
-    objective
-        One that is a sum.
-    one
-        The drive that it ranked.
-    drives
-        Drives of this kind on the axis.
-
-    Returns
-    -------
-    float
-        SI; the energy of a cycle is that of all drives already.
-    """
+    """An objective of all drives of an axis."""
     return one.objective * (1 if objective == "energy" else drives)
 
 
@@ -107,13 +92,7 @@ class MachineSizing:
         return all(axis.best for axis in self.axes)
 
     def axis(self, name: str) -> AxisSizing:
-        """The axis of a name.
-
-        Raises
-        ------
-        InputError
-            When there is none.
-        """
+        """The axis of a name."""
         found = next((axis for axis in self.axes if axis.name == name), None)
         if found is None:
             names = [axis.name for axis in self.axes]

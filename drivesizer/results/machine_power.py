@@ -71,18 +71,7 @@ class MachinePower:
         return verdict(self.checks)
 
     def course(self, most: int = 1000) -> Course:
-        """Power over time in no more than so many pieces, neighbours taken together by their mean.
-
-        Parameters
-        ----------
-        most
-            Pieces at most.
-
-        Returns
-        -------
-        Course
-            Of the same energies.
-        """
+        """Power over time in no more than so many pieces, neighbours taken together by their mean."""
         size = -(-len(self.total) // most)
         first = np.arange(0, len(self.total), size)
         time = np.append(self.time[:-1][first], self.time[-1])

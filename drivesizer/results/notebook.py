@@ -13,18 +13,6 @@ __all__ = ["checks_table", "html_table", "share"]
 def html_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """An HTML table, every text escaped.
 
-    Parameters
-    ----------
-    heads
-        Of the columns.
-    rows
-        Texts of the cells.
-
-    Returns
-    -------
-    str
-        The element.
-
     Examples
     --------
     >>> html_table(("a",), [("<1>",)])

@@ -13,39 +13,13 @@ __all__ = ["objective_figure", "ranked_by", "unknown_parts"]
 
 
 def ranked_by(objective: str, drives: Iterable[DriveSet]) -> str:
-    """Words on what ranked drives: those of which no price is known stand in the order of their masses.
-
-    Parameters
-    ----------
-    objective
-        Title of the objective.
-    drives
-        The first of them.
-
-    Returns
-    -------
-    str
-        Such as ``ranked by mass``.
-    """
+    """Words on what ranked drives: those of which no price is known stand in the order of their masses."""
     unknown = objective == "price" and all(isnan(one.objective) for one in drives)
     return f"ranked by {objective.replace('_', ' ')}" + (", of which none is known: by mass" if unknown else "")
 
 
 def objective_figure(drive_set: DriveSet, objective: str) -> Figure:
-    """The figure of a drive for an objective, ranked by it or not.
-
-    Parameters
-    ----------
-    drive_set
-        The drive.
-    objective
-        One of ``OBJECTIVES``.
-
-    Returns
-    -------
-    Figure
-        In SI; NaN where it is unknown.
-    """
+    """The figure of a drive for an objective, ranked by it or not."""
     shown = OBJECTIVES[objective]
     value = _objective_value(drive_set, objective)
     return Figure(name=objective, title=shown.title, value=value, kind=shown.kind, unit=shown.unit)
@@ -75,21 +49,6 @@ _CONTROLLING = {"encoder", "controller"}
 
 
 def unknown_parts(one: DriveSet, objective: str, known: Iterable[str]) -> tuple[str, ...]:
-    """Roles of the parts of a drive that an objective is summed over, and that are not among those known.
-
-    Parameters
-    ----------
-    one
-        The drive.
-    objective
-        A sum over parts.
-    known
-        Roles.
-
-    Returns
-    -------
-    tuple of str
-        In the order of the parts.
-    """
+    """Roles of the parts of a drive that an objective is summed over, and that are not among those known."""
     counted = {"actuator", *OBJECTIVES[objective].over}
     return tuple(role for role in one.parts if role in counted and role not in known)

@@ -57,59 +57,20 @@ _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that
 def continuous_speed_limit(
     gearhead: Figures, mean_speed: Any, sustained_speed: Any, ratio: Any, needed: float = 0.0
 ) -> CheckColumn:
-    """The lasting speed at a gearhead's input against its continuous one, by the rule of its maker.
-
-    Parameters
-    ----------
-    gearhead
-        Figures by field name.
-    mean_speed, sustained_speed
-        Of the load cycle [rad/s], see ``lasting_speeds``, which has the makers' rules.
-    ratio
-        From there to the gearhead's input [1].
-    needed
-        Margin that must be there.
-
-    Returns
-    -------
-    CheckColumn
-        Of the candidates.
-    """
+    """The lasting speed at a gearhead's input against its continuous one, by the rule of its maker."""
     speed = np.where(_limits_mean_speed(gearhead), mean_speed, sustained_speed)
     limit = lasting_limit(gearhead["continuous_input_speed"], gearhead["intermittent_input_speed"])
     return at_most("gearhead_continuous_speed", speed * ratio, **limit, needed=needed)
 
 
 def lasting_limit(lasting: Any, short: Any) -> dict[str, Any]:
-    """Both ends of a continuous limit: where it is unknown at most that for a short time.
-
-    Parameters
-    ----------
-    lasting, short
-        Limits as printed; NaN unknown.
-
-    Returns
-    -------
-    dict
-        Arguments of ``at_most``.
-    """
+    """Both ends of a continuous limit: where it is unknown at most that for a short time."""
     unknown = np.isnan(lasting)
     return {"limit": lasting, "most": np.where(unknown, short, lasting) if np.any(unknown) else None}
 
 
 def short_limit(short: Any, lasting: Any) -> dict[str, Any]:
-    """Both ends of a limit for a short time: where it is unknown at least the continuous one.
-
-    Parameters
-    ----------
-    short, lasting
-        Limits as printed; NaN unknown.
-
-    Returns
-    -------
-    dict
-        Arguments of ``at_most``.
-    """
+    """Both ends of a limit for a short time: where it is unknown at least the continuous one."""
     unknown, said = np.isnan(short), "the limit at least: none for a short time is printed"
     if not np.any(unknown):
         return {"limit": short, "undecided": said}
@@ -128,20 +89,6 @@ def controller_current(controller: Figures, ambient: Array | float) -> Any:
     r"""Continuous current of controllers in an ambient, where their derating is printed.
 
     .. math:: I = \max(I_N - s (T - T_N), 0) \text{ above } T_N, \quad I = 0 \text{ above } T_{max}
-
-    Parameters
-    ----------
-    controller
-        Figures by field name: the continuous current I_N, and ``full_current_ambient`` T_N up to which it holds,
-        ``derating_slope`` s and ``ambient_max``.
-    ambient
-        Temperature around the controllers [K].
-
-    Returns
-    -------
-    float or array
-        Current [A]; as printed where no derating is known, NaN above T_N where its slope is not. One that is inside a
-        motor or actuator supplies what that is rated for: infinite where none is printed.
 
     Examples
     --------
@@ -168,23 +115,6 @@ def controller_power_limit(power: Array | float, controller: Figures, voltage: f
 
     .. math:: P = P_{max} - (P_{max} - P_{red}) \frac{V - V_{max}}{V_{red} - V_{max}}, \qquad P_{red} \le P \le P_{max}
 
-    Parameters
-    ----------
-    power
-        Out of the supply [W].
-    controller
-        Figures by field name: ``max_power`` up to ``max_power_voltage``, ``reduced_power`` from
-        ``reduced_power_voltage`` on. Without the first there is no limit; without the second it is at most the first.
-    voltage
-        Highest of the supply [V].
-    more
-        Further fields of the column.
-
-    Returns
-    -------
-    CheckColumn
-        Of the candidates.
-
     Examples
     --------
     moteus r4.11: 900 W up to 30 V, 400 W from 38 V on:
@@ -199,20 +129,7 @@ def controller_power_limit(power: Array | float, controller: Figures, voltage: f
 
 
 def permitted_power(controller: Figures, voltage: float) -> Array:
-    """Power that controllers permit at a supply voltage [W], see ``controller_power_limit``.
-
-    Parameters
-    ----------
-    controller
-        Figures by field name.
-    voltage
-        Of the supply [V].
-
-    Returns
-    -------
-    Array
-        Infinite without a limit, NaN where it is at most ``max_power``.
-    """
+    """Power that controllers permit at a supply voltage [W], see ``controller_power_limit``."""
     most, low = controller["max_power"], controller["reduced_power"]
     first, last = controller["max_power_voltage"], controller["reduced_power_voltage"]
     share = np.clip((voltage - first) / (last - first), 0.0, 1.0)
@@ -228,22 +145,6 @@ def nominal_current_limit(
     Where none is printed the nominal torque is the rating, or the permitted winding temperature: no limit then.
     With an unknown permitted temperature the limit has two ends. Colder than the rating it is the nominal current at
     least, and ``derating_at_most`` of it at most; hotter it is the nominal current at most.
-
-    Parameters
-    ----------
-    rms
-        RMS current [A].
-    motor
-        Figures by field name.
-    ambient
-        Temperature around the motor [K].
-    needed
-        Margin that must be there.
-
-    Returns
-    -------
-    CheckColumn
-        Of the candidates; unknown where an unknown permitted temperature decides.
     """
     rating = motor["nominal_current"]
     if (unrated := np.isnan(rating)).any():
@@ -261,24 +162,6 @@ def nominal_torque_limit(
     heat, and the iron's is taken to grow with the speed, which is the most that it can have at part speed.
 
     .. math:: M^2 = M_0^2 - (M_0^2 - M_N^2) \overline{|\omega|} / \omega_N
-
-    Parameters
-    ----------
-    rms
-        RMS torque [N*m].
-    speed
-        Mean speed of the motor over the cycle, without sign [rad/s].
-    motor
-        Figures by field name.
-    ambient
-        Temperature around the motor [K].
-    needed
-        Margin that must be there.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Of the candidates, without a limit where the current is judged; empty where it is for all.
     """
     unjudged = np.isnan(motor["torque_constant"] * motor["nominal_current"]) & ~np.isnan(motor["nominal_torque"])
     if not unjudged.any():
@@ -307,22 +190,7 @@ def _rated(
 
 
 def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> CheckColumn:
-    """A check of one drive that fails no limit which the maker of its actuator does not print.
-
-    Parameters
-    ----------
-    column
-        Of single figures.
-    figure
-        Of the actuator, which is the limit.
-    drive
-        It; parts alone are a sample, whose figures are as they are.
-
-    Returns
-    -------
-    CheckColumn
-        It fails above the highest that the figure may be.
-    """
+    """A check of one drive that fails no limit which the maker of its actuator does not print."""
     estimated = drive.estimated if isinstance(drive, DriveSet) else ()
     most = [one.high for one in estimated if (one.part, one.figure) == ("actuator", figure)]
     return replace(column, failed=column.failed & (column.demand > most[0])) if most else column
@@ -332,22 +200,6 @@ def ambient_range(name: str, ambient: float, least: Any, most: Any, *, waived: b
     """The ambient within a range: outside of a known end it fails, within both it passes.
 
     An end that the maker does not state is that of IEC 60034-1, 6.2 and 6.4, at which it passes as an assumption.
-
-    Parameters
-    ----------
-    name
-        Of the check.
-    ambient
-        Temperature around the part [K].
-    least, most
-        Ends of the permitted range [K]; NaN unknown.
-    waived
-        Whether the spec assumes any ambient to be permitted where an end is unknown.
-
-    Returns
-    -------
-    CheckColumn
-        Unknown where an end is unknown beyond which the ambient may be.
     """
     least, most = np.asarray(least), np.asarray(most)
     cold, hot = ambient < least, ambient > most
@@ -369,18 +221,6 @@ def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
     it tests of each application would be due (support.maxongroup.com, "Small voltage range of DC drives"). Of motors
     without a nominal voltage whose back-EMF is unknown, or above 75 V at their highest speed, the winding is taken to
     be that for the supply.
-
-    Parameters
-    ----------
-    motor
-        Figures by field name.
-    volts
-        Highest voltage of the supply [V].
-
-    Returns
-    -------
-    list[CheckColumn]
-        Of the candidates; empty where no maker prints a limit and any winding withstands the voltage.
     """
     printed = motor["max_voltage"]
     silent = np.isnan(printed)
@@ -399,21 +239,7 @@ def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
 
 
 def coil_voltage(brake: Figures, supply: Supply) -> CheckColumn:
-    """Voltage that feeds a brake against that of its coil: ``supply.brakes``, else what it needs.
-
-    Parameters
-    ----------
-    brake
-        Figures by field name.
-    supply
-        Of the machine.
-
-    Returns
-    -------
-    CheckColumn
-        Of the candidates, at that end of what feeds them that is worse. Without ``supply.brakes`` one that the
-        machine's supply does not suit is taken to have a supply of its own, which its note says.
-    """
+    """Voltage that feeds a brake against that of its coil: ``supply.brakes``, else what it needs."""
     coil, given, there = brake["supply"], supply.brakes, brake["part"] != ""
     low, high = (supply.lowest, supply.highest) if given in (None, supply.nominal) else (given, given)
     least, most = (1.0 - _COIL) * coil, (1.0 + _COIL) * coil

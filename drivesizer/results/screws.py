@@ -64,20 +64,7 @@ def wants_screw(spec: RobotSpec) -> bool:
 
 
 def chosen_of(spec: RobotSpec, screw: Screw) -> ChosenScrew:
-    """A screw of a catalogue at the length that a spec needs.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    screw
-        Of a catalogue; where the mass of its nut is not known, that of both is not.
-
-    Returns
-    -------
-    ChosenScrew
-        With the mass of nut and shaft.
-    """
+    """A screw of a catalogue at the length that a spec needs."""
     load: Any = spec.load
     shaft = float(shaft_mass(_thick(screw), load.overall))
     return ChosenScrew(screw=replace(screw, mass=shaft + screw.nut_mass), length=load.overall, shaft_mass=shaft)
@@ -89,20 +76,7 @@ def _thick(screw: Screw) -> float:
 
 
 def screw_figures(load: ScrewLoad, screw: Screw) -> dict[str, Any]:
-    """Fields of a load that a screw of a catalogue gives.
-
-    Parameters
-    ----------
-    load
-        As it was written, with what it leaves open.
-    screw
-        Of a catalogue; of a sliding one the load may give the friction of its thread, of any the efficiency.
-
-    Returns
-    -------
-    dict
-        Values by field; None where they are not known.
-    """
+    """Fields of a load that a screw of a catalogue gives."""
     checked = _CHECKED.get(screw.kind, _CHECKED[""])
     figures = {name: getattr(screw, name) for name in _RATINGS}
     given = {name: value if name in checked else _known(value) for name, value in figures.items()}
@@ -118,20 +92,7 @@ def _known(value: float) -> float | None:
 
 
 def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
-    """A spec with the screw of a catalogue in place of its choice, in all load cases.
-
-    Parameters
-    ----------
-    spec
-        The machine; unchanged where it leaves no screw open.
-    screw
-        Of a catalogue.
-
-    Returns
-    -------
-    RobotSpec
-        A copy.
-    """
+    """A spec with the screw of a catalogue in place of its choice, in all load cases."""
 
     def chosen(one: RobotSpec) -> RobotSpec:
         load: Any = one.load
@@ -143,18 +104,5 @@ def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
 
 
 def for_drive(spec: RobotSpec, chosen: ChosenScrew | None) -> RobotSpec:
-    """A spec with the screw of a drive, where it leaves one open.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    chosen
-        Of the drive.
-
-    Returns
-    -------
-    RobotSpec
-        As ``with_screw`` makes it.
-    """
+    """A spec with the screw of a drive, where it leaves one open."""
     return with_screw(spec, chosen.screw) if chosen is not None and wants_screw(spec) else spec

@@ -74,18 +74,6 @@ def used_share(margin: Any) -> Any:
 def multiples(values: Array, known: NDArray[np.bool_]) -> Array:
     """A figure of several drives as multiples of the least one: 1 is the best, 1.1 a tenth worse.
 
-    Parameters
-    ----------
-    values
-        Figures of which less is better, in any unit, shape (rows,).
-    known
-        Which of them count as the best, shape (rows,).
-
-    Returns
-    -------
-    Array
-        Shape (rows,); where the least is not above 0, 1 and the distance from it over the largest amount.
-
     Examples
     --------
     >>> multiples(np.array([200.0, 250.0]), np.array([True, True]))
@@ -101,21 +89,7 @@ def multiples(values: Array, known: NDArray[np.bool_]) -> Array:
 
 
 def weighted_order(figures: Mapping[str, Array], weights: Mapping[str, float]) -> Scored:
-    """The order of drives by several figures with weights.
-
-    Parameters
-    ----------
-    figures
-        Figures of which less is better by name, each of shape (rows,); NaN unknown.
-    weights
-        Weights of 0 or more by name; a figure without one does not count.
-
-    Returns
-    -------
-    Scored
-        Those first of which every figure that counts is known, then those that lack one, two and so on; of these the
-        smaller mean first, then the earlier row. Without a weight above 0 the rows stay as they are.
-    """
+    """The order of drives by several figures with weights."""
     count = len(next(iter(figures.values()), ()))
     total, share, lacking = np.zeros(count), np.zeros(count), np.zeros(count, np.int64)
     for name, values in figures.items():

@@ -44,18 +44,6 @@ def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
     """The checks of a drive by the other method; none where the paper does not treat the load.
 
     The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    one
-        The drive.
-
-    Returns
-    -------
-    tuple
-        Its checks.
     """
     if not problem.spec.paper_applies:
         return ()

@@ -35,13 +35,7 @@ _NEARLY = 1e-3  # of a limit: what misses it by less is judged by its record
 
 
 def certain_failures(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
-    """The drives that certainly fail on each budget of the machine.
-
-    Parameters
-    ----------
-    whole
-        Drives that pass their own checks.
-    """
+    """The drives that certainly fail on each budget of the machine."""
     sets, found = whole.candidates, dict[str, NDArray[np.bool_]]()
     for check in (*_masses(whole), *_prices(whole), *_batteries(whole)):
         with np.errstate(invalid="ignore"):

@@ -35,18 +35,7 @@ def search_by_paper(
     judge: Judge | None,
     others: int,
 ) -> SearchResult:
-    """Search all candidates by the paper's rule.
-
-    Parameters
-    ----------
-    problem, top, objective, misses, pareto, judge, others
-        As ``search`` takes them.
-
-    Returns
-    -------
-    Found
-        The best, the closest rejected, the front, those of other families, and the counts.
-    """
+    """Search all candidates by the paper's rule."""
     every = _paper_order(problem, objective, rejected=misses is not None)
     found, sets = every.evaluation, every.evaluation.candidates
     of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks

@@ -47,17 +47,6 @@ _MOST_LAYERED = 10_000  # drives of which layers are made
 def criteria(objective: Ranking, method: str) -> tuple[str, ...]:
     """Objectives that drives can be chosen by: those of the ranking, then mass, price, energy and margin.
 
-    Parameters
-    ----------
-    objective
-        What ranked the drives.
-    method
-        Of the spec; the paper's computes no energy.
-
-    Returns
-    -------
-    tuple of str
-
     Examples
     --------
     >>> criteria("length", "physics"), criteria("mass", "paper")
@@ -70,26 +59,7 @@ def criteria(objective: Ranking, method: str) -> tuple[str, ...]:
 def choices(
     problem: Problem, every: Passing, objective: Ranking, most: int, *, judge: Judge | None, weigh: Weigh
 ) -> Choices | None:
-    """Drives to choose from by weights, each with all its figures.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles.
-    every
-        All drives that pass their own checks.
-    objective
-        What ranked them.
-    most
-        How many drives to give at most, beside those that the search gives.
-    judge, weigh
-        As ``machine_filter`` makes them: drives that fail on a budget of the machine are left out.
-
-    Returns
-    -------
-    Choices or None
-        Drives as certain as the best one: all pass where that one passes. None where there is none.
-    """
+    """Drives to choose from by weights, each with all its figures."""
     if not len(every.best):
         return None
     names, alike = criteria(objective, problem.spec.method), every.certainty == every.certainty[every.best[0]]
@@ -191,20 +161,6 @@ class Picked(NamedTuple):
 
 def picked(figures: Mapping[str, Array], always: NDArray[np.int64], most: int) -> Picked:
     """Rows of drives that some weights may make the best, layer by layer of the Pareto front.
-
-    Parameters
-    ----------
-    figures
-        Of which less is better by name, each of shape (rows,); NaN unknown, which is worse than any that is known.
-    always
-        Rows that are taken in any case.
-    most
-        How many rows to give at most, beside those.
-
-    Returns
-    -------
-    Picked
-        Of a layer that is too many those that are foremost by one figure, by two together, or by all.
 
     Examples
     --------

@@ -32,20 +32,7 @@ _CONTROLLING = ("encoders", "controllers")  # their masses count in the budget o
 
 
 def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]:
-    """Figures of a drive's parts that are estimated.
-
-    Parameters
-    ----------
-    evaluation
-        Of the candidates.
-    index
-        The row.
-
-    Returns
-    -------
-    tuple
-        Those of the motor first; of an actuator as its row has them.
-    """
+    """Figures of a drive's parts that are estimated."""
     catalog, candidates = evaluation.catalog, evaluation.candidates
     motor, gearhead = int(candidates.motor[index]), int(candidates.gearhead[index])
     loss = _stage_loss(evaluation, index)
@@ -90,20 +77,7 @@ def _part_bands(catalog: Catalog, section: str, row: int) -> list[EstimatedFigur
 
 
 def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], float]:
-    """The checks of a drive, its open ones with the value at which they turn and how probable it is that they pass.
-
-    Parameters
-    ----------
-    evaluation
-        Of the candidates.
-    index
-        The row.
-
-    Returns
-    -------
-    tuple
-        Checks, and the probability that none of them fails; NaN where none is open.
-    """
+    """The checks of a drive, its open ones with the value at which they turn and how probable it is that they pass."""
     checks = tuple(_with_assumption(evaluation, index, check) for check in evaluation.checks_of(index))
     names = evaluation.open_checks(index)
     if not names or evaluation.spec.method != "physics":

@@ -35,20 +35,7 @@ _ROUNDING = 1e-9  # of a figure
 
 
 def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np.bool_]]:
-    """The drives that certainly fail on autonomy or range of the battery; empty where neither is required.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles.
-    sets
-        Drives that pass their own checks, by physics.
-
-    Returns
-    -------
-    dict[str, array of bool]
-        By name of the check, each of shape (rows,).
-    """
+    """The drives that certainly fail on autonomy or range of the battery; empty where neither is required."""
     found = dict[str, NDArray[np.bool_]]()
     battery = problem.spec.battery
     if battery is None:
@@ -67,22 +54,7 @@ def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np
 
 
 def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
-    """Lower bound of a motor's mean power over a load case [W]; NaN where the waveform's power is unknown.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles.
-    number
-        Of the load case.
-    sets
-        With that motor.
-
-    Returns
-    -------
-    Array
-        [W], shape (rows,).
-    """
+    """Lower bound of a motor's mean power over a load case [W]; NaN where the waveform's power is unknown."""
     found, offered = np.empty(len(sets.motor)), offers(problem)
     for belt in np.unique(sets.belt).tolist():
         rows = np.flatnonzero(sets.belt == belt)

@@ -47,22 +47,7 @@ Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of a
 
 
 def weighing(problem: Problem, machine: MechanicalBudget | None, *, brief: bool = False) -> Weigh:
-    """A function that gives the budgets of the machine with a drive in it, of each drive once.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles.
-    machine
-        Checks that are the same for every drive, of ``budgets.of_the_machine``.
-    brief
-        As ``budgets.machine_budget`` takes it.
-
-    Returns
-    -------
-    Weigh
-        From an evaluation and a row of it to the budgets.
-    """
+    """A function that gives the budgets of the machine with a drive in it, of each drive once."""
     made: dict[tuple[int, int, float], MachineBudget] = {}
 
     def weigh(sets: Evaluation, row: int) -> MachineBudget:
@@ -83,24 +68,7 @@ def machine_filter(
     *,
     counted: bool = True,
 ) -> Judge | None:
-    """A function that separates drives that pass the machine's budgets from those that fail; None without budgets.
-
-    Parameters
-    ----------
-    problem, machine
-        As for ``weighing``.
-    weigh
-        Of ``weighing``.
-    aside
-        Names of budgets that are not looked at.
-    counted
-        Count how many drives fail on which budget; else few drives are weighed one by one, without columns.
-
-    Returns
-    -------
-    Judge or None
-        As ``search`` takes it.
-    """
+    """A function that separates drives that pass the machine's budgets from those that fail; None without budgets."""
     spec = problem.spec
     if not (spec.battery or spec.budget or machine or spec.limits_the_bus):
         return None
@@ -178,37 +146,13 @@ def _pieces(rows: NDArray[np.int64], alone: int, first: int, most: int) -> Itera
 
 
 def any_in_machine(problem: Problem) -> bool:
-    """Whether any drive passes by itself and in its machine.
-
-    Parameters
-    ----------
-    problem
-        As ``search`` takes it.
-
-    Returns
-    -------
-    bool
-        Whether ``best_in_machine`` would find one, by any objective.
-    """
+    """Whether any drive passes by itself and in its machine."""
     machine = machine_requirements(problem.machine)
     return any_drive(problem, machine_filter(problem, machine, weighing(problem, machine)))
 
 
 def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] = frozenset()) -> DriveSet | None:
-    """The best drive that passes the machine's budgets too; None where none does.
-
-    Parameters
-    ----------
-    problem, objective
-        As ``search`` takes them.
-    aside
-        Names of budgets that are not looked at.
-
-    Returns
-    -------
-    DriveSet or None
-        With its own checks.
-    """
+    """The best drive that passes the machine's budgets too; None where none does."""
     machine = machine_requirements(problem.machine)
     judge = machine_filter(problem, machine, weighing(problem, machine), aside)
     found = search(problem, top=1, objective=objective, misses=None, judge=judge)
@@ -216,20 +160,7 @@ def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] 
 
 
 def passes_budgets(problem: Problem, one: DriveParts) -> bool:
-    """Whether a drive passes the budgets of its machine, which need not have been computed.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles.
-    one
-        The drive.
-
-    Returns
-    -------
-    bool
-        Whether none fails, and unknown ones are allowed.
-    """
+    """Whether a drive passes the budgets of its machine, which need not have been computed."""
     machine = machine_requirements(problem.machine)
     if machine and _fails(problem, machine.checks):
         return False
@@ -247,26 +178,7 @@ def _failed(checks: tuple[Check, ...]) -> set[str]:
 
 
 def divided(found: SearchResult, weigh: Weigh, top: int, rows: Iterable[int], *, short: bool = False) -> list[int]:
-    """Of some rows the best drives that pass the machine's budgets, or the first ones that fail on those.
-
-    Parameters
-    ----------
-    found
-        Of the search.
-    weigh
-        Of ``weighing``.
-    top
-        How many.
-    rows
-        Of drives that pass their own checks, in order.
-    short
-        Those that fail.
-
-    Returns
-    -------
-    list[int]
-        Rows.
-    """
+    """Of some rows the best drives that pass the machine's budgets, or the first ones that fail on those."""
     evaluation = found.evaluation
 
     def fails(row: int) -> bool:
@@ -276,22 +188,7 @@ def divided(found: SearchResult, weigh: Weigh, top: int, rows: Iterable[int], *,
 
 
 def shortfall(short: Iterable[MachineBudget], better: int, *, any_passes: bool) -> list[str]:
-    """A warning that better drives fail on a budget: how many, and which budgets.
-
-    Parameters
-    ----------
-    short
-        Budgets of drives that fail on them.
-    better
-        Number of drives that fail on a budget before the first that passes.
-    any_passes
-        Whether any does: else they are better than nothing, and the answer itself says what they fail on.
-
-    Returns
-    -------
-    list[str]
-        One sentence or none.
-    """
+    """A warning that better drives fail on a budget: how many, and which budgets."""
     names = sorted({sentence_case(check.title) for one in short for check in one.checks if check.status == "fail"})
     if not better or not names:
         return []

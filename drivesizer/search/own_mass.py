@@ -26,27 +26,7 @@ def depends_on_ranking(spec: RobotSpec) -> bool:
 
 
 def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[Problem, tuple[str, ...]]:
-    """The sizing problem of a machine, with the mass of its drive or the screw that the spec leaves to the search.
-
-    Parameters
-    ----------
-    spec
-        The machine as it was read.
-    catalog
-        Parts to choose from, prepared for the search.
-    objective
-        What ranks drives.
-
-    Returns
-    -------
-    tuple
-        The problem, and how the mass was found, in a sentence; no sentence where the drive's mass does not count.
-
-    Raises
-    ------
-    InputError
-        As ``machine.problem`` does.
-    """
+    """The sizing problem of a machine, with the mass of its drive or the screw that the spec leaves to the search."""
     load = spec.load
     if wants_screw(spec):
         from drivesizer.search.screw_choice import problem_with_screw

@@ -16,20 +16,7 @@ __all__ = ["load_parts", "pair_of"]
 
 
 def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
-    """The catalogues that a spec names, or one that was loaded, for the search.
-
-    Parameters
-    ----------
-    spec
-        Paths of catalogues count from its folder; it says whether figures are estimated.
-    catalog
-        In place of those that it names.
-
-    Returns
-    -------
-    Catalog
-        Actuators split, gearheads on every shaft, with estimates.
-    """
+    """The catalogues that a spec names, or one that was loaded, for the search."""
     if catalog is None:
         try:
             catalog = load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
@@ -53,27 +40,7 @@ def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:
 
 
 def pair_of(catalog: Catalog, motor: str, gearhead: str, volts: float) -> tuple[int, int]:
-    """Rows of a motor and a gearhead.
-
-    Parameters
-    ----------
-    catalog
-        The parts.
-    motor, gearhead
-        Part numbers or other names; an actuator is named as the motor and brings its own gearhead.
-    volts
-        Of the supply [V], at which figures count.
-
-    Returns
-    -------
-    tuple
-        Row of each.
-
-    Raises
-    ------
-    InputError
-        When a part number is in no catalogue, the gearhead is missing or inside something else.
-    """
+    """Rows of a motor and a gearhead."""
     row = _row(catalog, "motors", motor, catalog.motors.at_voltage(volts))
     box = str(catalog.motors["inside"][row])
     if box and gearhead in ("", box):

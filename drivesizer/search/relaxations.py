@@ -46,22 +46,7 @@ _AMBIENT = ("environment", "ambient")
 def relaxations(
     problem: Problem, objective: Ranking, going_on: Callable[[], None] = lambda: None
 ) -> tuple[Relaxation, ...]:
-    """The changes that would let some drive pass where none does.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    objective
-        What ranks drives: the best that then passes is named.
-    going_on
-        Called before each of many searches; what it raises ends them.
-
-    Returns
-    -------
-    tuple
-        The least change first.
-    """
+    """The changes that would let some drive pass where none does."""
     if not len(candidates(problem).motor):
         return ()
 
@@ -79,20 +64,7 @@ def relaxations(
 
 
 def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
-    """The changes that would let a drive pass that fails, the least first; another reduction of its family among them.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    one
-        The drive.
-
-    Returns
-    -------
-    tuple
-        Each change by itself is enough.
-    """
+    """The changes that would let a drive pass that fails, the least first."""
     catalog = problem.catalog
     motor, gearhead = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
     only = Candidates(np.array([motor]), np.array([gearhead]), np.array([one.belt_ratio]), np.array([True]))

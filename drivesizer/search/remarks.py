@@ -28,22 +28,7 @@ _FEW = 4  # missing figures at most that are worth a request to the maker
 
 
 def assumptions(problem: Problem, spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
-    """Assumptions behind the figures of a sizing, as sentences.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    spec
-        The machine as it was read.
-    sets
-        The drives that are given.
-
-    Returns
-    -------
-    tuple
-        One sentence each.
-    """
+    """Assumptions behind the figures of a sizing, as sentences."""
     return (
         *_method_remarks(problem.spec),
         *_waits(problem.machine),
@@ -56,20 +41,7 @@ def assumptions(problem: Problem, spec: RobotSpec, sets: Iterable[DriveSet]) -> 
 
 
 def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
-    """Warnings: of a part that the method leaves out, of limits of the best drive, of better ones that are held back.
-
-    Parameters
-    ----------
-    picked
-        The drives by their rows in the result of the search.
-    sets
-        Those that pass, as records.
-
-    Returns
-    -------
-    tuple
-        One sentence each.
-    """
+    """Warnings: of a part that the method leaves out, of limits of the best drive."""
     found = picked.found
     weighed = (picked.weigh(found.evaluation, row) for row in picked.short)
     budgets = shortfall(weighed, found.better, any_passes=bool(found.passing))
@@ -93,20 +65,7 @@ def _data_remarks(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
 
 
 def nearest_figures(spec: RobotSpec, sets: Iterable[DriveSet]) -> tuple[str, ...]:
-    """Parts that have figures at several voltages, none of them that of the supply.
-
-    Parameters
-    ----------
-    spec
-        With its supply.
-    sets
-        The drives.
-
-    Returns
-    -------
-    tuple of str
-        A sentence each, at which voltage they hold.
-    """
+    """Parts that have figures at several voltages, none of them that of the supply."""
     volts = spec.supply.nominal
     rows = (s.motor for s in sets if s.motor.order_number and not math.isclose(s.motor.nominal_voltage, volts))
     nearest = {one.order_number: show(one.nominal_voltage, "V", "voltage") for one in rows}

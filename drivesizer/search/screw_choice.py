@@ -79,27 +79,7 @@ class _Tried:
 
 
 def problem_with_screw(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[Problem, tuple[str, ...]]:
-    """The sizing problem of a machine with the screw out of the catalogues that suits its drive best.
-
-    Parameters
-    ----------
-    spec
-        The machine, whose load leaves the screw open.
-    catalog
-        Parts to choose from, prepared for the search.
-    objective
-        What ranks drives; of mass and price the screw's own count too.
-
-    Returns
-    -------
-    tuple
-        The problem, and what became of each lead, in sentences.
-
-    Raises
-    ------
-    InputError
-        When no screw is of the required kind or holds its own limits, or as ``machine.problem`` does.
-    """
+    """The sizing problem of a machine with the screw out of the catalogues that suits its drive best."""
     held = _smallest_by_lead(spec, catalog)
     screws = [one.screw for one in held if one.screw is not None]
     if not screws:

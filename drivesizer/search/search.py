@@ -68,37 +68,7 @@ def search(
     margins: bool = False,
     made: dict[Hashable, Any] | None = None,
 ) -> SearchResult:
-    """Search all candidates.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    top
-        How many drives to give.
-    objective
-        What ranks those that pass.
-    misses
-        How many of the closest rejected to give as well, ``top`` of them when nothing passes; None for none at all,
-        and by the paper's method without the count of what they fail on.
-    pareto
-        Objectives of which the front is wanted.
-    progress
-        Called after each chunk.
-    judge
-        Which of those that pass their own checks pass the machine's budgets; all of them where not given.
-    others
-        How many drives of other motor families to give as well, the best of each.
-    margins
-        Compute the smallest margin of all that pass, by bounds where no objective needs the waveform.
-    made
-        What searches of the same problem by other objectives have made, and leave to one another.
-
-    Returns
-    -------
-    Found
-        The best, the closest rejected, the front, those of other families, and the counts.
-    """
+    """Search all candidates."""
     if problem.spec.method == "paper":
         return search_by_paper(problem, top, objective, misses, pareto, judge, others)
     names, wanted = {*ranking.names_of(objective), *pareto}, _SearchOptions(top, misses, pareto, others)
@@ -169,18 +139,7 @@ def _front(found: _Searched, wanted: _SearchOptions, passing: Rows) -> Rows:
 
 
 def any_drive(problem: Problem, judge: Judge | None) -> bool:
-    """Whether a search finds a drive, whatever ranks it: without waveforms of all, and no more examined than needed.
-
-    Parameters
-    ----------
-    problem, judge
-        As for ``search``.
-
-    Returns
-    -------
-    bool
-        Whether any passes or may pass.
-    """
+    """Whether a search finds a drive, whatever ranks it: without waveforms of all, and no more examined than needed."""
     if problem.spec.method == "paper":
         return search_by_paper(problem, 1, _QUICK, None, (), judge, 0).passing > 0
     if judge is None:

@@ -47,18 +47,7 @@ _NO_BUDGET = MachineBudget()
 
 
 def drive_parts(evaluation: Evaluation, index: int) -> DriveParts:
-    """The parts of one row of an evaluation.
-
-    Parameters
-    ----------
-    evaluation, index
-        As for ``drive_set``.
-
-    Returns
-    -------
-    DriveParts
-        Out of its catalogues.
-    """
+    """The parts of one row of an evaluation."""
     problem, catalog, candidates = evaluation.problem, evaluation.catalog, evaluation.candidates
     motor = catalog.motors.record(int(candidates.motor[index]))
     gearhead = catalog.gearheads.record(int(candidates.gearhead[index]))
@@ -92,32 +81,7 @@ def drive_set(
     reliability: Reliability | None = None,
     changes: tuple[Relaxation, ...] = (),
 ) -> DriveSet:
-    """One row of an evaluation as a record, with what else is known of the drive.
-
-    Parameters
-    ----------
-    evaluation
-        Of the candidates.
-    index
-        The row.
-    rank
-        Place in which it is shown.
-    objective
-        What ranked it.
-    budget
-        Of the machine with the drive in it.
-    beside
-        Checks by the other method.
-    reliability
-        Its probability, where it was sampled.
-    changes
-        What would let it pass.
-
-    Returns
-    -------
-    DriveSet
-        With its checks, requirements and figures.
-    """
+    """One row of an evaluation as a record, with what else is known of the drive."""
     parts = drive_parts(evaluation, index)
     checks, probability = resolved_checks(evaluation, index)
     checks = tuple(_why_none(evaluation, index, checks))
@@ -152,18 +116,7 @@ def drive_in_brief(
     budget: MachineBudget = _NO_BUDGET,
     reliability: Reliability | None = None,
 ) -> DriveSet:
-    """The same with its sums, its tightest check and the figures of one cycle alone: what a table of many drives shows.
-
-    Parameters
-    ----------
-    evaluation, index, rank, objective, budget, reliability
-        As for ``drive_set``.
-
-    Returns
-    -------
-    DriveSet
-        Without requirements, settings, estimated figures and what open checks hang on; its status is that of all.
-    """
+    """The same with its sums, its tightest check and the figures of one cycle alone."""
     return DriveSet(
         **_sums(evaluation, index, objective, drive_parts(evaluation, index)),
         rank=rank,

@@ -93,48 +93,7 @@ def shortlist(
     checks_alone: bool = False,
     made: dict[Hashable, Any] | None = None,
 ) -> Shortlist:
-    """The best drives of a spec, and the closest rejected.
-
-    Parameters
-    ----------
-    spec
-        The machine, as it was read.
-    catalog
-        Parts to choose from, actuators split and gearheads on every shaft.
-    objective
-        What ranks the drives.
-    top
-        How many to give.
-    misses
-        How many of the nearest rejected to evaluate as well; ``top`` where nothing passes.
-    pareto
-        Objectives of which the front is wanted too.
-    progress
-        Called with the drives that are examined and all there are, a chunk at a time.
-    sampling
-        How drives are sampled; as the spec says when not given.
-    brief
-        Of what is sampled the probabilities alone: not what they hang on, nor the closed loop.
-    others
-        How many drives of other motor families to give as well, the best of each.
-    choices
-        How many drives to give as well, about, to choose from by weights; none where a confidence is required.
-    checks_alone
-        Of the drives and of the machine's budgets sums and checks alone, and no count of drives that fail on each.
-    made
-        What calls with the same spec and catalogue have made whatever the objective, and leave to one another.
-
-    Returns
-    -------
-    Shortlist
-        Drives by their rows in the result of the search.
-
-    Raises
-    ------
-    InputError
-        When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
-        another method.
-    """
+    """The best drives of a spec, and the closest rejected."""
     _known_choices(spec, catalog)
     check_battery(spec, catalog)
     _known_to(spec, {*names_of(objective), *pareto})

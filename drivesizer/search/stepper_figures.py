@@ -41,22 +41,7 @@ _TABLE = (
 
 
 def stepper_figures(problem: Problem, parts: DriveParts, values: dict[str, float]) -> tuple[Figure, ...]:
-    """Figures of a drive with a stepper: what it draws, its step rates and how it swings with its load.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles; rates and inertia are those of the first case.
-    parts
-        The drive.
-    values
-        Figures that objectives count, SI.
-
-    Returns
-    -------
-    tuple of Figure
-        Unknown ones among them.
-    """
+    """Figures of a drive with a stepper: what it draws, its step rates and how it swings with its load."""
     motor, cycle = parts.motor, problem.cases[0].cycle
     steps, total = 4.0 * motor.pole_pairs, parts.total_ratio
     rotor = motor.rotor_inertia

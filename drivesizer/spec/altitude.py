@@ -34,56 +34,17 @@ def rise_left(surroundings: Environment) -> float:
 
 
 def rise_needed(spec: Any, margin: float | None = None) -> float:
-    """Margin that a rise of temperature must leave in a spec's surroundings.
-
-    Parameters
-    ----------
-    spec
-        The machine: its margins and surroundings.
-    margin
-        In place of the spec's own.
-
-    Returns
-    -------
-    float
-        The margin that a check requires [1].
-    """
+    """Margin that a rise of temperature must leave in a spec's surroundings."""
     return _raised(spec.margins.temperature if margin is None else margin, rise_left(spec.environment))
 
 
 def motor_needed(spec: Any, margin: float | None = None) -> float:
-    """Margin that a motor's RMS current or torque must leave there.
-
-    Parameters
-    ----------
-    spec
-        The machine: its margins and surroundings.
-    margin
-        In place of the spec's own.
-
-    Returns
-    -------
-    float
-        The margin that a check requires [1].
-    """
+    """Margin that a motor's RMS current or torque must leave there."""
     return _raised(spec.margins.torque if margin is None else margin, math.sqrt(rise_left(spec.environment)))
 
 
 def controller_needed(spec: Any, margin: float | None = None) -> float:
-    """Margin that a controller's continuous current must leave there.
-
-    Parameters
-    ----------
-    spec
-        The machine: its margins and surroundings.
-    margin
-        In place of the spec's own.
-
-    Returns
-    -------
-    float
-        The margin that a check requires [1].
-    """
+    """Margin that a controller's continuous current must leave there."""
     return _raised(spec.margins.torque if margin is None else margin, rise_left(spec.environment))
 
 

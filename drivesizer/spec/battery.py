@@ -135,13 +135,7 @@ class Consumer(Section):
         return self
 
     def share(self, mission: float | None) -> float:
-        """Share of a mission's time [s] for which it is on [1].
-
-        Raises
-        ------
-        ValueError
-            When it is given by its time and there is no mission, or the mission is shorter.
-        """
+        """Share of a mission's time [s] for which it is on [1]."""
         if self.time is None:
             return 1.0 if self.duty is None else self.duty
         if mission is None:
@@ -151,13 +145,7 @@ class Consumer(Section):
         return np.minimum(self.time / mission, 1.0)  # type: ignore[no-any-return]  # a column where it is sampled
 
     def drawn(self, mission: float | None) -> tuple[float, float]:
-        """Power out of the battery in the mean over a mission's time [s] and at most [W].
-
-        Raises
-        ------
-        ValueError
-            As ``share``.
-        """
+        """Power out of the battery in the mean over a mission's time [s] and at most [W]."""
         each = self.number / self.efficiency
         highest = self.power if self.peak_power is None else self.peak_power
         return each * self.power * self.share(mission), each * highest

@@ -42,25 +42,7 @@ class Carried(NamedTuple):
 
 
 def spec_of(path: Path, joint: str | None = None) -> str:
-    """The text of a robot.yaml.
-
-    Parameters
-    ----------
-    path
-        The URDF.
-    joint
-        A joint to take as an arm's; without it wheels, else the only revolute joint that has limits.
-
-    Returns
-    -------
-    str
-        YAML with comments.
-
-    Raises
-    ------
-    InputError
-        One line: the file is no URDF, a mass is negative, a limit is missing, no joint can be driven.
-    """
+    """The text of a robot.yaml."""
     robot = read_urdf(path)
     wheels = [] if joint is not None else _wheels(robot)
     if wheels:
@@ -69,18 +51,7 @@ def spec_of(path: Path, joint: str | None = None) -> str:
 
 
 def has_wheels(path: Path) -> bool:
-    """Whether a file is a URDF with driven wheels.
-
-    Parameters
-    ----------
-    path
-        URDF or MJCF.
-
-    Returns
-    -------
-    bool
-        False of MJCF.
-    """
+    """Whether a file is a URDF with driven wheels."""
     root = read_tree(path)
     return root.tag == "robot" and bool(_wheels(urdf_of(root, path)))
 
@@ -171,20 +142,7 @@ def _arm(robot: Robot, joint: Joint) -> str:
 
 
 def carried(robot: Robot, joint: Joint) -> Carried:
-    """Mass, lever, inertia and tilt of the links that a joint moves.
-
-    Parameters
-    ----------
-    robot
-        Links and joints.
-    joint
-        The joint that moves them.
-
-    Returns
-    -------
-    Carried
-        In SI.
-    """
+    """Mass, lever, inertia and tilt of the links that a joint moves."""
     places = _places(robot)
     place, turn = places[joint.child]
     axis = turn @ joint.axis

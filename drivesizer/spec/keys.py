@@ -47,22 +47,7 @@ _FEW = 3  # places of a key that are named
 
 
 def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
-    """Return what an unknown key stands for.
-
-    Parameters
-    ----------
-    model
-        Model of the file.
-    path
-        The key's place, from the top of the document.
-    data
-        The file's data.
-
-    Returns
-    -------
-    str
-        The known key that is meant, the kind or the group that has it, or all known keys.
-    """
+    """Return what an unknown key stands for."""
     key = str(path[-1])
     if re.match(r"[0-9]", key):
         return "a comma ends a field between { and }; a number has a decimal point, e.g. 3.6 km/h"
@@ -105,58 +90,17 @@ def _nearest(key: str, known: list[str]) -> str:
 
 
 def known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
-    """Names of the fields at a path.
-
-    Parameters
-    ----------
-    model
-        Model of the file.
-    path
-        Keys and indices from the top of the document.
-    data
-        The file's data; None where unknown.
-
-    Returns
-    -------
-    list[str]
-        In the order of the models.
-    """
+    """Names of the fields at a path."""
     return list(dict.fromkeys(name for m in models_at(model, path, data) for name in m.model_fields))
 
 
 def models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseModel]]:
-    """Models of a path; `kind` or `profile` decides between them.
-
-    Parameters
-    ----------
-    model
-        Model of the file.
-    path
-        Keys and indices from the top of the document.
-    data
-        The file's data; None where unknown.
-
-    Returns
-    -------
-    list[type[BaseModel]]
-        More than one where the data does not decide.
-    """
+    """Models of a path; `kind` or `profile` decides between them."""
     return _reached(model, path, data)[0]
 
 
 def has_names(model: type[BaseModel], path: Path_, data: Any) -> bool:
-    """Whether the keys at a path are names that the user gives, such as joints.
-
-    Parameters
-    ----------
-    model, path, data
-        As of ``models_at``.
-
-    Returns
-    -------
-    bool
-        False where they are fields.
-    """
+    """Whether the keys at a path are names that the user gives, such as joints."""
     return _reached(model, path, data)[1]
 
 
@@ -194,34 +138,12 @@ def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
 
 
 def models_of(field: FieldInfo) -> list[type[BaseModel]]:
-    """Models that a field is of, or may be, by its type or by what marks it.
-
-    Parameters
-    ----------
-    field
-        Of a model.
-
-    Returns
-    -------
-    list[type[BaseModel]]
-        Empty where it is no group of fields.
-    """
+    """Models that a field is of, or may be, by its type or by what marks it."""
     return [found for part in (field.annotation, *field.metadata) for found in models_in(part)]
 
 
 def models_in(annotation: Any) -> list[type[BaseModel]]:
-    """Models that a type is, or may be.
-
-    Parameters
-    ----------
-    annotation
-        Of a field.
-
-    Returns
-    -------
-    list[type[BaseModel]]
-        Empty where it is no group of fields.
-    """
+    """Models that a type is, or may be."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     if hasattr(annotation, "models"):  # a figure that may be a group of fields too

@@ -34,18 +34,6 @@ Life = Annotated[
 def required_life(life: Any, part: LifeOf) -> Any:
     """Life that is required of a part.
 
-    Parameters
-    ----------
-    life
-        As the spec has it: one for all parts [s], by part, or None.
-    part
-        Name of the part.
-
-    Returns
-    -------
-    float, array or None
-        [s]; an array over samples; None where none is required.
-
     Examples
     --------
     >>> required_life(3600.0, "screw"), required_life(Lives(gearhead="1 h"), "screw")

@@ -27,26 +27,7 @@ _MOST = 5  # faults that are reported at once
 def explained(
     error: ValidationError, source: YamlSource, model: type[BaseModel], data: Any = None, at: Path_ = ()
 ) -> InputError:
-    """The error that a user reads: the first fault in the file as its message, up to five as its lines.
-
-    Parameters
-    ----------
-    error
-        As pydantic raised it.
-    source
-        The file that was validated.
-    model
-        The model it was validated against, for the known keys.
-    data
-        The validated data, where it is not all of the file's.
-    at
-        Path to the part of the file that changed the data: a load case.
-
-    Returns
-    -------
-    InputError
-        Without line breaks in its lines.
-    """
+    """The error that a user reads: the first fault in the file as its message, up to five as its lines."""
     data = source.data if data is None else data
     faults = [(_path(dict(fault), data), dict(fault)) for fault in error.errors(include_url=False)]
     # A misspelt key also leaves the right one missing: the misspelling is reported.

@@ -93,22 +93,7 @@ class Mounting(Section):
 
 
 def loss_at_flange(spec: Any, cycle: AtGearhead, gearhead: Figures) -> Any:
-    """Loss of gearheads that heats the housings of their motors, per speed of their output.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    gearhead
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    float or array
-        [W*s/rad]; 0 where the spec's mounting counts none.
-    """
+    """Loss of gearheads that heats the housings of their motors, per speed of their output."""
     share = spec.mounting.gear_loss_share if spec.mounting else 0.0
     return share * flange_loss(cycle, gearhead) if share else 0.0
 

@@ -93,25 +93,7 @@ def has_tolerance(text: str) -> bool:
 
 
 def split_tolerances(source: YamlSource, without: YamlSource | None = None) -> tuple[Any, tuple[Toleranced, ...]]:
-    """Split a spec's data into nominal values and the figures with tolerances.
-
-    Parameters
-    ----------
-    source
-        The spec.
-    without
-        One whose figures have no tolerance: where the very same data stand in both nobody looks for one.
-
-    Returns
-    -------
-    tuple
-        The data, and the figures with tolerances in the order of the file.
-
-    Raises
-    ------
-    InputError
-        One line with file, line and field, where a tolerance is malformed, or on a figure that takes none.
-    """
+    """Split a spec's data into nominal values and the figures with tolerances."""
     places = [
         (path, text) for path, text in _texts(source.data, (), without.data if without else None) if has_tolerance(text)
     ]
@@ -165,23 +147,6 @@ def _texts(data: Any, path: Path_, without: Any = None) -> Iterator[tuple[Path_,
 
 def tolerance(text: str, path: Path_ = ()) -> Toleranced:
     """A figure with its tolerance, in SI.
-
-    Parameters
-    ----------
-    text
-        As the table above has it.
-    path
-        Where it stands.
-
-    Returns
-    -------
-    Toleranced
-        With the distribution in SI.
-
-    Raises
-    ------
-    InputError
-        One line: what is wrong, and what is expected.
 
     Examples
     --------

@@ -82,18 +82,7 @@ class Tolerances(Section):
         }
 
     def foreign(self, *, steps: bool) -> str:
-        """The first tolerance of a figure that motors of this kind have not, as in a message; empty without one.
-
-        Parameters
-        ----------
-        steps
-            Whether the motor is to be a stepper.
-
-        Returns
-        -------
-        str
-            ``tolerances.motor.pull_out: it is of steppers; expected ...``.
-        """
+        """The first tolerance of a figure that motors of this kind have not, as in a message; empty without one."""
         for part, figure in self.given:
             if (part, figure) in OF_STEPPERS and not steps:
                 return f"tolerances.{part}.{figure}: it is of steppers; expected select: {{motor: {{kind: stepper}}}}"

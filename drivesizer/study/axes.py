@@ -97,27 +97,7 @@ def _figure(value: Any, kind: str, unit: str) -> float:
 
 
 def axes_of(source: YamlSource, spec: YamlSource, vary: dict[str, Any], grid: bool) -> tuple[Axis, ...]:
-    """Axes of a study's section ``vary``.
-
-    Parameters
-    ----------
-    source, spec
-        The study, and the spec that it varies.
-    vary
-        The section.
-    grid
-        Whether a range has steps; else a Latin hypercube takes any value of it.
-
-    Returns
-    -------
-    tuple[Axis, ...]
-        In the order of the section.
-
-    Raises
-    ------
-    InputError
-        When a field is unknown, a value has no unit or one of another kind, or a list or range is malformed.
-    """
+    """Axes of a study's section ``vary``."""
     return tuple(_axis(Place(source, ("vary", name)), spec, name, given, grid) for name, given in vary.items())
 
 
@@ -134,15 +114,7 @@ class Place:
 
 
 def once(place: Place, given: Sequence[Any]) -> None:
-    """Refuse a list that has an entry twice.
-
-    Parameters
-    ----------
-    place
-        Of the list.
-    given
-        Its entries.
-    """
+    """Refuse a list that has an entry twice."""
     seen: set[str] = set()
     for n, value in enumerate(given):
         if repr(value) in seen:

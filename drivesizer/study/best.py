@@ -38,31 +38,7 @@ def best(
     top: int = 1,
     made: dict[Hashable, Any] | None = None,
 ) -> Best:
-    """The best drives of a spec.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    catalog
-        Parts to choose from, as :func:`drivesizer.catalog.view.search_view.search_view` returns them.
-    objective
-        In place of the spec's.
-    top
-        How many drives to return.
-    made
-        As of ``shortlist``.
-
-    Returns
-    -------
-    Best
-        Drives that pass or are open, or the closest rejected one.
-
-    Raises
-    ------
-    InputError
-        As :func:`drivesizer.sizing.size` does.
-    """
+    """The best drives of a spec."""
     objective = objective or spec.select.objective
     found = shortlist(spec, catalog, objective, top, misses=0, brief=True, checks_alone=True, made=made)
     first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]

@@ -26,18 +26,7 @@ _RESUME = "results so far are kept: the same command resumes"
 
 @contextmanager
 def connected(address: str) -> Iterator[Any]:
-    """A client of a scheduler that has workers.
-
-    Parameters
-    ----------
-    address
-        Of the scheduler, such as ``tcp://10.0.0.5:8786``.
-
-    Raises
-    ------
-    InputError
-        When there is no such scheduler, or it has no worker within some seconds.
-    """
+    """A client of a scheduler that has workers."""
     client = _client(address)
     try:
         yield client
@@ -82,25 +71,6 @@ def compute_on_cluster(client: Any, plan: Plan, chunks: Sequence[int]) -> Iterat
     """Compute chunks on the workers of a scheduler; they are yielded in the order of completion.
 
     Other workers take over the tasks of a lost one.
-
-    Parameters
-    ----------
-    client
-        Of :func:`connected`.
-    plan
-        The study.
-    chunks
-        Numbers of the chunks to compute.
-
-    Returns
-    -------
-    Iterator
-        Pairs of chunk number and rows.
-
-    Raises
-    ------
-    InputError
-        When the scheduler is lost, the workers of one chunk repeatedly, or they cannot compute a variant.
     """
     pending, job = tasks(plan, chunks), plan.job.sent
 

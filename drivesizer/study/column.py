@@ -21,20 +21,7 @@ class Column(NamedTuple):
 
 
 def cell(column: Column, value: Any) -> Any:
-    """A value as a table has it.
-
-    Parameters
-    ----------
-    column
-        The column.
-    value
-        SI where it is a figure.
-
-    Returns
-    -------
-    Any
-        None where a figure is unknown.
-    """
+    """A value as a table has it."""
     if column.form != "number":
         return value
     return None if isnan(value) else float(f"{value:.{_DIGITS}g}")

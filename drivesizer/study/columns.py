@@ -115,20 +115,7 @@ def _form(axis: Any) -> Form:
 
 
 def variant_rows(head: Row, best: Best) -> list[Row]:
-    """Rows of a variant: one for each drive, or one with the check that the closest rejected drive fails most.
-
-    Parameters
-    ----------
-    head
-        Number and varied values of the variant.
-    best
-        Result of its search.
-
-    Returns
-    -------
-    list[Row]
-        Cells in the order of :func:`columns_of`.
-    """
+    """Rows of a variant: one for each drive, or one with the check that the closest rejected drive fails most."""
     counts = [best.counts.considered, best.counts.feasible]
     if best.sets:
         return [
@@ -143,24 +130,7 @@ def variant_rows(head: Row, best: Best) -> list[Row]:
 
 
 def failed(job: Job, head: Row, objective: str, message: str) -> list[Row]:
-    """Row of a variant that is invalid or cannot be sized.
-
-    Parameters
-    ----------
-    job
-        The study.
-    head
-        Number and varied values of the variant.
-    objective
-        Title of the objective.
-    message
-        The error.
-
-    Returns
-    -------
-    list[Row]
-        One row with status ``error``.
-    """
+    """Row of a variant that is invalid or cannot be sized."""
     none = ["" if column.form == "text" else None for column in _result(job)[len(HEAD) : -1]]
     return [[*head, objective, None, "error", *none, message]]
 

@@ -26,23 +26,7 @@ _STEP = re.compile(r"(\w+)((?:\[[1-9][0-9]{0,3}\])*)", re.ASCII)
 
 
 def path_of(name: str, axes: Iterable[str] = ()) -> Path_ | None:
-    """Path of a field's name, None where it is malformed: ``transmission[2].ratio`` counts from 1, as messages do.
-
-    Parameters
-    ----------
-    name
-        As in messages.
-    axes
-        Of a machine: their names may have blanks and points.
-
-    Returns
-    -------
-    tuple or None
-        Keys and indices from the top of the document.
-
-    >>> path_of("transmission[2].ratio"), path_of("axes.left arm.load.mass", ["left arm"])
-    (('transmission', 1, 'ratio'), ('axes', 'left arm', 'load', 'mass'))
-    """
+    """Path of a field's name, None where it is malformed: ``transmission[2].ratio`` counts from 1, as messages do."""
     longest_first, rest = sorted(axes, key=len, reverse=True), name
     path: list[str | int] = []
     while True:
@@ -63,20 +47,7 @@ def _keys(step: re.Match[str]) -> list[str | int]:
 
 
 def unknown_field(spec: YamlSource, path: Path_) -> str:
-    """Fault of a path: a field that a spec cannot have, or an entry of a list that this spec lacks.
-
-    Parameters
-    ----------
-    spec
-        The spec, or the machine.
-    path
-        Of the field.
-
-    Returns
-    -------
-    str
-        One sentence with the nearest name; empty where nothing is.
-    """
+    """Fault of a path: a field that a spec cannot have, or an entry of a list that this spec lacks."""
     data: Any = spec.data
     for n, step in enumerate(path):
         if isinstance(step, int):
@@ -138,22 +109,7 @@ def _spec_path(path: Path_) -> Path_:
 
 
 def kind_of(spec: YamlSource, path: Path_, value: Any) -> str:
-    """The kind of quantity of a field.
-
-    Parameters
-    ----------
-    spec
-        The spec, or the machine.
-    path
-        Of the field.
-    value
-        A value for it, which decides where a field takes angles and lengths alike.
-
-    Returns
-    -------
-    str
-        Empty where it is none.
-    """
+    """The kind of quantity of a field."""
     model, path, data = _root(spec, path)
     owners = models_at(model, path[:-1], data) if path else []
     fields = [m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields]
@@ -203,22 +159,7 @@ def _quantities(marks: Sequence[Any]) -> list[Quantity | Either]:
 
 
 def changed(data: Any, path: Path_, value: Any) -> Any:
-    """A spec's data with another value at a path; everything else is shared, not copied.
-
-    Parameters
-    ----------
-    data
-        Of the spec, or of a part of it.
-    path
-        Of the field.
-    value
-        Its new value.
-
-    Returns
-    -------
-    dict or list
-        New along the path.
-    """
+    """A spec's data with another value at a path; everything else is shared, not copied."""
     if not path:
         return value
     step, rest = path[0], path[1:]

@@ -26,20 +26,7 @@ _AHEAD = 2  # pending chunks for each process
 
 
 def tasks(plan: Plan, chunks: Iterable[int]) -> Iterator[Task]:
-    """Tasks of some chunks, made one at a time.
-
-    Parameters
-    ----------
-    plan
-        The study.
-    chunks
-        Numbers of the chunks.
-
-    Returns
-    -------
-    Iterator[Task]
-        One for each chunk.
-    """
+    """Tasks of some chunks, made one at a time."""
     for chunk in chunks:
         variants = plan.variants(chunk)
         yield chunk, variants, [plan.head(variant) for variant in variants]
@@ -64,11 +51,6 @@ def started(processes: int) -> Iterator[Pool]:
     """Processes to compute on, where they can be copies of this one started at once.
 
     That is to be before this process takes the study's lock, which its copies would hold as well.
-
-    Parameters
-    ----------
-    processes
-        Their number.
     """
     copied, others = can_be_copied(), multiprocessing.active_children()
     context = multiprocessing.get_context("fork") if copied else _context()
@@ -86,27 +68,7 @@ def started(processes: int) -> Iterator[Pool]:
 
 
 def compute_on_processes(plan: Plan, chunks: Sequence[int], pool: Pool) -> Iterator[tuple[int, Part]]:
-    """Compute chunks; they are yielded in the order of completion.
-
-    Parameters
-    ----------
-    plan
-        The study.
-    chunks
-        Numbers of the chunks to compute.
-    pool
-        Of ``started``.
-
-    Returns
-    -------
-    Iterator
-        Pairs of chunk number and rows.
-
-    Raises
-    ------
-    InputError
-        When a process ended before its work was done.
-    """
+    """Compute chunks; they are yielded in the order of completion."""
     pending, job = tasks(plan, chunks), plan.job.sent
     try:
         running = {_submit(pool, job, task): task[0] for task in islice(pending, _AHEAD * pool.processes)}

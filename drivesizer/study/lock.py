@@ -25,13 +25,7 @@ _HOLDER = "lock.txt"  # names the process that holds the lock: a locked file its
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold a folder for this process.
-
-    Raises
-    ------
-    InputError
-        When another process holds the folder, or the folder cannot be written or locked.
-    """
+    """Hold a folder for this process."""
     lock = FileLock(folder / _LOCK, blocking=False, fallback_to_soft=False)
     try:
         lock.acquire()

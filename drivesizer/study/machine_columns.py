@@ -91,39 +91,13 @@ _ALL = "all"  # axes together
 
 
 def machine_columns(members: Sequence[str]) -> tuple[Column, ...]:
-    """Columns of a machine.
-
-    Parameters
-    ----------
-    members
-        Names of its axes.
-
-    Returns
-    -------
-    tuple of Column
-        From its sums to the drive of each axis.
-    """
+    """Columns of a machine."""
     drives = (Column(f"{name}.set", "text") for name in members)
     return (*(one.column for one in _MACHINE), *_MARGIN, _WHERE, *drives)
 
 
 def machine_row(head: Row, members: Sequence[str], sizing: MachineSizing) -> Row:
-    """The row of a variant.
-
-    Parameters
-    ----------
-    head
-        Number and varied values of the variant.
-    members
-        Names of the axes that have a column.
-    sizing
-        The machine.
-
-    Returns
-    -------
-    Row
-        Cells in the order of ``columns.columns_of``.
-    """
+    """The row of a variant."""
     labels = {one.name: one.best.label for one in sizing.axes if one.best}
     counts = [one.result.counts for one in sizing.axes]
     return [

@@ -21,25 +21,7 @@ def is_several(source: YamlSource) -> bool:
 
 
 def machine_job(source: YamlSource, study: StudyFile, specs: Sequence[YamlSource]) -> dict[str, Any]:
-    """Fields of a study's job that are of machines.
-
-    Parameters
-    ----------
-    source, study
-        The study.
-    specs
-        Its specs, at least one.
-
-    Returns
-    -------
-    dict
-        By the names of the fields of ``Job``; empty of specs of a single axis.
-
-    Raises
-    ------
-    InputError
-        When machines and single axes are mixed, there is no such axis, or a machine has several drives of a rank.
-    """
+    """Fields of a study's job that are of machines."""
     names = study.specs or [study.spec or ""]
     several = [is_several(spec) for spec in specs]
     if any(several) and not all(several):

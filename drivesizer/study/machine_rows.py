@@ -28,31 +28,7 @@ __all__ = ["machine_rows"]
 def machine_rows(
     job: Job, source: YamlSource, objective: Ranking | None, head: Row, parts: Callable[[RobotSpec], Catalog]
 ) -> list[Row]:
-    """The rows of a variant of a machine.
-
-    Parameters
-    ----------
-    job
-        The study.
-    source
-        The machine's file with the variant's values.
-    objective
-        In place of the machine's.
-    head
-        Number and varied values of the variant.
-    parts
-        Gives the catalogues of an axis.
-
-    Returns
-    -------
-    list[Row]
-        One of the whole machine, or one for each drive of the axis that is tabled.
-
-    Raises
-    ------
-    InputError
-        When the variant is invalid.
-    """
+    """The rows of a variant of a machine."""
     robot = json.dumps(source.data.get("robot"), ensure_ascii=False)
 
     def torques(section: RobotSection, file: str, gravity: float) -> JointTorques:

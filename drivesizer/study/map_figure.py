@@ -28,26 +28,7 @@ _WORD = 0.058  # in, of a letter along an axis
 def draw(
     shown: Map, panels: Sequence[Panel], across: Dimension, up: Dimension | None, grid: bool, form: Form = "svg"
 ) -> bytes:
-    """Draw a map.
-
-    Parameters
-    ----------
-    shown
-        The figure of the best drives that is drawn, or the drives themselves.
-    panels
-        The maps side by side.
-    across, up
-        Their axes; without the second the figure is drawn over the first.
-    grid
-        Whether the rows fill a grid; else they are points.
-    form
-        Of the drawing.
-
-    Returns
-    -------
-    bytes
-        The drawing.
-    """
+    """Draw a map."""
     rows = [row for panel in panels for row in panel.rows]
     numbers = numbered(rows) if shown.name == "best_set" else {}
     others = len({row["set"] for row in rows if row["set"]} - set(numbers)) if numbers else 0

@@ -58,40 +58,13 @@ def _entries(numbers: dict[str, int], others: int) -> list[tuple[str, Look]]:
 
 
 def rows_of_list(numbers: dict[str, int], others: int) -> int:
-    """Height of the list in lines.
-
-    Parameters
-    ----------
-    numbers
-        Number of each drive that has one.
-    others
-        How many drives have none.
-
-    Returns
-    -------
-    int
-        In one or two columns.
-    """
+    """Height of the list in lines."""
     count = len(_entries(numbers, others))
     return count if count <= _SHORT else -(-count // 2)
 
 
 def listed(figure: Figure, numbers: dict[str, int], others: int, low: float, *, cells: bool) -> None:
-    """Draw the list into a figure.
-
-    Parameters
-    ----------
-    figure
-        The map.
-    numbers
-        Number of each drive that has one.
-    others
-        How many drives have none.
-    low
-        Height of the last line above the figure's lower edge [in].
-    cells
-        Whether the map has cells; else it has points.
-    """
+    """Draw the list into a figure."""
     sample = _cell if cells else _point
     width, height = figure.get_size_inches()
     entries, lines = _entries(numbers, others), rows_of_list(numbers, others)

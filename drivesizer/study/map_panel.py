@@ -72,17 +72,7 @@ _MOST_LINES, _MOST_TEXTS = 2500, 700  # cells of a panel that has lines between 
 
 
 def panel_into(axes: Axes, scene: Scene, panel: Panel) -> None:
-    """Draw a map into its axes.
-
-    Parameters
-    ----------
-    axes
-        Of matplotlib.
-    scene
-        Settings of the figure.
-    panel
-        The map.
-    """
+    """Draw a map into its axes."""
     axes.set_title(short(clean(panel.title), int(axes.get_position().width * _WIDE / _LETTER)))
     axes.grid(visible=False)
     if scene.up is None:

@@ -48,25 +48,7 @@ Points = dict[tuple[Any, ...], list[dict[str, Any]]]  # rows by the values of th
 
 
 def map_axes(plan: Plan, names: Sequence[str]) -> MapAxes | None:
-    """Axes of the maps: the two named, or the first two; None where nothing varies.
-
-    Parameters
-    ----------
-    plan
-        The study.
-    names
-        Two axes by name, or none.
-
-    Returns
-    -------
-    Chosen or None
-        Axes of the maps, and those with a panel for each value.
-
-    Raises
-    ------
-    InputError
-        When a name is no axis of the study.
-    """
+    """Axes of the maps: the two named, or the first two; None where nothing varies."""
     grid = plan.shares is None
     there = {dimension.name: dimension for dimension in _dimensions(plan)}
     for name in names:
@@ -96,22 +78,7 @@ def _dimensions(plan: Plan) -> list[Dimension]:
 
 
 def points(plan: Plan, over: MapAxes, chunks: Iterable[list[Row]]) -> Points:
-    """The best row of each variant by panel, with the columns that maps need.
-
-    Parameters
-    ----------
-    plan
-        The study.
-    over
-        Axes of the maps.
-    chunks
-        All rows, a chunk at a time.
-
-    Returns
-    -------
-    dict
-        Rows by the values of the other axes; those that refinement added at other values have no panel.
-    """
+    """The best row of each variant by panel, with the columns that maps need."""
     heads = [column.head for column in columns_of(plan)]
     wanted = {over.across.head, *([over.up.head] if over.up else []), *(one.head for one in over.beside), "status"}
     wanted |= {name for one in MAPS for name in (one.column, one.lacks) if name in heads}
@@ -130,20 +97,7 @@ def points(plan: Plan, over: MapAxes, chunks: Iterable[list[Row]]) -> Points:
 
 
 def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str]]:
-    """Maps by name, and notes on panels that are not drawn.
-
-    Parameters
-    ----------
-    over
-        Axes of the maps.
-    found
-        Rows by panel.
-
-    Returns
-    -------
-    tuple
-        Functions that draw, by name, and notes.
-    """
+    """Maps by name, and notes on panels that are not drawn."""
     panels = [Panel(_title(over.beside, key), rows) for key, rows in found.items()]
     notes = []
     if len(panels) > _MOST_PANELS:

@@ -178,23 +178,7 @@ def _digits(number: int, sizes: Sequence[int]) -> list[int]:
 
 
 def read_study(path: str | Path) -> Plan:
-    """Read a study.yaml and the specs that it names, relative to its folder.
-
-    Parameters
-    ----------
-    path
-        The study.
-
-    Returns
-    -------
-    Plan
-        The study. Whether a variant is valid is found when it is sized.
-
-    Raises
-    ------
-    InputError
-        When a file cannot be read, or something in it is wrong: one line with place and reason.
-    """
+    """Read a study.yaml and the specs that it names, relative to its folder."""
     source = read(Path(path))
     study = schema_of(source)
     names = tuple(study.specs or [study.spec or ""])

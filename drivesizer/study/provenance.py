@@ -28,13 +28,6 @@ def made_of(plan: Plan) -> dict[str, str]:
     """Digests of the study, its specs, the files that these name, and the catalogues; the program's version.
 
     Comments and blanks in a YAML file are ignored.
-
-    Raises
-    ------
-    CatalogError
-        When a catalogue cannot be used.
-    InputError
-        When a catalogue or file cannot be read.
     """
     shares = b"" if plan.shares is None else plan.shares.tobytes()
     found = {"drivesizer": __version__, Path(plan.source.name).name: digest_of(_canonical(plan.source.data), shares)}
@@ -80,18 +73,7 @@ def _files(data: Any, folder: Path) -> Iterator[str]:
 
 
 def refuse_if_all_invalid(plan: Plan) -> str:
-    """Size variants until one is valid.
-
-    Returns
-    -------
-    str
-        A note where none of many was valid; empty where one is.
-
-    Raises
-    ------
-    InputError
-        When every variant is invalid.
-    """
+    """Size variants until one is valid."""
     heads = [column.head for column in columns_of(plan)]
     status, error = heads.index("status"), heads.index("error")
     few = range(1, plan.total + 1, -(-plan.total // _TRIED))

@@ -23,20 +23,7 @@ _Found = dict[Places, tuple[Any, ...]]  # status and best drives of the variants
 
 
 def refined(plan: Plan, chunks: Iterable[list[Row]]) -> Plan | None:
-    """The plan with the points of one more halving.
-
-    Parameters
-    ----------
-    plan
-        A study.
-    chunks
-        All of its rows, a chunk at a time.
-
-    Returns
-    -------
-    Plan or None
-        None where it has been halved to its depth, or the best drive changes nowhere.
-    """
+    """The plan with the points of one more halving."""
     level = len(plan.rounds)
     if level >= plan.depth:
         return None

@@ -52,36 +52,7 @@ def carry_out(
     maps: Sequence[str] | None = (),
     progress: Progress | None = None,
 ) -> Outcome:
-    """Size every variant that is not sized yet, and write tables and maps.
-
-    Parameters
-    ----------
-    plan
-        The study.
-    folder
-        Of the results; it is created where missing, its parent must exist.
-    processes
-        Number of processes of this machine; 0: one for each core.
-    scheduler
-        Address of a Dask scheduler whose workers compute instead.
-    fresh
-        Discard earlier results.
-    maps
-        Names of the two axes of maps; empty: the first two. None: no maps.
-    progress
-        Called as variants are done.
-
-    Returns
-    -------
-    Outcome
-        The files, and the number of variants by status.
-
-    Raises
-    ------
-    InputError
-        When something in the study is wrong, the folder holds another study's results or is in use, or processes are
-        lost. Results so far are kept.
-    """
+    """Size every variant that is not sized yet, and write tables and maps."""
     origin, outcome = made_of(plan), Outcome()
     over = None if maps is None else _over(plan, maps)
     _usable(folder)

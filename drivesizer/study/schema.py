@@ -85,13 +85,7 @@ class StudyFile(Section):
 
 
 def schema_of(source: YamlSource) -> StudyFile:
-    """The checked content of a study.yaml.
-
-    Raises
-    ------
-    InputError
-        One line with file, line, field, what was found and what is expected.
-    """
+    """The checked content of a study.yaml."""
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as spec, vary, sampling, objectives")
     try:

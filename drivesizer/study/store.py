@@ -57,13 +57,7 @@ class Store:
         return self.folder / _CHUNKS / f"{chunk // 1000:03}" / f"{chunk:06}.jsonl"
 
     def keep(self, chunk: int, part: Part) -> None:
-        """Store the rows of a chunk.
-
-        Raises
-        ------
-        InputError
-            When their inputs differ from those of the study, or they cannot be written.
-        """
+        """Store the rows of a chunk."""
         for name, found in part.made_of.items():
             if self.made_of.get(name, found) != found:
                 raise InputError(
@@ -98,29 +92,7 @@ class Store:
 
 
 def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool = False) -> Store:
-    """Prepare a study's folder; the caller holds its lock.
-
-    Parameters
-    ----------
-    folder
-        Of the results.
-    plan
-        The study.
-    made_of
-        Inputs of the results: files, catalogues and program, by name and digest or version.
-    fresh
-        Discard results of this or another study.
-
-    Returns
-    -------
-    Store
-        The folder with its manifest written.
-
-    Raises
-    ------
-    InputError
-        When it holds another study's results, or cannot be written.
-    """
+    """Prepare a study's folder; the caller holds its lock."""
     store = Store(folder, made_of, plan.chunks)
     manifest = {"format": FORMAT, "variants": plan.total, "chunk": plan.chunk, "made_of": dict(made_of)}
     before = _manifest(folder / _MANIFEST)

@@ -26,22 +26,7 @@ _GROUP = 50_000  # least number of rows that are written together to Parquet
 
 
 def write_csv(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
-    """Write a table as CSV.
-
-    Parameters
-    ----------
-    path
-        Of the file.
-    columns
-        Its columns.
-    chunks
-        Its rows, a chunk at a time.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be written.
-    """
+    """Write a table as CSV."""
     with _whole(path) as stream:
         text = io.TextIOWrapper(stream, "utf-8", newline="", write_through=True)
         writer = csv.writer(text, lineterminator="\n")
@@ -57,18 +42,7 @@ def has_parquet() -> bool:
 
 
 def write_parquet(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
-    """Write a table as Parquet, with units in the metadata of its columns.
-
-    Parameters
-    ----------
-    path, columns, chunks
-        As for :func:`write_csv`.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be written.
-    """
+    """Write a table as Parquet, with units in the metadata of its columns."""
     pyarrow: Any = import_module("pyarrow")
     parquet: Any = import_module("pyarrow.parquet")
     types = {"whole": pyarrow.int64(), "number": pyarrow.float64(), "text": pyarrow.string()}

@@ -57,20 +57,7 @@ def _catalog(
 
 
 def document_of(job: Job, variant: Variant) -> YamlSource:
-    """The file of a variant: the spec's with other values in some fields.
-
-    Parameters
-    ----------
-    job
-        The study.
-    variant
-        One of its variants.
-
-    Returns
-    -------
-    YamlSource
-        Not yet checked; messages have the lines of the spec's file.
-    """
+    """The file of a variant: the spec's with other values in some fields."""
     source = _source(*job.specs[variant.spec])
     data = source.data
     for axis, value in zip(job.axes, variant.values, strict=True):
@@ -89,23 +76,7 @@ def _choices(source: YamlSource) -> list[Path_]:
 
 
 def spec_of(job: Job, variant: Variant) -> RobotSpec:
-    """The spec of a variant of a single axis.
-
-    Parameters
-    ----------
-    job, variant
-        As of ``document_of``.
-
-    Returns
-    -------
-    RobotSpec
-        Checked as if it were a file of its own.
-
-    Raises
-    ------
-    InputError
-        When the variant is invalid; the message has the field's line in the spec's file.
-    """
+    """The spec of a variant of a single axis."""
     source = document_of(job, variant)
     if is_machine(source):
         return read_machine(source).axes[0].spec
@@ -125,22 +96,7 @@ def parts_for(spec: RobotSpec) -> Catalog:
 
 
 def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part:
-    """The rows of some variants.
-
-    Parameters
-    ----------
-    job
-        The study.
-    variants
-        Variants of it.
-    heads
-        First cells of their rows.
-
-    Returns
-    -------
-    Part
-        Rows of all of them, in their order.
-    """
+    """The rows of some variants."""
     made: dict[str, str] = {"drivesizer": __version__}
     rows: list[Row] = []
     with warnings.catch_warnings():

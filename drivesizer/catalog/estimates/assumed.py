@@ -180,18 +180,6 @@ def estimates_by_rated_current(table: Table[Any], found: dict[str, Estimates]) -
     permitted temperature is printed: estimated thermal resistances are no larger. What such a winding then reaches the
     maker permits, by the part's own rating and that of no other part. A brushed motor, of which brushes or gears may
     set the rating, permits anything from there to the best class.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    found
-        Their estimates by column.
-
-    Returns
-    -------
-    dict
-        Columns as before, and ``max_winding_temperature``.
     """
     if "max_winding_temperature" not in table.columns:
         return found
@@ -246,18 +234,6 @@ def peak_torque_estimates(table: Table[Any], found: dict[str, Estimates]) -> dic
     A peak current is at least that of a printed peak torque; a continuous torque is a tenth to all of the peak.
 
     Where no stall is printed either nothing bounds it: the middle is that of a band up to ten times the continuous one.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    found
-        Their estimates by column.
-
-    Returns
-    -------
-    dict
-        Columns as before, and ``peak_torque``, ``peak_current``, ``nominal_torque``.
     """
     if table.section != "actuators":
         return found
@@ -282,18 +258,7 @@ def peak_torque_estimates(table: Table[Any], found: dict[str, Estimates]) -> dic
 
 
 def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
-    """Figures of actuators that are a rule of thumb, with a band from there to the stall.
-
-    Parameters
-    ----------
-    catalog
-        As it was loaded.
-
-    Returns
-    -------
-    dict
-        By column; only where there are some.
-    """
+    """Figures of actuators that are a rule of thumb, with a band from there to the stall."""
     table, found = catalog.actuators, dict[str, Estimates]()
     for name, stall in _STALL.items():
         rows = catalog.by_rule("actuators", name)

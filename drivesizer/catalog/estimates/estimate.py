@@ -59,18 +59,6 @@ def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estima
 
     Laws with parts of its construction among their peers go before all others.
     A term may be an estimate itself, of a figure that is declared before: its band then widens that of the result.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    only
-        Laws to choose among for the figures that they give.
-
-    Returns
-    -------
-    dict
-        By column, with values and bands in SI.
     """
     found: dict[str, Estimates] = {}
     terms: dict[str, _Term] = {}
@@ -160,20 +148,7 @@ def _completed(term: _Term, found: Estimates) -> _Term:
 
 
 def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
-    """All that a part's data sheet leaves out and its peers give.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    row
-        Of the part.
-
-    Returns
-    -------
-    list
-        In the order in which the laws are declared.
-    """
+    """All that a part's data sheet leaves out and its peers give."""
     found = estimates(table.taken(slice(row, row + 1)))
     return [
         Estimate(figure, float(e.value[0]), float(e.low[0]), float(e.high[0]), shipped_laws()[e.fit[0]])
@@ -182,20 +157,7 @@ def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
 
 
 def as_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
-    """The estimates of a part for JSON: figures in SI, the band from the 5th to the 95th percentile.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    row
-        Of the part.
-
-    Returns
-    -------
-    list
-        A record per figure: ``figure``, ``value``, ``low``, ``high``, ``terms``, ``peers``, ``parts``, ``families``.
-    """
+    """The estimates of a part for JSON: figures in SI, the band from the 5th to the 95th percentile."""
     return [
         {"figure": one.figure, "value": one.value, "low": one.low, "high": one.high, "terms": list(one.fit.law.terms),
          "peers": one.fit.source or one.fit.law.of or one.fit.law.section, "parts": one.fit.parts,
@@ -239,11 +201,6 @@ def written(fits: list[Fit]) -> str:
     """Fitted laws as ``fitted.json`` keeps them: a law a line, figures rounded to six digits.
 
     ``width`` is the upper end of the band over the lower one, median over the parts of the law.
-
-    Parameters
-    ----------
-    fits
-        Of all laws.
     """
     lines = (json.dumps(_rounded(_record(fit))) for fit in fits)
     return "[\n" + ",\n".join(lines) + "\n]\n"

@@ -35,20 +35,7 @@ class FamilyLimit(NamedTuple):
 
 
 def family_limits(table: Table[Any], row: int) -> list[FamilyLimit]:
-    """Limits that a part lacks and all others of its family that print them have alike.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    row
-        Of the part.
-
-    Returns
-    -------
-    list
-        In the order of :data:`LIMITS`; empty for a part without a family.
-    """
+    """Limits that a part lacks and all others of its family that print them have alike."""
     families = families_of(table)
     family = families == families[row] if table["family"][row] else np.zeros(len(table), np.bool_)
     found = []
@@ -62,20 +49,7 @@ def family_limits(table: Table[Any], row: int) -> list[FamilyLimit]:
 
 
 def limit_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
-    """The same for JSON, with the keys of the other estimates; ``low`` and ``high`` are the value.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    row
-        Of the part.
-
-    Returns
-    -------
-    list
-        A record per limit.
-    """
+    """The same for JSON, with the keys of the other estimates; ``low`` and ``high`` are the value."""
     return [
         {"figure": one.figure, "value": one.value, "low": one.value, "high": one.value, "terms": [],
          "peers": SAME_FAMILY, "parts": one.members, "families": 1}

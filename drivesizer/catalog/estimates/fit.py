@@ -61,37 +61,13 @@ class Fit(NamedTuple):
 
 
 def fits(catalog: Catalog) -> list[Fit]:
-    """Every law that the parts of a catalogue suffice for.
-
-    Parameters
-    ----------
-    catalog
-        All shipped catalogues joined.
-
-    Returns
-    -------
-    list
-        In the order in which the laws are declared.
-    """
+    """Every law that the parts of a catalogue suffice for."""
     printed = as_printed(catalog)
     return [found for law in LAWS if (found := fit(law, printed.table(law.section))) is not None]
 
 
 def fit(law: Law, table: Table[Any]) -> Fit | None:
-    """One law over the parts that have its figure and its terms; None where too few have.
-
-    Parameters
-    ----------
-    law
-        Figure, class and terms.
-    table
-        Parts of the law's kind.
-
-    Returns
-    -------
-    Fit or None
-        Coefficients, bands, counts.
-    """
+    """One law over the parts that have its figure and its terms; None where too few have."""
     x, y, rows = _logarithms(law, table)
     maker = table["manufacturer"][rows].astype(str)
     family, built = families_of(table)[rows], constructions_of(table)[:, rows]
@@ -117,22 +93,7 @@ def fit(law: Law, table: Table[Any]) -> Fit | None:
 
 
 def left_out(x: Array, y: Array, group: NDArray[np.str_]) -> Array:
-    """Residual of each part by a fit without its group.
-
-    Parameters
-    ----------
-    x
-        Terms, a column of ones first, shape (parts, terms + 1).
-    y
-        Logarithms of the figure, shape (parts,).
-    group
-        Name of each part's group, shape (parts,).
-
-    Returns
-    -------
-    NDArray
-        Logarithm of printed figure over estimate, shape (parts,).
-    """
+    """Residual of each part by a fit without its group."""
     left = np.empty(len(y))
     for name in np.unique(group):
         own = group == name
@@ -150,20 +111,7 @@ def _widening_left_out(x: Array, group: NDArray[np.str_], weight: Array) -> Arra
 
 
 def widening(peers: Peers, x: Array) -> Array:
-    """Factor of the band for distance from the peers, at least 1.
-
-    Parameters
-    ----------
-    peers
-        Of a law.
-    x
-        Logarithms of the law's terms, shape (parts, terms).
-
-    Returns
-    -------
-    NDArray
-        Shape (parts,).
-    """
+    """Factor of the band for distance from the peers, at least 1."""
     away = x - np.array(peers.centre)
     precision = np.array(peers.precision).reshape(2 * x.shape[1:])
     return np.asarray(np.sqrt(1.0 + 1.0 / peers.families + np.einsum("pi,ij,pj->p", away, precision, away)))

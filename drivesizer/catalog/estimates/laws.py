@@ -100,20 +100,7 @@ _DERIVED: dict[str, Callable[[Table[Any]], NDArray[np.float64]]] = {
 
 
 def column(table: Table[Any], name: str) -> NDArray[np.float64]:
-    """A column of a law, as the catalogue has it or derived from it; NaN where that is unknown or not above 0.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    name
-        Of a column, or of what is made of columns.
-
-    Returns
-    -------
-    NDArray
-        Shape (parts,), in SI.
-    """
+    """A column of a law, as the catalogue has it or derived from it; NaN where that is unknown or not above 0."""
     with np.errstate(invalid="ignore", divide="ignore"):
         values = _DERIVED[name](table) if name in _DERIVED else table[name]
         return np.where(values > 0.0, values, np.nan)
@@ -131,22 +118,7 @@ _GIVES: dict[str, tuple[str, Callable[[Table[Any], NDArray[np.float64]], NDArray
 
 
 def given_column(table: Table[Any], figure: str, values: NDArray[np.float64]) -> tuple[str, NDArray[np.float64]]:
-    """The column that a law's figure gives, with its values.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    figure
-        Of a law.
-    values
-        Of it, shape (parts,).
-
-    Returns
-    -------
-    tuple
-        Name and values [SI] of the column; the figure itself where it is one.
-    """
+    """The column that a law's figure gives, with its values."""
     name, made = _GIVES.get(figure, (figure, lambda table, values: values))
     return name, made(table, values)
 
@@ -173,21 +145,7 @@ def _identified(table: Table[Any]) -> NDArray[np.float64]:
 
 
 def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
-    """Mask of the parts of a class.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-    of
-        Name of the class: for motors ``brushed``, ``brushless`` or a construction; for gearheads their kind, for
-        actuators ``brushed``, ``brushless`` or their gearing; "" for all.
-
-    Returns
-    -------
-    NDArray
-        Shape (parts,).
-    """
+    """Mask of the parts of a class."""
     if not of:
         return np.ones(len(table), bool)
     if table.section == "motors" and of not in ("brushed", "brushless"):
@@ -205,19 +163,7 @@ def families_of(table: Table[Any]) -> NDArray[np.str_]:
 
 
 def constructions_of(table: Table[Any]) -> NDArray[np.str_]:
-    """Construction of each part, finer than most classes of laws.
-
-    Parameters
-    ----------
-    table
-        Parts of one kind.
-
-    Returns
-    -------
-    NDArray
-        For motors ``brushed``, ``inrunner``, ``outrunner`` or ``frameless``, for gearheads their kind, for actuators
-        kind and gearing, for others nothing; "" where it is not known, shape (features, parts).
-    """
+    """Construction of each part, finer than most classes of laws."""
     names = {"gearheads": ("kind",), "actuators": ("kind", "gearing")}.get(table.section, ())
     columns = [table[name].astype(str) for name in names]
     if table.section == "motors":

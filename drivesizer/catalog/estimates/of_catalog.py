@@ -29,18 +29,7 @@ Found = dict[str, dict[str, Estimates]]
 
 
 def estimates_kept(catalog: Catalog) -> Found:
-    """Estimates of figures that data sheets leave out, from peers of the parts.
-
-    Parameters
-    ----------
-    catalog
-        As it was loaded, or with other parts.
-
-    Returns
-    -------
-    dict
-        By section and column; only where there are some.
-    """
+    """Estimates of figures that data sheets leave out, from peers of the parts."""
     path = folder() / f"estimates {digest_of(*map(str.encode, catalog.digests))[:8]}-{_key(catalog)}.npz"
     arrays = arrays_kept(path)
     if arrays is not None and (known := _unpacked(arrays)) is not None:

@@ -15,43 +15,14 @@ _SIGNS = {"$": "USD", "US$": "USD", "£": "GBP", "¥": "JPY", "€": "EUR"}
 
 
 def currency_of(unit: str) -> str:
-    """Code of a currency, of its sign or of the code itself; empty where a unit is none.
-
-    Parameters
-    ----------
-    unit
-        As a table has it.
-
-    Returns
-    -------
-    str
-        ISO 4217.
-
-    >>> currency_of("$"), currency_of("USD"), currency_of("mm")
-    ('USD', 'USD', '')
-    """
+    """Code of a currency, of its sign or of the code itself; empty where a unit is none."""
     return _SIGNS.get(unit, unit if re.fullmatch(r"[A-Z]{3}", unit) else "")
 
 
 def foreign_prices(
     units: Sequence[str], plan: Plan, taken: Mapping[str, int]
 ) -> tuple[list[str], Plan, dict[str, int]]:
-    """Prices in another currency than euros, in the columns for them; nothing is converted.
-
-    Parameters
-    ----------
-    units
-        The table's row of units.
-    plan
-        Map and options combined.
-    taken
-        Place of each column in the table.
-
-    Returns
-    -------
-    tuple
-        The same three, changed where a price is in another currency.
-    """
+    """Prices in another currency than euros, in the columns for them; nothing is converted."""
     place = taken.get("price", taken.get("foreign_price", len(units)))
     unit = currency_of(units[place]) if place < len(units) else ""
     if not unit or unit == "EUR":

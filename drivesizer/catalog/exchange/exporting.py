@@ -48,23 +48,7 @@ def plain(cell: str) -> str:
 
 
 def digits(value: float, column: Column) -> str:
-    """A figure in its column's unit, with the digits that give the same figure when read again.
-
-    Parameters
-    ----------
-    value
-        In SI; NaN where unknown.
-    column
-        With its unit.
-
-    Returns
-    -------
-    str
-        Empty where unknown.
-
-    >>> digits(0.0263, columns_of("motors")["nominal_torque"])
-    '26.3'
-    """
+    """A figure in its column's unit, with the digits that give the same figure when read again."""
     if math.isnan(value):
         return ""
     factor, offset = scale(column.unit, column.kind)
@@ -77,20 +61,7 @@ def digits(value: float, column: Column) -> str:
 
 
 def as_csv(section: str, hits: Sequence[Hit]) -> bytes:
-    """Parts of one section as CSV: a header, a row of units, then a part with its source in each row.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    hits
-        The parts.
-
-    Returns
-    -------
-    bytes
-        UTF-8 text.
-    """
+    """Parts of one section as CSV: a header, a row of units, then a part with its source in each row."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     columns = printed(section)
@@ -131,22 +102,7 @@ def _known(value: Any) -> Any:
 
 
 def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: bool = False) -> dict[str, Any]:
-    """Parts as one JSON document with their catalogues and units.
-
-    Parameters
-    ----------
-    shelf
-        Catalogues by name.
-    hits
-        The parts.
-    sources
-        Whether sources and tolerances of the figures are added.
-
-    Returns
-    -------
-    dict
-        Plain data, figures in SI.
-    """
+    """Parts as one JSON document with their catalogues and units."""
     sections = [section for section in PARTS if any(hit.section == section for hit in hits)]
     parts = []
     for hit in hits:

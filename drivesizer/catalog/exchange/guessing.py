@@ -66,20 +66,7 @@ _WORDS = {  # names of columns, and the words of data sheets and shops for them
 
 
 def guessed(header: Sequence[str], units: Sequence[str], section: str) -> dict[str, str]:
-    """The column that each header of a table means, by its words and its unit.
-
-    Parameters
-    ----------
-    header, units
-        The first two rows of the table.
-    section
-        A key of :data:`PARTS`.
-
-    Returns
-    -------
-    dict of str to str
-        Header to column; each column once, to the header that is nearest to it.
-    """
+    """The column that each header of a table means, by its words and its unit."""
     columns = columns_of(section)
     own = {name for name in header if name in columns}
     found: list[tuple[float, int, str, str]] = []
@@ -127,22 +114,7 @@ def _fits(unit: str, column: Column) -> bool:
 
 
 def map_text(columns: Mapping[str, str], header: Sequence[str], stated: Mapping[str, str | None]) -> str:
-    """The map of a guess as YAML: what is left out stands there too, to be completed.
-
-    Parameters
-    ----------
-    columns
-        Of :func:`guessed`.
-    header
-        The first row of the table.
-    stated
-        Maker, family and source of the parts, by option.
-
-    Returns
-    -------
-    str
-        YAML.
-    """
+    """The map of a guess as YAML: what is left out stands there too, to be completed."""
     import json
 
     def quoted(text: str) -> str:

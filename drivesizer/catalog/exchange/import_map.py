@@ -44,27 +44,7 @@ class Plan:
 
 
 def plan(section: str, path: Path | None, options: Mapping[str, str | None]) -> Plan:
-    """Plan of an import from a map file and options; an option takes precedence over the map.
-
-    Parameters
-    ----------
-    section
-        A key of :data:`PARTS`.
-    path
-        The map file; None where the headers are names of columns already.
-    options
-        ``manufacturer``, ``family``, ``name``, ``document``, ``confidence``, ``date`` and ``url``.
-
-    Returns
-    -------
-    Plan
-        With texts empty where nothing is given.
-
-    Raises
-    ------
-    InputError
-        When the map is wrong, or neither map nor options give document and confidence.
-    """
+    """Plan of an import from a map file and options; an option takes precedence over the map."""
     if section not in PARTS:
         raise InputError(f"--section: {quoted(section)} is not known; expected {', '.join(PARTS)}")
     file = read(path) if path else YamlSource("{}", "")

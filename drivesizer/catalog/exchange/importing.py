@@ -49,27 +49,7 @@ class _Sheet(NamedTuple):
 
 
 def import_table(text: str, path: Path, plan: Plan, target: Path) -> Imported:
-    """Make the text of a catalogue file from a table.
-
-    Parameters
-    ----------
-    text, path
-        The CSV, and its name for messages.
-    plan
-        Map and options combined.
-    target
-        Name of the catalogue file, for messages.
-
-    Returns
-    -------
-    Imported
-        The text and a summary; nothing is written.
-
-    Raises
-    ------
-    InputError
-        One line with place, found and expected.
-    """
+    """Make the text of a catalogue file from a table."""
     sheet = _sheet(text, path)
     taken = _columns(sheet, plan)
     units, plan, taken = foreign_prices(sheet.units, plan, taken)
@@ -94,23 +74,7 @@ def import_table(text: str, path: Path, plan: Plan, target: Path) -> Imported:
 
 
 def heads_of(text: str, path: Path) -> tuple[list[str], list[str]]:
-    """Header and units of a table.
-
-    Parameters
-    ----------
-    text, path
-        The CSV, and its name for messages.
-
-    Returns
-    -------
-    tuple of lists of str
-        The cells of its first two rows.
-
-    Raises
-    ------
-    InputError
-        When it is no table.
-    """
+    """Header and units of a table."""
     sheet = _sheet(text, path)
     return sheet.header, sheet.units
 

@@ -83,20 +83,7 @@ class Finding:
 
 
 def check_file(name: str, *, beside: Path | None = None) -> list[Finding]:
-    """Findings of one catalogue, by name or by file; see :func:`check`.
-
-    Parameters
-    ----------
-    name
-        Of a shipped catalogue, or a path.
-    beside
-        Folder from which relative paths count.
-
-    Returns
-    -------
-    list[Finding]
-        The accepted ones included.
-    """
+    """Findings of one catalogue, by name or by file; see :func:`check`."""
     from drivesizer.catalog import load
 
     return check(load([name], beside=beside))

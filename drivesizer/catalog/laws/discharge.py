@@ -31,20 +31,7 @@ class Odd(NamedTuple):
 
 
 def odd_discharges(given: Discharges, batteries: Table[Any]) -> Iterator[Odd]:
-    """Contradictions in discharge tables.
-
-    Parameters
-    ----------
-    given
-        Columns of all discharges.
-    batteries
-        The table whose rows they belong to.
-
-    Returns
-    -------
-    Iterator[Odd]
-        By battery.
-    """
+    """Contradictions in discharge tables."""
     for row in np.unique(given.battery).tolist():
         own = given.on(given.battery == row)
         for held, unit in HELD.items():

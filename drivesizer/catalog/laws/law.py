@@ -98,20 +98,7 @@ def decimal_places(printed: Numbers) -> NDArray[np.int_]:
 
 
 def half_last_digit(printed: Numbers, place: Numbers) -> Numbers:
-    """Half of the last printed digit of figures with three digits, relative to them.
-
-    Parameters
-    ----------
-    printed
-        Figures in the unit in which they are printed, above 0.
-    place
-        Smallest decimal place that is printed, such as 0.01; 0 for no bound.
-
-    Returns
-    -------
-    array
-        Relative rounding error, of the shape of ``printed`` [1].
-    """
+    """Half of the last printed digit of figures with three digits, relative to them."""
     last = np.maximum(10.0 ** (np.floor(np.log10(printed)) - (_DIGITS - 1)), place)
     return np.asarray(0.5 * last / printed)
 
@@ -120,22 +107,7 @@ def half_last_digit(printed: Numbers, place: Numbers) -> Numbers:
 
 
 def only(table: Table[Any], kind: str, values: Any) -> Numbers:
-    """Values of the parts of one kind, unknown for the others.
-
-    Parameters
-    ----------
-    table
-        Parts with the column ``kind``.
-    kind
-        Such as ``brushed``.
-    values
-        One for each part.
-
-    Returns
-    -------
-    array
-        The values, NaN for parts of other kinds.
-    """
+    """Values of the parts of one kind, unknown for the others."""
     return np.where(table["kind"] == kind, values, np.nan)
 
 
@@ -154,22 +126,7 @@ def groups(table: Table[Any], *names: str) -> NDArray[np.intp]:
 
 
 def across_offers(table: Table[Any], figure: str, rows: NDArray[np.bool_], how: Callable[[Numbers], Any]) -> float:
-    """Median, least or greatest figure of some offered parts.
-
-    Parameters
-    ----------
-    table, figure
-        The parts, and the column.
-    rows
-        Which parts, shape (parts,).
-    how
-        Reduction of the known figures, such as ``np.median``.
-
-    Returns
-    -------
-    float
-        NaN where none is known.
-    """
+    """Median, least or greatest figure of some offered parts."""
     values = table[figure][rows & ~table.excluded & ~np.isnan(table[figure])]
     return float(how(values)) if len(values) else np.nan
 
@@ -192,22 +149,7 @@ def usual(*names: str) -> Callable[[str], Side]:
 
 
 def per_stage(table: Table[Any], gearing: str, base: float) -> Numbers:
-    """A number to the power of the stages, for planetary and spur gears.
-
-    Parameters
-    ----------
-    table
-        Gearheads or actuators.
-    gearing
-        Column with the kind of gear.
-    base
-        The number.
-
-    Returns
-    -------
-    array
-        NaN for other kinds of gears.
-    """
+    """A number to the power of the stages, for planetary and spur gears."""
     return np.where(np.isin(table[gearing], ("planetary", "spur")), base ** table["stages"], np.nan)
 
 
@@ -261,22 +203,7 @@ def words(name: str) -> str:
 
 
 def formulas(section: str, rows: Iterable[Formula], source: str) -> Iterator[Law]:
-    """Formulas of a section's parts.
-
-    Parameters
-    ----------
-    section
-        Such as ``motors``.
-    rows
-        One for each law.
-    source
-        Of all of them.
-
-    Returns
-    -------
-    Iterator[Law]
-        One for each row.
-    """
+    """Formulas of a section's parts."""
     for name, meaning, figure, relation, expected, fields, allowance, reason in rows:
         side = expected or _by_identity(section, name, figure)
         yield Law(section=section, name=name, meaning=meaning, figure=figure, relation=relation, expected=side,
@@ -316,20 +243,7 @@ def against_similar(rows: Iterable[Beside]) -> Iterator[Law]:
 
 
 def reductions(section: str, gearing: str) -> Iterator[Law]:
-    """Laws of gear ratios.
-
-    Parameters
-    ----------
-    section
-        gearheads or actuators.
-    gearing
-        Column with the kind of gear.
-
-    Returns
-    -------
-    Iterator[Law]
-        Printed reduction, and ratio by stages.
-    """
+    """Laws of gear ratios."""
     yield Law(section=section, name="printed reduction", meaning="the reduction is the ratio, rounded",
               figure="ratio", relation="=", expected=_printed_reduction, fields=("reduction",),
               reason="half of the last digit of the reductions from 17:1 on; 4.8:1 and the like come nearer",

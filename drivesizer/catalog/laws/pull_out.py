@@ -19,20 +19,7 @@ _READ = 0.05
 
 
 def odd_pull_outs(given: PullOuts, steppers: Table[Any]) -> Iterator[Odd]:
-    """Points above the holding torque, and points above those at lower speeds.
-
-    Parameters
-    ----------
-    given
-        Points of all curves.
-    steppers
-        The table whose rows they belong to.
-
-    Returns
-    -------
-    Iterator[Odd]
-        By curve, one of each kind at most.
-    """
+    """Points above the holding torque, and points above those at lower speeds."""
     for curve in np.unique(given.curve).tolist():
         own = given.on(given.curve == curve)
         row = int(own.stepper[0])

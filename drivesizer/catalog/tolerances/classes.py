@@ -84,24 +84,7 @@ def _default() -> dict[str, dict[str, dict[str, str]]]:
 
 @cache
 def class_of(part: str, figure: str, text: str, why: str, whose: str = "") -> Class:
-    """The class of a figure.
-
-    Parameters
-    ----------
-    part, figure
-        One of ``CLASSES``.
-    text
-        The tolerance, as ``factors.share`` reads it.
-    why
-        Where it comes from.
-    whose
-        Maker, of whose parts alone it is.
-
-    Returns
-    -------
-    Class
-        With the distribution that the text describes.
-    """
+    """The class of a figure."""
     title = CLASSES[part, figure] + (f", {whose}" if whose else "")
     return Class(part, figure, title, text, share(text), why, whose)
 
@@ -113,22 +96,7 @@ def class_from_stall(figure: str) -> Class:
 
 
 def losses_from_stall(part: str, efficiency: float, ratio: float, stages: float) -> Class:
-    """The class of a spur gear's losses where its efficiency follows from the stall torque.
-
-    Parameters
-    ----------
-    part
-        The actuator.
-    efficiency, ratio
-        Of the gear [1].
-    stages
-        NaN unknown: by the ratio, and four where that is unknown too [1].
-
-    Returns
-    -------
-    Class
-        From the default class's lower end to its upper one or to the loss of plastic gears, if that is more.
-    """
+    """The class of a spur gear's losses where its efficiency follows from the stall torque."""
     one = _default()["from_stall"]["efficiency"]
     usual = share(one["tolerance"])
     assert usual is not None
@@ -142,11 +110,6 @@ def losses_from_stall(part: str, efficiency: float, ratio: float, stages: float)
 
 def classes(given: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
     """The classes for parts whose maker states no tolerance, in a fixed order.
-
-    Parameters
-    ----------
-    given
-        Tolerances of a spec in place of the defaults, by part and figure.
 
     Examples
     --------

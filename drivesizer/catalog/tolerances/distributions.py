@@ -22,20 +22,6 @@ _TAIL = 3.167124183311986e-05  # of a standard normal distribution, below -CUT
 def lognormal(low: Any, median: Any, high: Any, deviations: Array) -> Array:
     """Values of a log-normal figure whose sides have deviations of their own.
 
-    Parameters
-    ----------
-    low, high
-        Its 5th and 95th percentile; one that is infinite lies as far from the median as the other.
-    median
-        Between them.
-    deviations
-        Standard deviations from the median, towards ``high`` above 0.
-
-    Returns
-    -------
-    array
-        Values, in the unit of the percentiles.
-
     Examples
     --------
     >>> lognormal(0.5, 1.0, 4.0, np.array([-1.6448536269514722, 0.0, 1.6448536269514722])).round(9)
@@ -50,16 +36,6 @@ def lognormal(low: Any, median: Any, high: Any, deviations: Array) -> Array:
 
 def deviations_at(share: Array) -> Array:
     """Standard deviations from the mean below which given shares of a normal figure's values lie, cut at ``CUT``.
-
-    Parameters
-    ----------
-    share
-        Any shape, 0 to 1 [1].
-
-    Returns
-    -------
-    array
-        Of the same shape [1].
 
     Examples
     --------
@@ -102,18 +78,6 @@ class Distribution(NamedTuple):
 
     def at(self, share: Array, deviations: Array | None = None) -> Array:
         """The values below which given shares of all values lie: the inverse of the distribution function.
-
-        Parameters
-        ----------
-        share
-            Any shape, 0 to 1 [1].
-        deviations
-            What ``deviations_at`` gives of them, where it is at hand.
-
-        Returns
-        -------
-        array
-            Of the same shape, in the unit of the ends.
 
         Examples
         --------

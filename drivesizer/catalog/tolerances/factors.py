@@ -14,11 +14,6 @@ __all__ = ["share"]
 def share(text: str) -> Distribution | None:
     """A tolerance of a catalogue figure, as a factor: ``+- 7 %``, ``-10 %..30 %``, ``normal(5 %)``; None for ``none``.
 
-    Raises
-    ------
-    InputError
-        One line: what is wrong, and what is expected.
-
     Examples
     --------
     >>> share("+- 7 %").high

@@ -32,20 +32,7 @@ _PRINTED = 0.02  # within which printed figures of one part agree
 
 
 def completed(catalog: Catalog, end: End) -> dict[str, Table[Any]]:
-    """The tables that have estimates, with these where a figure is missing.
-
-    Parameters
-    ----------
-    catalog
-        With its estimates; actuators not yet split.
-    end
-        ``middle`` of the bands, or which end of them.
-
-    Returns
-    -------
-    dict
-        Tables by section.
-    """
+    """The tables that have estimates, with these where a figure is missing."""
     return {section: _table(catalog.table(section), figures, end) for section, figures in catalog.estimates.items()}
 
 

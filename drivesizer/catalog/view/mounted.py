@@ -39,20 +39,7 @@ _CHANGED = ("thermal_resistance_housing", "motor_time_constant", "nominal_curren
 
 
 def with_mounting(catalog: Catalog, housings: tuple[Housing, Housing, Housing]) -> Catalog:
-    """The catalogue with the thermal figures and ratings of its motors as they are mounted.
-
-    Parameters
-    ----------
-    catalog
-        As the search takes it, its motors as printed.
-    housings
-        Thermal resistance of the nominal mounting, and at the favourable and unfavourable end of its band.
-
-    Returns
-    -------
-    Catalog
-        Its motors changed, also at both ends of the bands.
-    """
+    """The catalogue with the thermal figures and ratings of its motors as they are mounted."""
     nominal, easy, hard = housings
     ends = catalog.ends or (catalog, catalog)
     middle = _with_housing(catalog, nominal, brushes=False)
@@ -79,20 +66,7 @@ def _with_housing(catalog: Catalog, housing: Housing, *, brushes: bool) -> Catal
 
 
 def rating_gain(motor: Figures, mounted: Array) -> Array:
-    """Continuous current of motors in another mounting, over their nominal one, as heat sets it.
-
-    Parameters
-    ----------
-    motor
-        Figures by field name: columns, as printed.
-    mounted
-        Thermal resistance from housing to ambient there [K/W].
-
-    Returns
-    -------
-    Array
-        [1]; NaN without a thermal figure. An unknown loss is 0.
-    """
+    """Continuous current of motors in another mounting, over their nominal one, as heat sets it."""
     one, two = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     speed = motor["nominal_speed"]
     dry, growing = housing_loss(motor, np.ones(len(speed)))

@@ -19,20 +19,7 @@ _SECTION = "brakes"
 
 
 def with_own_brake(catalog: Catalog, figures: Mapping[str, float | str]) -> Catalog:
-    """The catalogue with a brake of these figures; what is not given is estimated, where the catalogue has estimates.
-
-    Parameters
-    ----------
-    catalog
-        As the search takes it.
-    figures
-        By column [SI].
-
-    Returns
-    -------
-    Catalog
-        The brake in the last row of its table, also at both ends of the bands.
-    """
+    """The catalogue with a brake of these figures; what is not given is estimated."""
     one = _row(figures, len(catalog.sources))
     source = Source("section brake of the spec", "quoted")
     found = estimates(one) if catalog.ends else {}

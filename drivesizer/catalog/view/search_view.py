@@ -61,23 +61,7 @@ _PRINTED_AS = {  # fields of an actuator that become others of the parts inside
 
 
 def printed_field(role: str, field: str) -> str:
-    """The field of an actuator's row that gives a figure of a part inside.
-
-    Parameters
-    ----------
-    role
-        Of the part: motor, gearhead, encoder, controller.
-    field
-        The figure's name there.
-
-    Returns
-    -------
-    str
-        Name of a column of actuators.
-
-    >>> printed_field("gearhead", "continuous_torque"), printed_field("motor", "resistance")
-    ('nominal_torque', 'resistance')
-    """
+    """The field of an actuator's row that gives a figure of a part inside."""
     return _PRINTED_AS.get((role, field), field)
 
 
@@ -89,20 +73,7 @@ class _Inside(NamedTuple):
 
 
 def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
-    """The catalogue as the search takes it: actuators split, clamping hubs paired, direct drive added.
-
-    Parameters
-    ----------
-    catalog
-        As it was loaded; one that was made by this function is returned as it is.
-    estimates
-        Whether figures that are estimated from peers are put in where there is none.
-
-    Returns
-    -------
-    Catalog
-        With the estimates at the middle of their bands; with them at the ends as ``ends``.
-    """
+    """The catalogue as the search takes it: actuators split, clamping hubs paired, direct drive added."""
     if catalog.ends:
         return catalog
     if not estimates:
@@ -132,11 +103,6 @@ def split_actuators(catalog: Catalog) -> Catalog:
     """The catalogue with a row for each motor, gearhead, encoder and controller that is inside an actuator.
 
     A catalogue without actuators, or whose actuators are split already, is returned unchanged.
-
-    Raises
-    ------
-    CatalogError
-        When an actuator has the part number of a motor, gearhead, encoder or controller.
     """
     actuators = catalog.actuators
     if not len(actuators) or (catalog.motors["inside"] != "").any():

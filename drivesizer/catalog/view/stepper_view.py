@@ -40,44 +40,12 @@ def has_steppers(catalog: Catalog) -> bool:
 
 
 def view_for(catalog: Catalog, kind: str | None, estimates: bool = True, phase_current: float | None = None) -> Catalog:
-    """The catalogue as a search for a kind of motor takes it.
-
-    Parameters
-    ----------
-    catalog
-        As it was loaded, or one that was made by this function.
-    kind
-        Of the motor, as the spec selects it.
-    estimates
-        Whether estimated figures are put in where there is none.
-    phase_current
-        That drivers of steppers are set to [A]; the rated one where not given.
-
-    Returns
-    -------
-    Catalog
-        Its steppers as motors where these are selected; else without them.
-    """
+    """The catalogue as a search for a kind of motor takes it."""
     return stepper_view(catalog, estimates, phase_current) if kind == STEPPER else search_view(catalog, estimates)
 
 
 def stepper_view(catalog: Catalog, estimates: bool = True, phase_current: float | None = None) -> Catalog:
-    """The catalogue with its steppers as motors, with clamping hubs and direct drive.
-
-    Parameters
-    ----------
-    catalog
-        As it was loaded; one that was made by this function is returned as it is.
-    estimates
-        Whether figures that are estimated are put in where there is none.
-    phase_current
-        That drivers are set to [A]: the motors' torque is as much less as it is below their rated one.
-
-    Returns
-    -------
-    Catalog
-        With the estimates at the middle of their bands; with them at the ends as ``ends``.
-    """
+    """The catalogue with its steppers as motors, with clamping hubs and direct drive."""
     if has_steppers(catalog):
         return catalog
     if not estimates:

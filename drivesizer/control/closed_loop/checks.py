@@ -50,18 +50,7 @@ METHOD = "closed loop"
 
 
 def checks(case: ClosedLoop) -> tuple[Check, ...]:
-    """Every demand of a simulation against its limit; no check where there is no part or no limit.
-
-    Parameters
-    ----------
-    case
-        The closed loop that was simulated.
-
-    Returns
-    -------
-    tuple
-        Checks with the time of their worst moment.
-    """
+    """Every demand of a simulation against its limit; no check where there is no part or no limit."""
     found = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_load(case))
     return tuple(check for check in found if check.limit != math.inf)
 

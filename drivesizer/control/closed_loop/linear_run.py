@@ -46,18 +46,7 @@ _MOST, _MOST_VALUES = 100_000, 5_000_000  # samples of the velocity loop, and va
 
 
 def linear_run(case: ClosedLoop) -> LinearRun:
-    """Simulate the linear loop along the profile of a simulation, and put the figures of both beside each other.
-
-    Parameters
-    ----------
-    case
-        The simulation with its limits.
-
-    Returns
-    -------
-    LinearRun
-        An unstable loop has no response.
-    """
+    """Simulate the linear loop along the profile of a simulation, and put the figures of both beside each other."""
     series: dict[str, Array] = {}
     said = [
         "without limits of voltage and current, the winding at 25 °C",

@@ -43,18 +43,7 @@ class LongSimulation(NamedTuple):
 
 
 def simulate_long(drive: Drive, task: Task, rows: int) -> LongSimulation:
-    """Simulate a drive along a motion of hours.
-
-    Parameters
-    ----------
-    drive, task, rows
-        As in ``engine.simulate``.
-
-    Returns
-    -------
-    LongSimulation
-        Of the drive with the slower current loop, where it has one, and of the full drive in windows.
-    """
+    """Simulate a drive along a motion of hours."""
     slow = slower(drive) if isinstance(drive.controller, Cascade) else None
     out = simulate(slow or drive, task, rows=max(rows, 2), most_steps=LONGEST)
     if slow is None or out.problems[0]:

@@ -92,26 +92,7 @@ def _largest(runs: Sequence[Simulation], name: str) -> float:
 
 
 def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
-    """Design a controller for a drive, analyse its loops and simulate it along a profile for the mission's duration.
-
-    Parameters
-    ----------
-    spec, drive_set
-        The machine and the drive.
-    profile
-        Reference motion of the load.
-
-    Returns
-    -------
-    ClosedLoop
-        The simulation with its inputs.
-
-    Raises
-    ------
-    InputError
-        When gains exclude each other, the bandwidth is out of reach, a figure that the model needs is missing, the
-        profile cannot be sampled, or the loop leaves the range of numbers.
-    """
+    """Design a controller for a drive, analyse its loops and simulate it along a profile for the mission's duration."""
     made = prepared(spec, drive_set, profile)
     loops = analyse(made.train, made.controller)
     drive, task = made.drive, made.task
@@ -141,53 +122,18 @@ def _whole(drive: Drive, task: Task, rows: int = _ROWS) -> LongSimulation:
 
 
 def without_limits(drive: Drive, task: Task, out: Simulation, loops: Loops) -> Simulation:
-    """Simulate without limits of voltage and current, the winding warming.
-
-    Parameters
-    ----------
-    drive, task
-        The drive with its limits, and its task.
-    out
-        Their simulation.
-    loops
-        Linear analysis: an unstable loop needs its limits.
-
-    Returns
-    -------
-    Simulation
-        ``out`` where no limit was met, the loop is unstable, or the simulation without limits does not end.
-    """
+    """Simulate without limits of voltage and current, the winding warming."""
     return _freed(drive, task, LongSimulation(out, drive, {}, ()), loops).out
 
 
 def limited(out: Simulation, loops: Loops) -> bool:
-    """Whether a simulation met limits without which it can be simulated.
-
-    Parameters
-    ----------
-    out, loops
-        As in ``without_limits``.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a simulation met limits without which it can be simulated."""
     met = out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0]
     return bool(met) and all(loop.stable for loop in loops.all)
 
 
 def unlimited(drive: Drive) -> Drive:
-    """A drive without limits of voltage and current.
-
-    Parameters
-    ----------
-    drive
-        The drive with its limits.
-
-    Returns
-    -------
-    Drive
-    """
+    """A drive without limits of voltage and current."""
     supply = replace(drive.supply, voltage=math.inf, resistance=0.0)
     return replace(drive, supply=supply, current=CurrentLimit())
 
@@ -241,20 +187,7 @@ def _slopes(drive: Drive, task: Task, start: Any, end: Any) -> Any:
 
 
 def as_warm(drive: Drive, start: Sequence[float] | NDArray[np.float64]) -> Drive:
-    """A drive with other temperatures at the start.
-
-    Parameters
-    ----------
-    drive
-        The drive.
-    start
-        Winding and housing [K].
-
-    Returns
-    -------
-    Drive
-        The same one where its heat is unknown.
-    """
+    """A drive with other temperatures at the start."""
     if drive.heat is None:
         return drive
     return replace(drive, heat=replace(drive.heat, winding=float(start[0]), housing=float(start[1])))

@@ -50,27 +50,7 @@ class Prepared(NamedTuple):
 def prepared(
     spec: RobotSpec, drive_set: DriveParts, profile: Profile, controller: Gains | Cascade | None = None
 ) -> Prepared:
-    """A drive and its task as the engine takes them.
-
-    Parameters
-    ----------
-    spec, drive_set
-        The machine and the drive.
-    profile
-        Reference motion of the load.
-    controller
-        Designed before; designed here when not given.
-
-    Returns
-    -------
-    Prepared
-        With the assumptions made.
-
-    Raises
-    ------
-    InputError
-        As :func:`drivesizer.control.closed_loop.run.run`.
-    """
+    """A drive and its task as the engine takes them."""
     if controller is None:
         train, controller, said = designed(spec, drive_set)
     else:
@@ -163,20 +143,7 @@ def _from_gearhead(spec: RobotSpec, drive_set: DriveParts) -> float:
 
 
 def motor_heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None, list[str]]:
-    """Winding and housing of a motor with their losses.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    drive_set
-        The drive.
-
-    Returns
-    -------
-    tuple
-        The bodies, None where a figure is unknown or the spec wants them cold; and assumptions, as sentences.
-    """
+    """Winding and housing of a motor with their losses."""
     figures = drive_set.motor
     bodies: TwoBodies = two_bodies(figures)
     if not (bodies.known and spec.plant.warming):

@@ -23,18 +23,7 @@ __all__ = ["slower"]
 
 
 def slower(drive: Drive) -> Drive | None:
-    """A drive with its current loop at the velocity loop's rate.
-
-    Parameters
-    ----------
-    drive
-        With a cascade, or a voltage PID.
-
-    Returns
-    -------
-    Drive or None
-        None where the rates are equal, or the current loop has no gain.
-    """
+    """A drive with its current loop at the velocity loop's rate."""
     c, m = drive.controller, drive.train
     if not isinstance(c, Cascade) or c.current_steps == 1 or not c.current_kp > 0.0:
         return None

@@ -24,54 +24,14 @@ _PROBLEMS = ("", "the state leaves the range of numbers: the loop is unstable", 
 
 
 def simulate(drive: Drive, task: Task, *, rows: int = _MOST_ROWS, most_steps: int = _MOST_STEPS) -> Simulation:
-    """Simulate one drive along a task, with its time series.
-
-    Parameters
-    ----------
-    drive, task
-        The drive, and the required motion and load.
-    rows
-        Most rows of the time series: all after corners, evenly thinned elsewhere; 0 for none.
-    most_steps
-        Steps at which the simulation is given up.
-
-    Returns
-    -------
-    Simulation
-        Columns of one drive.
-
-    Raises
-    ------
-    InputError
-        When a figure cannot be computed with.
-    """
+    """Simulate one drive along a task, with its time series."""
     return _simulate([drive], task, rows, most_steps, 1)
 
 
 def simulate_many(
     drives: Sequence[Drive], task: Task, *, threads: int = 2, most_steps: int = _MOST_STEPS
 ) -> Simulation:
-    """Simulate many drives along one task; the figures do not depend on the number of threads.
-
-    Parameters
-    ----------
-    drives, task
-        The drives, all rigid or all flexible, and the required motion and load.
-    threads
-        Number of threads.
-    most_steps
-        Steps at which a drive's simulation is given up.
-
-    Returns
-    -------
-    Simulation
-        Columns over the drives, without time series.
-
-    Raises
-    ------
-    InputError
-        When a figure cannot be computed with.
-    """
+    """Simulate many drives along one task; the figures do not depend on the number of threads."""
     return _simulate(drives, task, 0, most_steps, threads)
 
 

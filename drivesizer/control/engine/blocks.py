@@ -25,22 +25,7 @@ _TRIED = 48  # distances, the most frequent first
 
 
 def blocks(pieces: Array, p: Array, lap: int, worth: int) -> list[tuple[int, int, int]]:
-    """Ranges of pieces that repeat.
-
-    Parameters
-    ----------
-    pieces, p
-        As ``task_pieces.pieces_of`` and ``parameters.table`` give them.
-    lap
-        Least periods of a lap; shorter motions are combined.
-    worth
-        Least periods of a range.
-
-    Returns
-    -------
-    list
-        First piece, the one after the last, and pieces of a lap, of each; in their order, without overlap.
-    """
+    """Ranges of pieces that repeat."""
     if len(pieces) < 2 * _LEAST or pieces[-1, 1] < worth:
         return []
     numbers = _numbers(pieces, p)

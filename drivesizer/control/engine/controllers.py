@@ -60,20 +60,7 @@ def measured_speed(p: Array, s: Array, ring: Array) -> float:
 
 
 def feedforward_current(p: Array, speed: float, slope: float) -> float:
-    """Feedforward of the current by the model's friction and inertia.
-
-    Parameters
-    ----------
-    p
-        Parameters of the drive.
-    speed, slope
-        Reference of the motor speed [rad/s] and its rate [rad/s^2].
-
-    Returns
-    -------
-    float
-        Current [A].
-    """
+    """Feedforward of the current by the model's friction and inertia."""
     sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
     return float(p[at.FFV] * speed + p[at.FFF] * sign + p[at.FFA] * slope)
 

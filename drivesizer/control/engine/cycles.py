@@ -30,24 +30,7 @@ _NONE = np.zeros((0, len(ROW)))
 
 
 def all_cycles(loop: Any, run: Run, cycles: int, series: tuple[Any, ...]) -> Run:
-    """Simulate a drive through all cycles of its task.
-
-    Parameters
-    ----------
-    loop
-        ``sample_loop.simulate_one``, compiled or plain.
-    run
-        The drive at its start.
-    cycles
-        Number of cycles.
-    series
-        Rows of the first cycle, as in ``layout``.
-
-    Returns
-    -------
-    Run
-        The same one at its end.
-    """
+    """Simulate a drive through all cycles of its task."""
     if _least_steps(run) > run.p[at.MOST]:
         run.status = at.TOO_LONG
         return run
@@ -158,21 +141,7 @@ def _stretch(loop: Any, run: Run, piece: Array, series: tuple[Any, ...]) -> Lap:
 
 
 def _repeated(run: Run, simulate_laps: Callable[[int, int], Lap], laps: int, turned: float, period: float = 0.0) -> Lap:
-    """Simulate laps until they are alike, and add the rest; heated, the last is simulated again at its temperatures.
-
-    Parameters
-    ----------
-    run
-        The drive in its present state.
-    simulate_laps
-        Simulates laps: number of those done before, number now.
-    laps
-        Number of all.
-    turned
-        Angle of the reference over one [rad].
-    period
-        Of the controller, of a constant stretch, which a steady state fills to its end [s]; 0: none.
-    """
+    """Simulate laps until they are alike, and add the rest; heated, the last is simulated again at its temperatures."""
     total: Lap | None = None
     earlier: list[Lap] = []
     owed: Callable[[Lap | None], Lap] | None = None

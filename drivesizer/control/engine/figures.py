@@ -64,20 +64,7 @@ def figures_of(runs: Sequence[Run]) -> dict[str, Array]:
 
 
 def series_of(recorded: tuple[Any, ...], origin: float) -> dict[str, Array]:
-    """The recorded rows by their names.
-
-    Parameters
-    ----------
-    recorded
-        Rows, which of them are kept always, and ``size``, as in ``layout``.
-    origin
-        Time of the first sample [s].
-
-    Returns
-    -------
-    dict
-        Columns over time, SI.
-    """
+    """The recorded rows by their names."""
     rows = recorded[0][: recorded[2][0]]
     found = {name: rows[:, n].copy() for n, name in enumerate(ROW)}
     found["time"] += origin

@@ -32,24 +32,7 @@ class Lap:
 
 
 def simulated(loop: Any, run: Run, pieces: Array, series: tuple[Any, ...]) -> Lap:
-    """Simulate a drive along some pieces.
-
-    Parameters
-    ----------
-    loop
-        ``sample_loop.simulate_one``, compiled or plain.
-    run
-        The drive, which is moved on.
-    pieces
-        As of ``task_pieces.pieces_of``.
-    series
-        Rows of the time series, as in ``layout``.
-
-    Returns
-    -------
-    Lap
-        What they added.
-    """
+    """Simulate a drive along some pieces."""
     s, g = run.s, tally()
     before = s.copy()
     s[at.WW : at.HQ + 1] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
@@ -70,20 +53,7 @@ def _affine(s: Array, before: Array) -> Array:
 
 
 def joined(first: Lap | None, then: Lap, later: float = 0.0) -> Lap:
-    """Two laps as one.
-
-    Parameters
-    ----------
-    first, then
-        The laps in their order; None: there is no first.
-    later
-        Added to the times of the second's peaks [s].
-
-    Returns
-    -------
-    Lap
-        Both together.
-    """
+    """Two laps as one."""
     g = then.g.copy()
     for n in PEAKS:
         g[n + 1] += later
@@ -102,28 +72,7 @@ def joined(first: Lap | None, then: Lap, later: float = 0.0) -> Lap:
 
 
 def grown(lap: Lap, then: Lap | None, times: int, heat: float, highest: float, lags: float, ratio: float) -> Lap:
-    """A lap many times over, its heat known; the sums go with the heat from it to a lap after those, if there is one.
-
-    Parameters
-    ----------
-    lap, then
-        As it was simulated before and after; None: nothing after.
-    times
-        How often it is done.
-    heat
-        In the copper, of all of them [J].
-    highest
-        Of the I2t integral [A^2 s].
-    lags
-        Growth of the position error in a lap [rad].
-    ratio
-        Turns of the motor per turn of the driven shaft.
-
-    Returns
-    -------
-    Lap
-        All of them as one.
-    """
+    """A lap many times over, its heat known; the sums go with the heat from it to a lap after those."""
     g, time = lap.g.copy(), times * lap.time
     mean = lap.g[SUMS] / lap.time
     if then is not None:

@@ -15,20 +15,6 @@ def available_voltage(p: Array, i: float, demand: float) -> float:
     """Largest voltage at full duty under a current, by the law of ``physics.power_stage``.
 
     V_s = V_0 - R_s n I_s with V_s I_s = (duty (V_s - drop) + loss) i; of that duty (V_s - drop) - R_b i is left.
-
-    Parameters
-    ----------
-    p
-        Parameters of the drive.
-    i
-        Motor current [A].
-    demand
-        Voltage demand [V]; only its sign counts.
-
-    Returns
-    -------
-    float
-        Magnitude of the voltage at the motor [V].
     """
     along = i if demand >= 0.0 else -i
     r = p[at.R_S] * p[at.SETS] * along

@@ -33,22 +33,7 @@ def contact_side(p: Array, w: float, f: float, v: float) -> int:
 
 
 def holding_torque(p: Array, T: float, side: float) -> float:
-    """Torque at the motor that overcomes stiction and a load's torque.
-
-    Parameters
-    ----------
-    p
-        Parameters of the drive.
-    T
-        Torque of the driven shaft [N*m].
-    side
-        Direction of motion, 1 or -1.
-
-    Returns
-    -------
-    float
-        At the motor [N*m].
-    """
+    """Torque at the motor that overcomes stiction and a load's torque."""
     return float(side * p[at.F_S] + T * (p[at.DRIVE] if T * side > 0.0 else p[at.BRAKE]))
 
 
@@ -58,24 +43,7 @@ def mode_code(motor: int, load: int, power: int) -> int:
 
 
 def mode_of(p: Array, i: float, w: float, f: float, v: float, l: float) -> int:
-    """The mode of a state.
-
-    Parameters
-    ----------
-    p
-        Parameters of the drive.
-    i, w
-        Current [A] and motor speed [rad/s].
-    f, v
-        Twist [rad] and speed of the load [rad/s] of two masses.
-    l
-        Torque of the load beside its own [N*m].
-
-    Returns
-    -------
-    int
-        As of ``mode_code``.
-    """
+    """The mode of a state."""
     push = p[at.K_T] * i
     if p[at.TWO] != 0.0:
         c = contact_side(p, w, f, v)
@@ -91,41 +59,13 @@ def mode_of(p: Array, i: float, w: float, f: float, v: float, l: float) -> int:
 
 
 def friction_holds(p: Array, f: float, l: float) -> bool:
-    """Whether friction alone holds a motor at rest.
-
-    Parameters
-    ----------
-    p
-        Parameters of the drive.
-    f
-        Twist of two masses [rad].
-    l
-        Torque of the load beside its own [N*m].
-
-    Returns
-    -------
-    bool
-        Without any current.
-    """
+    """Whether friction alone holds a motor at rest."""
     code = mode_of(p, 0.0, 0.0, f, 0.0, l)
     return code % 3 == 1 and code // 3 % 3 == 1
 
 
 def load_torque(p: Array, side: int) -> float:
-    """Constant torque of the load by direction of motion.
-
-    Parameters
-    ----------
-    p
-        Parameters of the drive.
-    side
-        Direction: 1, -1, or 0 at rest.
-
-    Returns
-    -------
-    float
-        At the driven shaft [N*m].
-    """
+    """Constant torque of the load by direction of motion."""
     return float(p[at.T_F] if side > 0 else p[at.T_B] if side < 0 else p[at.T_0])
 
 

@@ -23,22 +23,7 @@ _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes 
 
 
 def table(drive: Drive, top: float, most: int) -> list[float]:
-    """A drive as parameters of the simulation.
-
-    Parameters
-    ----------
-    drive
-        The drive.
-    top
-        Highest reference speed of the driven shaft [rad/s]: a scale where the voltage has no bound.
-    most
-        Steps at which the simulation is given up.
-
-    Returns
-    -------
-    list
-        By the places of ``layout.PARAMETERS``.
-    """
+    """A drive as parameters of the simulation."""
     named = parameters(drive, top, most) | controller(drive) | thermal(drive.heat)
     scale = named.get("PKP", 0.0)
     named["TOL_X"] = named["TOL_W"] / scale if scale else math.inf

@@ -28,27 +28,7 @@ _COMPARED = [
 
 
 def alike(run: Run, before: Array, lap: Lap, earlier: Sequence[Lap], turned: float, left: int, by_state: bool) -> int:
-    """Number of further laps that are like one.
-
-    Parameters
-    ----------
-    run, before
-        The drive after a lap, and its state before.
-    lap, earlier
-        The lap, and those before it.
-    turned
-        Angle of the reference over the lap [rad].
-    left
-        Number of further laps of the task.
-    by_state
-        Whether a lap that ends as it began repeats; else its sums decide, as for a lap shorter than the loops'
-        settling.
-
-    Returns
-    -------
-    int
-        0: it is not known to repeat.
-    """
+    """Number of further laps that are like one."""
     if left < 1 or run.status:
         return 0
     exact = by_state and not run.p[at.EDGES] and _repeats(run, before, turned)

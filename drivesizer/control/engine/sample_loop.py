@@ -71,26 +71,7 @@ def carry_steady(p: Array, s: Array, g: Array, piece: Array, k: int, u: float) -
 
 def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, mind: Array,
                  pieces: Array, ring: Array, rows: Array, kept: Any, size: Any) -> int:  # fmt: skip
-    """Simulate a drive along all pieces.
-
-    Parameters
-    ----------
-    p, s, g
-        Parameters, state and tallies of the drive, as in ``layout``; state and tallies are updated.
-    M, work, stamp, z, mind
-        Matrices by node of temperature, those in use with their temperatures, a step, and the last steady figures.
-    pieces
-        Rows of first and last sample, start [s], speed, its slope, angle, load, its slope, and whether at a corner.
-    ring
-        Counts of the last velocity periods.
-    rows, kept, size
-        Rows of the time series, which of them are kept always, and ``size`` of ``layout``.
-
-    Returns
-    -------
-    int
-        ``GOOD``, or the reason for an early end, as in ``layout``.
-    """
+    """Simulate a drive along all pieces."""
     h, near = p[at.H], size[3]
     n_v, cycle = int(p[at.N_V]), int(p[at.N_V] * max(p[at.N_P], 1.0))
     pause = n_v * int(max(p[at.EVERY], 1.0))

@@ -91,25 +91,7 @@ class Run:
 
 
 def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
-    """Drives at their start; their matrices are computed together.
-
-    Parameters
-    ----------
-    drives, task
-        As of ``batch.simulate_many``.
-    most
-        Steps at which a simulation is given up.
-
-    Returns
-    -------
-    list
-        One run per drive.
-
-    Raises
-    ------
-    InputError
-        When figures leave the range of numbers, or the task lies between two samples.
-    """
+    """Drives at their start; their matrices are computed together."""
     top = float(np.abs(task.speed).max())
     P = np.array([table(d, top, most) for d in drives], float)
     found: dict[int, Run] = {}

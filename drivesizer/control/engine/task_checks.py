@@ -23,18 +23,7 @@ _SIGNED = {"forward_torque", "backward_torque", "rest_torque"}
 
 
 def checked(drives: Sequence[Drive], task: Task) -> None:
-    """Refuse a task or a drive that cannot be simulated.
-
-    Parameters
-    ----------
-    drives, task
-        As of ``batch.simulate_many``.
-
-    Raises
-    ------
-    InputError
-        With the figure at fault.
-    """
+    """Refuse a task or a drive that cannot be simulated."""
     for name, times, values in (("time", task.time, task.speed), ("load_time", task.load_time, task.load_torque)):
         t, v = np.asarray(times, float), np.asarray(values, float)
         if t.ndim != 1 or t.shape != v.shape or not (np.all(np.diff(t) > 0.0) and np.isfinite((t, v)).all()):

@@ -35,25 +35,7 @@ class Part(NamedTuple):
 
 
 def pieces_of(task: Task, p: Array) -> Array:
-    """A task as pieces between samples, at the motor shaft.
-
-    Parameters
-    ----------
-    task
-        Motion and load of the driven shaft.
-    p
-        Parameters of the drive.
-
-    Returns
-    -------
-    array
-        Rows of first and last sample, start [s], speed, its slope, angle, load, its slope, and whether at a corner.
-
-    Raises
-    ------
-    InputError
-        When the task is too long to be sampled.
-    """
+    """A task as pieces between samples, at the motor shaft."""
     h, K, origin = p[at.H], p[at.RATIO], task.time[0]
     time, speed = np.asarray(task.time, float) - origin, np.asarray(task.speed, float) * K
     if not time[-1] / h < 2.0**53:
@@ -112,18 +94,7 @@ def _whole(p: Array) -> float:
 
 
 def stretches(pieces: Array, p: Array) -> tuple[list[Part], Flags, int]:
-    """Ranges of a task's pieces: repeated motions, and the rest.
-
-    Parameters
-    ----------
-    pieces, p
-        As of ``pieces_of``.
-
-    Returns
-    -------
-    tuple
-        The ranges in their order, which pieces are long and constant, and periods of a lap of these.
-    """
+    """Ranges of a task's pieces: repeated motions, and the rest."""
     lap = int(np.ceil(_LAP / _whole(p)) * _whole(p))
     constant = (pieces[:, 4] == 0.0) & (pieces[:, 7] == 0.0) & (pieces[:, 1] - pieces[:, 0] >= _LAPS * lap)
     found, done = [], 0

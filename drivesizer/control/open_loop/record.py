@@ -29,22 +29,7 @@ _OWN = {"microsteps", "damping_ratio"}  # fields of ``control`` that a stepper h
 
 
 def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
-    """The simulation of a stepper as a record.
-
-    Parameters
-    ----------
-    case
-        The simulation.
-    drive_set
-        The drive.
-    name
-        Of the load case, where there are several.
-
-    Returns
-    -------
-    Validation
-        ``fail`` where steps are lost.
-    """
+    """The simulation of a stepper as a record."""
     found = tuple(check for check in _checks(case, drive_set) if check.limit != math.inf)
     stepper = case.stepper
     rate = float(np.abs(case.out.series["reference"]).max()) / stepper.microstep

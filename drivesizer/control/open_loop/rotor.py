@@ -166,22 +166,7 @@ def noted(p: Array, g: Array, rows: Array, now: tuple[float, ...]) -> None:
 
 
 def turn_rotor(p: Array, table: Array, pieces: Array, g: Array, rows: Array, x: float, w: float, most: float) -> int:
-    """Simulate a rotor along a motion.
-
-    Parameters
-    ----------
-    p, table, pieces, g, rows
-        As in ``layout``; tallies and rows are filled.
-    x, w
-        Angle [rad] and speed [rad/s] at the start, the commanded angle being 0.
-    most
-        Steps at most.
-
-    Returns
-    -------
-    int
-        0, or 1 after too many steps.
-    """
+    """Simulate a rotor along a motion."""
     start, turned, count = 0.0, 0.0, 0.0  # time and angle of the profile at the start of a piece; microsteps
     for n in range(pieces.shape[0]):
         lasts, v0, dv, l0, dl = pieces[n, 0], pieces[n, 1], pieces[n, 2], pieces[n, 3], pieces[n, 4]

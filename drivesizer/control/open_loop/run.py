@@ -69,29 +69,7 @@ class Prepared(NamedTuple):
 
 
 def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> OpenLoop:
-    """Simulate a stepper along a profile, at rest for a while after one that ends at rest.
-
-    Parameters
-    ----------
-    spec, drive_set
-        The machine and the drive.
-    profile
-        Motion of the load.
-    pull_out
-        Pull-out torque [N*m] at speeds of the motor [rad/s] on the lowest supply voltage.
-
-    Returns
-    -------
-    OpenLoop
-        The simulation with its inputs.
-
-    Raises
-    ------
-    NoLoopError
-        When a figure is unknown without which nothing moves.
-    InputError
-        When the profile is too fast or too long, or the driver has fewer microsteps.
-    """
+    """Simulate a stepper along a profile, at rest for a while after one that ends at rest."""
     ready = prepared(spec, drive_set, profile, pull_out)
     stepper, shaft = ready.stepper, at_shaft(spec)
     motion = _motion(spec, profile, shaft, _SETTLES / stepper.natural_frequency)
@@ -106,23 +84,7 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: Pull
 
 
 def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> Prepared:
-    """A stepper as its simulation takes it.
-
-    Parameters
-    ----------
-    spec, drive_set, profile, pull_out
-        As :func:`run`.
-
-    Returns
-    -------
-    Prepared
-        With its pull-out torque up to the highest speed of the profile.
-
-    Raises
-    ------
-    NoLoopError, InputError
-        As :func:`run`.
-    """
+    """A stepper as its simulation takes it."""
     said: list[str] = []
     shaft = at_shaft(spec)
     top = max(profile.top_speed / shaft.radius * drive_set.total_ratio, spec.needs.start_speed or 0.0)

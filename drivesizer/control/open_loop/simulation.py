@@ -98,31 +98,7 @@ def simulate(
     at_rest: bool = False,
     per_swing: int = _PER_SWING,
 ) -> Turned:
-    """Simulate a stepper along a motion, from the balance with its load.
-
-    Parameters
-    ----------
-    stepper, motion
-        The drive and what is commanded.
-    share
-        Of the pull-out torque.
-    ends
-        Lag at which it ends [rad], electrical.
-    at_rest
-        Whether the rotor rests at the start whatever the first speed, as without a ramp.
-    per_swing
-        Steps of the integration in a period of the natural frequency.
-
-    Returns
-    -------
-    Turned
-        Lag, errors and torques.
-
-    Raises
-    ------
-    InputError
-        When it takes too many steps.
-    """
+    """Simulate a stepper along a motion, from the balance with its load."""
     p = _parameters(stepper, share, ends, per_swing)
     pieces = _pieces(motion, stepper.ratio)
     p[at.EVERY] = max(pieces[:, 0].sum() / (_ROWS - 2), 0.25 * p[at.H])
@@ -148,16 +124,6 @@ def least_share(stepper: Stepper, motion: Motion, *, at_rest: bool = False) -> f
 
     Less torque swings more slowly, and a ramp as long as a swing shakes less than a shorter one: so shares are tried
     from 1 down one after another until one loses steps, and then halved between the last two.
-
-    Parameters
-    ----------
-    stepper, motion, at_rest
-        As :func:`simulate`.
-
-    Returns
-    -------
-    float
-        Above 1 where steps are lost, infinite above 8; to 1 % of it.
     """
 
     def keeps(share: float) -> bool:

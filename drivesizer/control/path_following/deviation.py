@@ -42,18 +42,7 @@ class Extreme:
 
 
 def deviation(f: Followed) -> Deviation:
-    """Deviation of a platform from its desired posture.
-
-    Parameters
-    ----------
-    f
-        The simulated motion.
-
-    Returns
-    -------
-    Deviation
-        At the instants of the motion.
-    """
+    """Deviation of a platform from its desired posture."""
     wanted, off = f.planned.posture, f.posture - f.planned.posture
     steps = np.abs(np.diff(wanted[2], prepend=wanted[2, 0]))
     travel = np.cumsum(np.hypot(*np.diff(wanted[:2], axis=1, prepend=wanted[:2, :1])))
@@ -74,18 +63,7 @@ def _direction(velocity: Array) -> Array:
 
 
 def extremes(f: Followed) -> tuple[Extreme, ...]:
-    """Largest deviations, slip, torque and use of the grip, with their times and places.
-
-    Parameters
-    ----------
-    f
-        The simulated motion.
-
-    Returns
-    -------
-    tuple
-        In the order in which outputs print them.
-    """
+    """Largest deviations, slip, torque and use of the grip, with their times and places."""
     d = deviation(f)
     used = np.divide(f.traction, f.friction * f.load, out=np.zeros_like(f.load), where=f.load > 0.0)
     rows = (

@@ -87,18 +87,6 @@ def sampled(trajectory: Trajectory, time: Any) -> Planned:
     """A trajectory at instants; at rest before its start and after its end.
 
     Velocity and acceleration are linear within a piece, the posture a cubic by its ends and their velocities.
-
-    Parameters
-    ----------
-    trajectory
-        Pieces of time.
-    time
-        Instants [s], shape (k,).
-
-    Returns
-    -------
-    Planned
-        At those instants.
     """
     ends = np.concatenate([[0.0], np.cumsum(trajectory.duration)])
     t = np.clip(np.asarray(time, dtype=float), 0.0, ends[-1])
@@ -185,28 +173,7 @@ def drive(
     ground: Ground = LEVEL,
     tolerance: float = _TOLERANCE,
 ) -> Followed:
-    """Simulate a platform under given torques, without controllers; with torques of 0 it coasts.
-
-    Parameters
-    ----------
-    platform
-        As it is.
-    torques
-        Of the driven wheels in each of k periods [N*m], shape (n, k).
-    period
-        For which each is held [s].
-    velocity, heading
-        At the start: in the robot's frame [m/s, m/s, rad/s], and in the world [rad].
-    speeds
-        Of all wheels at the start [rad/s]; by default those without slip.
-    contact, ground, tolerance
-        As in ``follow``.
-
-    Returns
-    -------
-    Followed
-        At k + 1 instants; planned is to rest at the start.
-    """
+    """Simulate a platform under given torques, without controllers; with torques of 0 it coasts."""
     d = dynamics(platform)
     given = columns(torques, len(d.kinematics.driven), "torques of the driven wheels")
     if given.ndim != 2 or not given.shape[1]:

@@ -34,25 +34,7 @@ class Arrays:
 
 
 def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: Ground) -> Arrays:
-    """The actual platform and its floor as arrays.
-
-    Parameters
-    ----------
-    platform, misjudged
-        The actual platform, and its misjudged figures.
-    contact, ground
-        Contact of wheels and floor, and the floor.
-
-    Returns
-    -------
-    Arrays
-        As in ``kernel_layout``.
-
-    Raises
-    ------
-    InputError
-        When a wheel that turns has no inertia, rollers resist more than the floor holds, or the floor is not one slope.
-    """
+    """The actual platform and its floor as arrays."""
     if np.ndim(ground.slope) or np.ndim(ground.uphill):
         raise InputError("following: expected one slope for the whole path")
     p, n = platform, len(platform.wheels)
@@ -105,20 +87,7 @@ def _resting_loads(p: Platform, ground: Ground) -> tuple[Array, Array]:
 
 
 def first_state(a: Arrays, posture: Array, velocity: Array) -> Array:
-    """The state of a platform that rolls without slip.
-
-    Parameters
-    ----------
-    a
-        The platform.
-    posture, velocity
-        In the world [m, m, rad], and in the robot's frame [m/s, m/s, rad/s].
-
-    Returns
-    -------
-    array
-        Posture, velocity, wheel speeds, work and losses.
-    """
+    """The state of a platform that rolls without slip."""
     W = a.W
     turning = W[:, at.AX : at.AT + 1] @ velocity / W[:, at.RA] * (W[:, at.KIND] != 2.0)
     return np.concatenate([posture, velocity, turning, np.zeros(at.TALLIES)])

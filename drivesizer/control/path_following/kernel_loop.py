@@ -66,26 +66,7 @@ def follow_one(W: Array, K: Array, B: Array, C: Array, M: Array, G: Array, E: Ar
                eta: Array, fed: Array, y: Array, torque: Array, period: float, lever: float, tolerance: float,
                w: Array, A: Array, s: Array, z: Array, rows: Array, floor: Array, applied: Array,
                limited: Array) -> int:  # fmt: skip
-    """Simulate all samples.
-
-    Parameters
-    ----------
-    W, K, B, C, M, G, E, P, w, A, s, z
-        As in ``kernel_layout``.
-    wanted, eta, fed
-        Desired posture, velocity in the robot's frame and feedforward torques, a row per sample.
-    y, torque
-        State and torques at the start; both are updated.
-    period, lever, tolerance
-        Of the controllers [s], farthest contact point [m], and of a step in time [m/s].
-    rows, floor, applied, limited
-        Recorded states, slip, load and traction, torques, and samples at the torque limit.
-
-    Returns
-    -------
-    int
-        Samples that were reached, less than all where speeds diverge.
-    """
+    """Simulate all samples."""
     n, reach = W.shape[0], period
     for k in range(wanted.shape[0]):
         forces(W, K, B, C, y, torque, w, s[0], s[2])

@@ -90,29 +90,7 @@ def inertias(d: Dynamics) -> tuple[tuple[float, ...], float]:
 def speed_loop(
     d: Dynamics, *, period: float = 1e-3, limit: float | Sequence[float] = math.inf, integral: bool = True
 ) -> SpeedLoop:
-    """Speed controllers designed for the robot model.
-
-    Parameters
-    ----------
-    d
-        The platform as the model knows it.
-    period
-        Of the controllers [s].
-    limit
-        Largest torque at the wheel [N*m], of all or of each driven wheel.
-    integral
-        Whether they are PI; proportional otherwise.
-
-    Returns
-    -------
-    SpeedLoop
-        Gains of each driven wheel.
-
-    Raises
-    ------
-    InputError
-        When a driven wheel has no inertia, or a figure is out of range.
-    """
+    """Speed controllers designed for the robot model."""
     own, most = inertias(d)
     if not min(own) > 0.0:
         raise InputError("speed loop: a driven wheel has no inertia; give inertia or rotor_inertia")
@@ -122,29 +100,7 @@ def speed_loop(
 
 
 def pose_loop(d: Dynamics, inner: SpeedLoop, *, period: float = 0.05, speed: float = 1.0) -> PoseLoop:
-    """Pose feedback around speed loops.
-
-    Parameters
-    ----------
-    d
-        The platform as the model knows it.
-    inner
-        Its speed loops.
-    period
-        Between two poses [s].
-    speed
-        Of travel [m/s], for a platform that only moves ahead and turns.
-
-    Returns
-    -------
-    PoseLoop
-        For three degrees of freedom, or for a unicycle.
-
-    Raises
-    ------
-    InputError
-        When the platform allows other motions than those: all three, or forwards and turning.
-    """
+    """Pose feedback around speed loops."""
     lag = inertias(d)[1] / min(inner.proportional) + LATE * period
     k_p, k_i = symmetrical_optimum(1.0, 1.0, lag, _APERIODIC)
     if d.kinematics.mobility == 3:

@@ -51,23 +51,6 @@ def follow_runs(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
     """The runs by name: kinematic and dynamic model, open-loop, and the dynamic one with pose feedback where possible.
 
     Where the spec compares, also both models with P and PI loops, with and without misjudged figures.
-
-    Parameters
-    ----------
-    found
-        The platform on its path.
-    chosen
-        The drive whose rotor inertia and torque limit count where the spec gives neither; None: no inertia, no limit.
-
-    Returns
-    -------
-    dict
-        Simulated motions.
-
-    Raises
-    ------
-    InputError
-        When the platform tips over on its path, the wheels have no inertia, or a figure cannot be computed with.
     """
     _upright(found)
     return {name: follow_case(found, chosen, case) for name, case in _cases(found).items()}
@@ -102,22 +85,7 @@ def _cases(found: Driving) -> dict[str, FollowingRun]:
 def follow_case(
     found: Driving, chosen: DriveSet | None, case: FollowingRun, misjudged: Misjudged | None = None
 ) -> Followed:
-    """Simulate one run.
-
-    Parameters
-    ----------
-    found, chosen
-        The platform on its path, and its drive, as of ``follow_runs``.
-    case
-        Robot model and controllers.
-    misjudged
-        Figures that the model misjudges; those of the spec when not given.
-
-    Returns
-    -------
-    Followed
-        The simulated motion.
-    """
+    """Simulate one run."""
     section = _section(found)
     wheel = wheel_drive(section.following, chosen)
     d = dynamics_of(found.spec, wheel.inertia)
@@ -170,20 +138,7 @@ class AtWheel(NamedTuple):
 
 
 def wheel_drive(given: Following, chosen: DriveSet | None) -> AtWheel:
-    """Inertia and largest torque of a drive at its wheel: as the spec gives them, else of the drive as far as known.
-
-    Parameters
-    ----------
-    given
-        The spec's section.
-    chosen
-        The drive; None without one.
-
-    Returns
-    -------
-    AtWheel
-        Its torque is the lesser of what the controller's peak current gives and the gearhead's intermittent one.
-    """
+    """Inertia and largest torque of a drive at its wheel: as the spec gives them, else of the drive as far as known."""
     inertia, torque = 0.0, inf
     if chosen is not None:
         inertia = chosen.rotors_at_load
@@ -203,18 +158,7 @@ def _fastest(found: Driving) -> float:
 
 
 def assumed(found: Driving, chosen: DriveSet | None) -> tuple[str, ...]:
-    """Assumptions of the runs, as sentences.
-
-    Parameters
-    ----------
-    found, chosen
-        The platform on its path, and its drive, as of ``follow_runs``.
-
-    Returns
-    -------
-    tuple of str
-        One sentence each.
-    """
+    """Assumptions of the runs, as sentences."""
     given = _section(found).following
     wheel = wheel_drive(given, chosen)
     inertia, torque = show(wheel.inertia, "kg*cm^2", "inertia", 3), show(wheel.torque, "N*m", "torque", 3)

@@ -37,20 +37,7 @@ WHOLE = ("mjcf", "urdf", "ros2_control")  # formats with several joints
 
 
 def accept(form: str, path: Path) -> None:
-    """Refuse an unknown format or an impossible target, before time is spent.
-
-    Parameters
-    ----------
-    form
-        Name of a format.
-    path
-        The file to write.
-
-    Raises
-    ------
-    InputError
-        One line that says what is expected.
-    """
+    """Refuse an unknown format or an impossible target, before time is spent."""
     if form not in FORMATS:
         readers = {one.said.lower(): f"; {one.said} reads {name}" for name, one in FORMATS.items()}
         read_by = readers.get(form.lower(), "")
@@ -62,30 +49,7 @@ def accept(form: str, path: Path) -> None:
 
 
 def files(of: Any, form: str, path: Path, room: str = "") -> dict[Path, bytes]:
-    """The files of a format: one, and for ros2_control also the controllers' parameters beside it.
-
-    Parameters
-    ----------
-    of
-        The drive; or the record of which ``room`` has the formats.
-    form
-        Name of a format.
-    path
-        The file.
-    room
-        Folder of formats of several joints: ``machine`` or ``platform``.
-
-    Returns
-    -------
-    dict of Path to bytes
-        Content by path.
-
-    Raises
-    ------
-    InputError
-        When the format needs a figure that is unknown or has no place for what there is, or a library is not
-        installed.
-    """
+    """The files of a format: one, and for ros2_control also the controllers' parameters beside it."""
     module = import_module(".".join(filter(None, ("drivesizer.output.export", room, FORMATS[form].module))))
     render: Callable[[Any], bytes] = module.render
     found = {path: render(of)}

@@ -79,20 +79,7 @@ class Limits(NamedTuple):
 
 
 def limits(spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float) -> Limits:
-    """Peak and continuous torque and speed at the driven shaft.
-
-    Parameters
-    ----------
-    spec, found, train
-        The machine, the drive, and the drive train of both.
-    voltage
-        Available to the motor [V].
-
-    Returns
-    -------
-    Limits
-        SI.
-    """
+    """Peak and continuous torque and speed at the driven shaft."""
     per_ampere = train.torque_constant * train.ratio * train.efficiency
     currents = _peak_currents(found, train, voltage), _continuous_currents(spec, found)
     torques = ({name: current * per_ampere for name, current in of.items()} for of in currents)
@@ -131,22 +118,7 @@ def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
 
 
 def speed_at(train: DriveTrain, voltage: float, torque: float) -> float:
-    """Steady speed of the motor at a voltage, winding at 25 degC, under a torque, friction included [rad/s].
-
-    Parameters
-    ----------
-    train
-        The drive train.
-    voltage
-        At the motor [V].
-    torque
-        At the motor, friction included [N*m].
-
-    Returns
-    -------
-    float
-        [rad/s]
-    """
+    """Steady speed of the motor at a voltage, winding at 25 degC, under a torque, friction included [rad/s]."""
     winding = Winding(train.resistance, train.inductance, train.torque_constant, train.back_emf_constant)
     return float(operating_point(winding, voltage, torque, train.viscous)[0])
 
@@ -169,18 +141,7 @@ def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, flo
 
 
 def behind_gearhead(found: DriveSet, train: DriveTrain) -> tuple[dict[str, float], dict[str, float]]:
-    """Torque of the gearhead at the driven shaft, for a short time and continuous [N*m]; none without one.
-
-    Parameters
-    ----------
-    found, train
-        The drive, and its drive train.
-
-    Returns
-    -------
-    tuple of dict
-        By name.
-    """
+    """Torque of the gearhead at the driven shaft, for a short time and continuous [N*m]; none without one."""
     if found.gearhead.part == DIRECT:
         return {}, {}
     behind = train.belt_ratio * train.belt_efficiency
@@ -220,23 +181,7 @@ class OpenLoopStepper(NamedTuple):
 
 
 def stepper_of(spec: RobotSpec, found: DriveSet) -> tuple[OpenLoopStepper, DriveTrain, list[str]]:
-    """The stepper of a drive, its drive train without electrical figures, and assumptions.
-
-    Parameters
-    ----------
-    spec, found
-        The machine and the drive.
-
-    Returns
-    -------
-    tuple
-        As said.
-
-    Raises
-    ------
-    NoLoopError
-        When a figure is unknown without which nothing moves.
-    """
+    """The stepper of a drive, its drive train without electrical figures, and assumptions."""
     lowest = spec.supply.lowest
     ready = prepared(spec, found, motion_of(spec), lambda speed: torque_of_drive(found, speed, lowest))
     one, shaft, gearhead = ready.stepper, at_shaft(spec), found.gearhead
@@ -252,18 +197,7 @@ def stepper_of(spec: RobotSpec, found: DriveSet) -> tuple[OpenLoopStepper, Drive
 
 
 def limits_of(found: DriveSet, one: OpenLoopStepper, train: DriveTrain) -> Limits:
-    """Limits at the driven shaft: the pull-out torque at rest, and the speed up to which it was looked up.
-
-    Parameters
-    ----------
-    found, one, train
-        The drive and what ``stepper_of`` makes of it.
-
-    Returns
-    -------
-    Limits
-        SI; what flows at any time is continuous too.
-    """
+    """Limits at the driven shaft: the pull-out torque at rest, and the speed up to which it was looked up."""
     pull_out = {"stepper, pull-out torque at rest": float(one.model.torque[0] * train.ratio * train.efficiency)}
     peak, lasting = (pull_out | more for more in behind_gearhead(found, train))
     fastest = {"stepper, highest speed of the motion": one.model.top_speed / train.ratio}
@@ -370,13 +304,7 @@ class Export:
 
     @property
     def designed(self) -> Gains | Cascade:
-        """The controller.
-
-        Raises
-        ------
-        InputError
-            When it could not be designed.
-        """
+        """The controller."""
         if self.controller is None:
             raise InputError(
                 f"{self.label}: the rotor's inertia is not in the catalogue, and a controller is designed for it; "
@@ -386,29 +314,7 @@ class Export:
 
 
 def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Export:
-    """The record of a drive that a sizing found.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    found
-        The drive.
-    wheel
-        Of a platform: number of the driven wheel, from 1, whose motion and load it has; that of the first load case,
-        the one of the largest RMS torque, when not given.
-
-    Returns
-    -------
-    Export
-        SI, seen from the driven shaft.
-
-    Raises
-    ------
-    InputError
-        When a figure is unknown that every format needs, ``control`` requires what no controller can do, or there is
-        no such wheel.
-    """
+    """The record of a drive that a sizing found."""
     case, spec = _load_case(for_drive(spec, found.chosen_screw), wheel)
     stepper, train, controller, said = _controlled(spec, found)
     usable = float(spec.feed_of(found.controller).usable)
@@ -443,25 +349,7 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
 
 
 def check_wheel(spec: RobotSpec, wheel: int) -> int:
-    """Place of a platform's wheel among its driven ones, from 0.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    wheel
-        Number of the wheel, from 1.
-
-    Returns
-    -------
-    int
-        Its place.
-
-    Raises
-    ------
-    InputError
-        When there is no such wheel with a working drive.
-    """
+    """Place of a platform's wheel among its driven ones, from 0."""
     section = spec.platform
     if section is None:
         raise InputError("--wheel: the spec has no section platform; leave it out")
@@ -501,18 +389,7 @@ def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, 
 
 
 def whose(case: str, spec: RobotSpec) -> list[str]:
-    """The wheel whose motion and load these are, where wheels have their own.
-
-    Parameters
-    ----------
-    case, spec
-        Name and spec of a load case.
-
-    Returns
-    -------
-    list of str
-        A sentence, or none.
-    """
+    """The wheel whose motion and load these are, where wheels have their own."""
     if not isinstance(spec.load, WheelLoad):
         return []
     return [f"motion and load are those of {case}; the other wheels have their own"]

@@ -75,14 +75,7 @@ def parameters(of: Export) -> dict[str, float]:
 
 
 def render(of: Export) -> bytes:
-    """The file of a set.
-
-    Raises
-    ------
-    InputError
-        When PythonFMU is not installed, the rotor's inertia is unknown, the motor is a stepper, or this machine's clock
-        says a year before 1980.
-    """
+    """The file of a set."""
     if of.stepper:
         raise InputError(
             f"{of.label}: a stepper has no winding that a voltage drives in an FMU; expected --format mjcf, urdf, sdf, "

@@ -51,20 +51,7 @@ class Link(NamedTuple):
 
 
 def link_of(of: Export, inertia: float) -> Link:
-    """The link of a drive.
-
-    Parameters
-    ----------
-    of
-        The drive.
-    inertia
-        Of the link about the axis [kg*m^2].
-
-    Returns
-    -------
-    Link
-        Axis, centre, mass and inertia.
-    """
+    """The link of a drive."""
     lever = of.lever
     if lever is None:
         said = "The mass does not count: the link turns about its own axis. All of the load is in its inertia."
@@ -163,17 +150,7 @@ def limited(of: Export) -> dict[str, str]:
 
 
 def inertial(parent: Element, found: Link, *, nested: bool) -> None:
-    """Add mass, centre and inertia of a link.
-
-    Parameters
-    ----------
-    parent
-        Element of the link.
-    found
-        The link.
-    nested
-        Each figure in an element of its own, else as attributes.
-    """
+    """Add mass, centre and inertia of a link."""
     remark(parent, found.said)
     element, about = SubElement(parent, "inertial"), number(found.inertia)
     moments = {"ixx": about, "ixy": "0", "ixz": "0", "iyy": about, "iyz": "0", "izz": about}

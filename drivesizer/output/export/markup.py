@@ -42,16 +42,6 @@ def text(said: str) -> str:
 def identifier(said: str) -> str:
     """A text as a name that simulators accept: letters, digits and underscores.
 
-    Parameters
-    ----------
-    said
-        Any text.
-
-    Returns
-    -------
-    str
-        The name; ``drive`` where nothing is left of it.
-
     Examples
     --------
     >>> identifier("SPS surveillance robot")

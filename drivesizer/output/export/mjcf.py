@@ -223,34 +223,12 @@ def _gear_factors(of: Export) -> tuple[float, float]:
 
 
 def hard(step: float) -> dict[str, str]:
-    """Attributes of a dry friction, as hard as MuJoCo has it.
-
-    Parameters
-    ----------
-    step
-        Of time [s].
-
-    Returns
-    -------
-    dict
-        Of a joint or a tendon.
-    """
+    """Attributes of a dry friction, as hard as MuJoCo has it."""
     return {"solreffriction": f"{number(2 * step)} 1", "solimpfriction": _HARD}
 
 
 def motor_figures(of: Export, law: TorqueLaw) -> dict[str, str]:
-    """Attributes of the motor with its winding and its controller.
-
-    Parameters
-    ----------
-    of, law
-        The drive, and its controller.
-
-    Returns
-    -------
-    dict
-        Of ``dcmotor``, but for its name and what it moves.
-    """
+    """Attributes of the motor with its winding and its controller."""
     train = of.train
     s = current_scale(train)
     figures = {
@@ -325,15 +303,7 @@ def _cycle(root: Element, of: Export) -> None:
 
 
 def add_rows(custom: Element, rows: Mapping[str, Iterable[float]]) -> None:
-    """Add rows of figures under their names, with a remark where they are too long for some versions of MuJoCo.
-
-    Parameters
-    ----------
-    custom
-        Gets them.
-    rows
-        Figures by the name that they are read by.
-    """
+    """Add rows of figures under their names, with a remark where they are too long for some versions of MuJoCo."""
     held = {name: list(row) for name, row in rows.items()}
     if max(map(len, held.values())) > _ROW_OF_3:
         remark(custom, f"Rows of more than {_ROW_OF_3} figures: for MuJoCo 4.0 or later.")

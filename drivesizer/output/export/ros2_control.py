@@ -51,20 +51,7 @@ def render(of: Export) -> bytes:
 
 
 def hardware(root: Element, name: str) -> Element:
-    """Add a ``ros2_control`` block with its hardware.
-
-    Parameters
-    ----------
-    root
-        The robot.
-    name
-        Of the robot.
-
-    Returns
-    -------
-    Element
-        The block.
-    """
+    """Add a ``ros2_control`` block with its hardware."""
     block = SubElement(root, "ros2_control", name=f"{name}_drive", type="system")
     plugin = SubElement(block, "hardware")
     remark(plugin, f"{_MOCK} to try it; put your drive's own plugin here.")
@@ -73,19 +60,7 @@ def hardware(root: Element, name: str) -> Element:
 
 
 def interfaces(block: Element, joint: str, known: dict[str, str], takes: Sequence[str]) -> None:
-    """Add the interfaces of a joint.
-
-    Parameters
-    ----------
-    block
-        ``ros2_control``.
-    joint
-        Its name.
-    known
-        Its limits of effort and velocity.
-    takes
-        What commands it: of ``LOOP`` or ``STEPS``.
-    """
+    """Add the interfaces of a joint."""
     of_joint = SubElement(block, "joint", name=joint)
     for name in takes:
         command = SubElement(of_joint, "command_interface", name=name)
@@ -96,17 +71,7 @@ def interfaces(block: Element, joint: str, known: dict[str, str], takes: Sequenc
 
 
 def transmission(block: Element, joint: str, ratio: float, actuator: str) -> None:
-    """Add a transmission.
-
-    Parameters
-    ----------
-    block
-        ``ros2_control``.
-    joint, actuator
-        Their names.
-    ratio
-        Motor turns per turn of the joint [1], or per travel [rad/m].
-    """
+    """Add a transmission."""
     added = SubElement(block, "transmission", name=f"{joint}_transmission")
     SubElement(added, "plugin").text = "transmission_interface/SimpleTransmission"
     SubElement(added, "actuator", name=actuator, role=actuator)
@@ -115,13 +80,7 @@ def transmission(block: Element, joint: str, ratio: float, actuator: str) -> Non
 
 
 def controllers(of: Export) -> bytes:
-    """The parameters of controller manager and velocity controller, as YAML.
-
-    Raises
-    ------
-    InputError
-        When there is a position loop, which a velocity controller cannot have.
-    """
+    """The parameters of controller manager and velocity controller, as YAML."""
     if of.stepper:
         return _trajectory(of)
     law = torque_law(of)
@@ -132,47 +91,12 @@ def controllers(of: Export) -> bytes:
 
 
 def commented(said: Iterable[str], body: str) -> bytes:
-    """A YAML file with remarks at its head.
-
-    Parameters
-    ----------
-    said
-        Remarks.
-    body
-        The document.
-
-    Returns
-    -------
-    bytes
-        UTF-8.
-    """
+    """A YAML file with remarks at its head."""
     return ("".join(f"# {_line(line)}\n" for line in said) + body).encode()
 
 
 def velocity_gains(of: Export, travel: float = 1.0, efficiency: float = 1.0, *, slides: bool = False) -> str:
-    """Gains and clamps of one joint's velocity loop, as lines of YAML.
-
-    Parameters
-    ----------
-    of
-        The drive.
-    travel
-        Of the joint per angle of the driven shaft [1, or m/rad].
-    efficiency
-        Of a gear between both [1].
-    slides
-        Whether the joint slides.
-
-    Returns
-    -------
-    str
-        Under the joint's name.
-
-    Raises
-    ------
-    InputError
-        When there is a position loop, which a velocity controller cannot have.
-    """
+    """Gains and clamps of one joint's velocity loop, as lines of YAML."""
     law, train = torque_law(of), of.train
     if law.ki:
         raise InputError("--format: ros2_control gets a velocity loop; leave control.position out of the spec")
@@ -191,24 +115,7 @@ def velocity_gains(of: Export, travel: float = 1.0, efficiency: float = 1.0, *, 
 def velocity_loops(
     gains: dict[str, str], rate: int, steppers: Sequence[str] = (), more: Mapping[str, str] | None = None
 ) -> str:
-    """Parameters of one velocity controller of several joints, as YAML.
-
-    Parameters
-    ----------
-    gains
-        Lines of :func:`velocity_gains`, by the names of joints as YAML has them.
-    rate
-        Of controller and controller manager [Hz].
-    steppers
-        Joints that take positions, from a controller of trajectories.
-    more
-        Further controllers: their types by name.
-
-    Returns
-    -------
-    str
-        The document.
-    """
+    """Parameters of one velocity controller of several joints, as YAML."""
     named = {CONTROLLER: "pid_controller/PidController"} if gains else {}
     named |= {_ALONG: "joint_trajectory_controller/JointTrajectoryController"} if steppers else {}
     named |= more or {}

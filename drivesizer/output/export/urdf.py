@@ -28,13 +28,7 @@ def tree(of: Export) -> Element:
 
 
 def robot(of: Export) -> Element:
-    """Two links and the joint between them.
-
-    Raises
-    ------
-    InputError
-        When no limit of torque or of speed is known.
-    """
+    """Two links and the joint between them."""
     root = Element("robot", name=identifier(of.name))
     remark(root, *remarks(of))
     SubElement(root, "link", name=BASE)
@@ -54,25 +48,7 @@ def _required_limits(of: Export) -> dict[str, str]:
 
 
 def required_limits(label: str, known: dict[str, str]) -> dict[str, str]:
-    """Effort and velocity, which URDF requires.
-
-    Parameters
-    ----------
-    label
-        Of the drive.
-    known
-        Limits that are known.
-
-    Returns
-    -------
-    dict
-        The same.
-
-    Raises
-    ------
-    InputError
-        When one is unknown.
-    """
+    """Effort and velocity, which URDF requires."""
     for name, of_what in (("effort", "torque"), ("velocity", "speed")):
         if name not in known:
             raise InputError(f"--format: no limit of {of_what} of {label} is known, and URDF needs one")
@@ -80,19 +56,7 @@ def required_limits(label: str, known: dict[str, str]) -> dict[str, str]:
 
 
 def transmission(root: Element, joint: str, ratio: float, actuator: str, *, steps: bool) -> None:
-    """Add a transmission as ROS 1 and MoveIt read it; ros2_control has its own.
-
-    Parameters
-    ----------
-    root
-        The robot.
-    joint, actuator
-        Their names.
-    ratio
-        Motor turns per turn of the joint [1], or per travel [rad/m].
-    steps
-        Whether the motor is a stepper, which takes positions.
-    """
+    """Add a transmission as ROS 1 and MoveIt read it; ros2_control has its own."""
     added = SubElement(root, "transmission", name=f"{joint}_transmission")
     SubElement(added, "type").text = "transmission_interface/SimpleTransmission"
     of_joint = SubElement(added, "joint", name=joint)

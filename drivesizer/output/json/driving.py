@@ -57,22 +57,7 @@ def driving(
 
 
 def path_document(spec: RobotSpec, speeds: PermittedSpeeds | None, runs: Mapping[str, Followed]) -> schema.OnPath:
-    """Speeds that a platform's drives permit, and simulated path following beside measured errors.
-
-    Parameters
-    ----------
-    spec
-        Which may state measured errors.
-    speeds
-        By failed wheel and direction; None where there are none.
-    runs
-        By name.
-
-    Returns
-    -------
-    dict
-        Plain data.
-    """
+    """Speeds that a platform's drives permit, and simulated path following beside measured errors."""
     return {
         "permitted_speeds": _permitted(speeds) if speeds else None,
         "measured": _measured(spec),

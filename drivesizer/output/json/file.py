@@ -27,20 +27,7 @@ MOST_SAMPLES = 2000  # of the time series: finer than a screen
 
 
 def document(result: SizingResult, proof: Validation | None) -> schema.Report:
-    """Sizing, parts list and closed loop as one document.
-
-    Parameters
-    ----------
-    result
-        The sizing.
-    proof
-        The closed loop, where it was simulated; null in the document where it was not.
-
-    Returns
-    -------
-    dict
-        Plain data.
-    """
+    """Sizing, parts list and closed loop as one document."""
     parts = machine_parts(result.sets[0], result.problem) if result.sets else []
     found = simulated(proof) if proof else None
     more = {"parts_list": [_line(line) for line in parts], "validation": found}

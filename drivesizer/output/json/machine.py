@@ -28,20 +28,7 @@ __all__ = ["machine_document"]
 
 
 def machine_document(result: MachineSizing, proofs: Mapping[str, Validation] | None = None) -> schema.Machine:
-    """The document of ``drivesizer size --json`` of a machine, or of its report.
-
-    Parameters
-    ----------
-    result
-        The sizing.
-    proofs
-        Closed loops by the name of the axis, in a report; an axis without one has null.
-
-    Returns
-    -------
-    dict
-        With the document of every axis as of a spec of its own.
-    """
+    """The document of ``drivesizer size --json`` of a machine, or of its report."""
     return {
         "schema_version": SCHEMA_VERSION,
         "drivesizer": __version__,

@@ -15,41 +15,13 @@ _NAMES = {"part", "family", "manufacturer"}  # in the heading already
 
 
 def datasheets(drive_set: DriveSet, catalog: Catalog) -> list[dict[str, Any]]:
-    """The known figures of each part of a drive, marked where not quoted from the maker.
-
-    Parameters
-    ----------
-    drive_set
-        The drive.
-    catalog
-        The catalogue of its parts.
-
-    Returns
-    -------
-    list of dict
-        A data sheet for each part, as of :func:`datasheet`.
-    """
+    """The known figures of each part of a drive, marked where not quoted from the maker."""
     parts = {(section_of(part), part.part): part for part in drive_set.parts.values() if part is not None}  # each once
     return [datasheet(section, part, catalog) for (section, _), part in parts.items()]
 
 
 def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
-    """The known figures of one part.
-
-    Parameters
-    ----------
-    section
-        Kind of part, as "motors".
-    part
-        Its record.
-    catalog
-        The catalogue that it is from.
-
-    Returns
-    -------
-    dict
-        Heading, rows of name, text and mark, source and notes.
-    """
+    """The known figures of one part."""
     table = catalog.table(section)
     row = table.rows[part.part]
     source = catalog.sources[table.source[row]]

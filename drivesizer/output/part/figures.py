@@ -84,24 +84,7 @@ def first_columns(section: str) -> list[tuple[str, Column]]:
 
 
 def figure(value: Any, column: Column, *, unit: bool = True, digits: int = 5) -> str:
-    """A figure as a data sheet prints it; "unknown" where it is.
-
-    Parameters
-    ----------
-    value
-        Text, or a number in SI.
-    column
-        Its column: kind and unit.
-    unit
-        Whether the unit is printed.
-    digits
-        Significant digits at most; a price has cents.
-
-    Returns
-    -------
-    str
-        The text of a cell.
-    """
+    """A figure as a data sheet prints it; "unknown" where it is."""
     if isinstance(value, str):
         return value or "unknown"
     if column.kind.startswith("price") and not isnan(value):

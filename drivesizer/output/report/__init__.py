@@ -75,27 +75,7 @@ def write_machine(
     paper: str = "a4",
     date: str | None = None,
 ) -> list[Path]:
-    """Write reports of a machine of several axes; see :func:`write`.
-
-    Parameters
-    ----------
-    sizing
-        The machine.
-    proofs
-        The closed loop of each axis' best drive by the axis' name, where it was simulated.
-    paths, paper, date
-        As there.
-
-    Returns
-    -------
-    list[Path]
-        The files that were written.
-
-    Raises
-    ------
-    InputError
-        As there.
-    """
+    """Write reports of a machine of several axes; see :func:`write`."""
     from drivesizer.output.report.machine.content import MachineContent
 
     content = MachineContent(sizing, proofs)
@@ -153,25 +133,7 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
 
 
 def write_driving(found: Driving, path: Path) -> list[Path]:
-    """Write a platform's path with speeds and torques of its wheels as CSV.
-
-    Parameters
-    ----------
-    found
-        The platform on its path.
-    path
-        Where to.
-
-    Returns
-    -------
-    list[Path]
-        The files that were written.
-
-    Raises
-    ------
-    InputError
-        When the file cannot be written.
-    """
+    """Write a platform's path with speeds and torques of its wheels as CSV."""
     from drivesizer.load_cases.platform_drive import over_time
     from drivesizer.output.report.table.csv import columns_csv
 
@@ -179,25 +141,7 @@ def write_driving(found: Driving, path: Path) -> list[Path]:
 
 
 def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
-    """Write the path of a platform and its errors along it as ``path.svg`` and ``path.png``.
-
-    Parameters
-    ----------
-    runs
-        Each run by its name.
-    folder
-        Where to; it is made where it does not exist.
-
-    Returns
-    -------
-    list[Path]
-        The files that were written.
-
-    Raises
-    ------
-    InputError
-        When the folder is a file or cannot be made, or a file cannot be written. No file is changed then.
-    """
+    """Write the path of a platform and its errors along it as ``path.svg`` and ``path.png``."""
     from drivesizer.output.report.figure_files import figures_into
     from drivesizer.output.report.figures.path import path_and_errors
 
@@ -205,25 +149,7 @@ def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
 
 
 def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
-    """Write the figures of the closed loop as SVG and as PNG of 200 dots per inch.
-
-    Parameters
-    ----------
-    validation
-        The closed loop; one without records of its loops has no ``bode`` and no ``step``.
-    folder
-        Where to; it is made where it does not exist, its parent must.
-
-    Returns
-    -------
-    list[Path]
-        ``diagram``, ``closed_loop``, ``bode`` and ``step``, each as ``.svg`` and ``.png``.
-
-    Raises
-    ------
-    InputError
-        When the folder is a file or cannot be made, or a file cannot be written. No file is changed then.
-    """
+    """Write the figures of the closed loop as SVG and as PNG of 200 dots per inch."""
     from drivesizer.output.report.figure_files import figures_into
     from drivesizer.output.report.figures.all_figures import loop_drawings
 
@@ -252,20 +178,7 @@ def write_figures(result: SizingResult, validation: Validation | None, folder: P
 
 
 def write_machine_figures(sizing: MachineSizing, proofs: Mapping[str, Validation], folder: Path) -> list[Path]:
-    """Write every figure of a machine's report as SVG and as PNG; see :func:`write_loop_figures`.
-
-    Parameters
-    ----------
-    sizing, proofs
-        As of :func:`write_machine`.
-    folder
-        Where to; it is made where it does not exist.
-
-    Returns
-    -------
-    list[Path]
-        The files that were written, those of an axis with its number in the file.
-    """
+    """Write every figure of a machine's report as SVG and as PNG; see :func:`write_loop_figures`."""
     from drivesizer.output.report.figure_files import figures_into
     from drivesizer.output.report.machine.content import MachineContent
 

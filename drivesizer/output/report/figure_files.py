@@ -14,20 +14,7 @@ __all__ = ["figures_into"]
 
 
 def figures_into(made: Mapping[str, Drawing], folder: Path) -> list[Path]:
-    """Draw into a folder; see :func:`drivesizer.output.report.write_figures`.
-
-    Parameters
-    ----------
-    made
-        Functions that draw, by the name of the file.
-    folder
-        Where to; it is made where it does not exist.
-
-    Returns
-    -------
-    list[Path]
-        The files, each drawing as SVG and as PNG.
-    """
+    """Draw into a folder; see :func:`drivesizer.output.report.write_figures`."""
     paths = {(name, form): folder / f"{name}.{form}" for name in made for form in FILES}
     _ready(folder, list(paths.values()))
     files = {path: made[name](form) for (name, form), path in paths.items()}

@@ -14,19 +14,7 @@ __all__ = ["render"]
 
 
 def render(content: Content, path: Path) -> dict[Path, bytes]:
-    """The file of a JSON report.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Where to.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The file of a JSON report."""
     found: dict[str, Any] = {**document(content.result, content.validation)}
     if content.behaviour and content.result.spec.platform:
         found["platform"] = path_document(content.result.spec, content.behaviour.permitted, content.behaviour.followed)

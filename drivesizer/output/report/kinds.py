@@ -39,31 +39,7 @@ OF_MACHINES: Renderers = {
 def written(
     renderers: Renderers, function: str, records: tuple[Any, ...], paths: Sequence[Path], given: Mapping[str, Any]
 ) -> list[Path]:
-    """Write files of several kinds together.
-
-    Parameters
-    ----------
-    renderers
-        Of each suffix.
-    function
-        Its name in their modules.
-    records
-        Its first arguments.
-    paths
-        Where to.
-    given
-        Arguments by name, of which a kind takes some.
-
-    Returns
-    -------
-    list[Path]
-        The files that were written.
-
-    Raises
-    ------
-    InputError
-        As :func:`drivesizer.output.report.write`.
-    """
+    """Write files of several kinds together."""
     accept(paths)
     files: dict[Path, bytes] = {}
     for path in paths:
@@ -78,20 +54,7 @@ def written(
 
 
 def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
-    """Refuse what :func:`drivesizer.output.report.write` would refuse, before time is spent on what goes into it.
-
-    Parameters
-    ----------
-    paths
-        Of reports.
-    tables
-        Of single tables, whose suffix says nothing.
-
-    Raises
-    ------
-    InputError
-        When a suffix is none of the known ones, a path is no place for a file or what was read, or two are one file.
-    """
+    """Refuse what :func:`drivesizer.output.report.write` would refuse, before time is spent on what goes into it."""
     for path in paths:
         if path.suffix.lower() not in OF_ONE:
             known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"

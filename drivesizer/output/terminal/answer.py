@@ -39,17 +39,7 @@ _TIGHT = 3  # checks with the smallest margins that are shown
 
 
 def recommended(console: Console, result: SizingResult, best: DriveSet) -> None:
-    """Print a drive as a parts list with its totals, its tightest checks, and the confidence of its figures.
-
-    Parameters
-    ----------
-    console
-        The terminal.
-    result
-        The sizing.
-    best
-        Its drive that is recommended.
-    """
+    """Print a drive as a parts list with its totals, its tightest checks, and the confidence of its figures."""
     lines = machine_parts(best, result.problem)
     console.print(_parts(lines, best, console.width))
     console.print(Text.assemble(("total: ", "bold"), total_texts(lines, _summed), _unpriced(lines)))
@@ -204,19 +194,7 @@ def _confidence_counts(found: dict[str, str]) -> str:
 
 
 def side_by_side(console: Console, sets: Sequence[DriveSet], objective: str, title: str) -> None:
-    """Print drives with mass, price, energy and smallest margin, a row each; nothing without any.
-
-    Parameters
-    ----------
-    console
-        The terminal.
-    sets
-        The drives.
-    objective
-        What ranked them; it has a column where it is none of those.
-    title
-        Above the table.
-    """
+    """Print drives with mass, price, energy and smallest margin, a row each; nothing without any."""
     if not sets:
         return
     own, wide = objective not in _SHOWN, console.width >= _WIDE
@@ -270,20 +248,7 @@ def _longest_line(text: Text) -> int:
 
 
 def names_of(found: DriveSet, *, wide: bool) -> Text:
-    """Motor and gearhead, and their part numbers.
-
-    Parameters
-    ----------
-    found
-        The drive.
-    wide
-        Whether there is room for one line.
-
-    Returns
-    -------
-    Text
-        Of one line or two.
-    """
+    """Motor and gearhead, and their part numbers."""
     gearhead = f" {found.gearhead.reduction}" if found.actuator else f" + {found.gearhead_name}"
     gearhead = "" if found.gearhead_name == "none" else gearhead
     belt = f" × {found.belt_name}" if found.belt_name else ""
@@ -297,18 +262,7 @@ _TURNING = {"motor", "gearhead", "actuator"}
 
 
 def compared(found: DriveSet) -> tuple[str | Text, ...]:
-    """Mass, price, energy and smallest margin of a drive, as cells of a table.
-
-    Parameters
-    ----------
-    found
-        The drive; a sum that lacks a part is at least that.
-
-    Returns
-    -------
-    tuple[str or Text, ...]
-        In that order.
-    """
+    """Mass, price, energy and smallest margin of a drive, as cells of a table."""
     least = "≥ " if unknown_of(found, found.price_of) else ""
     tight = worst(found.deciding)
     energy, known = objective_figure(found, "energy"), not isnan(found.mass)
@@ -324,17 +278,7 @@ def compared(found: DriveSet) -> tuple[str | Text, ...]:
 
 
 def next_commands(console: Console, spec: str, loop: str = "closed loop") -> None:
-    """Print the commands that lead on.
-
-    Parameters
-    ----------
-    console
-        The terminal.
-    spec
-        The file as it was named at the command line; empty for the default.
-    loop
-        The kind of control in words.
-    """
+    """Print the commands that lead on."""
     behind = f" {spec}" if spec else ""
     console.print(f"\nnext: drivesizer size{behind} --checks, or -v for all", soft_wrap=True)
     console.print(f"      drivesizer validate{behind} simulates the drive in {loop}", soft_wrap=True)

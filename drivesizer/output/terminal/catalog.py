@@ -51,22 +51,7 @@ def overview(shelf: Mapping[str, Catalog]) -> None:
 
 
 def counts_text(counts: Mapping[str, int], width: int, head: str = "") -> Text:
-    """Names with their counts as wrapped text; no line breaks inside a name.
-
-    Parameters
-    ----------
-    counts
-        Count by name.
-    width
-        Longest line [characters].
-    head
-        Text before the first name.
-
-    Returns
-    -------
-    Text
-        Lines of at most the width.
-    """
+    """Names with their counts as wrapped text; no line breaks inside a name."""
     glue = "\u00a0"  # no line ends here
     items = [
         f"{name or 'no family'} ({count})".replace(" ", glue).replace("-", "\u2011") for name, count in counts.items()
@@ -76,19 +61,7 @@ def counts_text(counts: Mapping[str, int], width: int, head: str = "") -> Text:
 
 
 def listing(section: str, found: Selection, limit: int, extra: Sequence[str]) -> None:
-    """Print the parts of a selection, a line each.
-
-    Parameters
-    ----------
-    section
-        Kind of part, as "motors".
-    found
-        The parts.
-    limit
-        Largest number of lines.
-    extra
-        Further columns; the usual ones make room for them.
-    """
+    """Print the parts of a selection, a line each."""
     out, schema = console(), columns_of(section)
     usual = first_columns(section)
     there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
@@ -129,15 +102,7 @@ def _footer(section: str, found: Selection, limit: int) -> list[str]:
 
 
 def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> None:
-    """Print parts side by side; a row in which they differ is marked, ? where some are unknown.
-
-    Parameters
-    ----------
-    hits
-        The parts.
-    rows
-        Their figures, compared.
-    """
+    """Print parts side by side; a row in which they differ is marked, ? where some are unknown."""
     out = console()
     for start in range(0, len(hits), _BESIDE):
         some = slice(start, start + _BESIDE)
@@ -152,17 +117,7 @@ def comparison(hits: Sequence[Hit], rows: Sequence[Row]) -> None:
 
 
 def searched(groups: Mapping[str, Mapping[str, Sequence[Hit]]], parts: Sequence[Hit], limit: int) -> None:
-    """Print the families and parts in which a text was found.
-
-    Parameters
-    ----------
-    groups
-        Parts by section and family.
-    parts
-        Single parts.
-    limit
-        Largest number of single parts.
-    """
+    """Print the families and parts in which a text was found."""
     out = console()
     if any(groups.values()):
         table = bare(("", "left"), ("family", "left"), ("parts", "right"), ("kind", "left"), ("catalogue", "left"))

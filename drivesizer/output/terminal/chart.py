@@ -44,24 +44,7 @@ class Series(NamedTuple):
 
 
 def chart(series: Sequence[Series], x: Axis, y: Axis, width: int = 80, height: int = 12) -> list[Text]:
-    """A chart as lines of text: name of the upright axis, field, ticks, name of the level axis, legend.
-
-    Parameters
-    ----------
-    series
-        What is drawn, later ones over earlier ones; what lies outside the axes is left out.
-    x, y
-        The axes, in the unit of the figures.
-    width
-        Columns that no line exceeds, 24 at least.
-    height
-        Lines of the field itself.
-
-    Returns
-    -------
-    list of Text
-        From top to bottom.
-    """
+    """A chart as lines of text: name of the upright axis, field, ticks, name of the level axis, legend."""
     reach = x.end, y.end
     upright = ticks(y.end, height // _PER_TICK[0])
     margin = max(len(_digits(tick)) for tick in upright) + 1
@@ -81,18 +64,6 @@ def chart(series: Sequence[Series], x: Axis, y: Axis, width: int = 80, height: i
 def ticks(end: float, count: int) -> list[float]:
     """Round figures from 0 up to an end: steps of 1, 2 or 5 times a power of ten.
 
-    Parameters
-    ----------
-    end
-        Of the axis, above 0.
-    count
-        Largest number of steps; at least 3 are made.
-
-    Returns
-    -------
-    list of float
-        Rising, from 0.
-
     Examples
     --------
 
@@ -106,22 +77,7 @@ def ticks(end: float, count: int) -> list[float]:
 
 
 def dots(one: Series, reach: Point, size: tuple[int, int]) -> list[tuple[int, int]]:
-    """The dots of a line, in order and each once.
-
-    Parameters
-    ----------
-    one
-        The line.
-    reach
-        The figures at the ends of both axes.
-    size
-        Dots along both axes.
-
-    Returns
-    -------
-    list of (int, int)
-        Column and row of each dot, counted from the lower left.
-    """
+    """The dots of a line, in order and each once."""
     most = float(size[0] - 1), float(size[1] - 1)
     at = [(a / reach[0] * most[0], b / reach[1] * most[1]) for a, b in zip(one.x, one.y, strict=True)]
     steps = (dot for a, b in pairwise(at) for dot in _segment(a, b, most))

@@ -35,19 +35,7 @@ _BESIDE = 4  # runs side by side
 def driven(
     found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None = None
 ) -> None:
-    """Print the requirements at each wheel, the checks of a drive on the path, its speeds, and how it follows the path.
-
-    Parameters
-    ----------
-    found
-        The platform on its path.
-    chosen
-        The drive; None without one.
-    runs
-        Simulated path following, by name.
-    speeds
-        That the drive permits; None without one.
-    """
+    """Print the requirements at each wheel, the checks of a drive on the path, its speeds."""
     console = tables.console()
     path = found.trajectory
     length, time = show(path.length, "m", "length"), show(path.total, "s", "time")

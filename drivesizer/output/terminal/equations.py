@@ -50,17 +50,7 @@ def _unit(unit: str) -> str:
 
 
 def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = "") -> None:
-    """Print one equation: as printed, as computed, why they differ, units, source.
-
-    Parameters
-    ----------
-    declared
-        The equation.
-    steps
-        Those of a derivation that are of it, with their numbers.
-    of
-        The machine and its drive.
-    """
+    """Print one equation: as printed, as computed, why they differ, units, source."""
     console = tables.console()
     tables.heading(console, declared.title, f"equation ({declared.number})" if declared.number else "not in the paper")
     rows = []
@@ -83,15 +73,7 @@ def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = ""
 
 
 def platform_equation(declared: MatrixEquation, numbers: EquationNumbers | None = None) -> None:
-    """Print one equation of the platform: as printed, as computed, where they differ, units, source.
-
-    Parameters
-    ----------
-    declared
-        The equation.
-    numbers
-        Those of a platform.
-    """
+    """Print one equation of the platform: as printed, as computed, where they differ, units, source."""
     console = tables.console()
     tables.heading(console, declared.title, f"equation ({declared.number})")
     _print_rows(console, printed_forms.rows(declared))

@@ -119,15 +119,7 @@ def _share(count: int, total: int) -> str:
 
 
 def imported(found: Imported, *, guessed: bool = False) -> None:
-    """Print the parts and columns that an import read, and those that it left out.
-
-    Parameters
-    ----------
-    found
-        The import.
-    guessed
-        Whether its columns were guessed.
-    """
+    """Print the parts and columns that an import read, and those that it left out."""
     out = console()
     out.print(
         counts_text(
@@ -151,15 +143,7 @@ def imported(found: Imported, *, guessed: bool = False) -> None:
 
 
 def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
-    """Print figures that contradict one another, by the identity that they break.
-
-    Parameters
-    ----------
-    found
-        The findings of a check of catalogues.
-    everything
-        Print accepted and informational findings too.
-    """
+    """Print figures that contradict one another, by the identity that they break."""
     out = console()
     groups: dict[tuple[str, ...], list[Finding]] = {}
     for one in found:

@@ -18,20 +18,7 @@ _FIRST = 6  # figures that 80 columns have room for
 
 
 def loops(found: Sequence[Loop], width: int) -> Table:
-    """Linear analysis of each loop, innermost first.
-
-    Parameters
-    ----------
-    found
-        The loops of a validation.
-    width
-        Width of the terminal [characters]: the table has as many figures as fit.
-
-    Returns
-    -------
-    Table
-        A row for each loop.
-    """
+    """Linear analysis of each loop, innermost first."""
     every = len(loop_figures(found[0]))
     for shown, line in ((every, " "), *((n, "\n") for n in range(every, _FIRST, -1))):
         table = _table(found, shown, line)
@@ -41,18 +28,7 @@ def loops(found: Sequence[Loop], width: int) -> Table:
 
 
 def linear(run: LinearRun) -> Table:
-    """The simulation by python-control beside the engine's, a line for each figure.
-
-    Parameters
-    ----------
-    run
-        Of a validation.
-
-    Returns
-    -------
-    Table
-        Value and moment by either.
-    """
+    """The simulation by python-control beside the engine's, a line for each figure."""
     heads = (("", "left"), ("python-control", "right"), ("at", "right"), ("engine", "right"), ("at", "right"))
     table = bare(*heads, title=BESIDE)
     for row in linear_rows(run):

@@ -23,15 +23,7 @@ def _masses(found: DriveSet) -> Table:
 
 
 def machine(console: Console, found: DriveSet) -> None:
-    """Print the budgets of the machine with a drive, and what it regenerates; nothing where there is neither.
-
-    Parameters
-    ----------
-    console
-        The terminal.
-    found
-        The drive.
-    """
+    """Print the budgets of the machine with a drive, and what it regenerates; nothing where there is neither."""
     if found.budget:
         console.print(tables.checks(found.budget, "The machine with this drive"))
     if found.masses:

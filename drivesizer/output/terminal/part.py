@@ -50,15 +50,7 @@ _HEIGHT = 8  # columns of the terminal to a line of the chart's field
 
 
 def page(hit: Hit, *, sources: bool = False) -> None:
-    """Print one part as a data sheet.
-
-    Parameters
-    ----------
-    hit
-        The part.
-    sources
-        Print the source of each figure.
-    """
+    """Print one part as a data sheet."""
     out, sheet = console(), datasheet(hit.section, hit.table.record(hit.row), hit.catalog)
     heading(out, head(hit), f"{hit.part} · {singular(hit.section)} in {hit.catalogue}")
     _figures(out, hit, sheet, sources)

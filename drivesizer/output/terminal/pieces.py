@@ -17,20 +17,7 @@ _SHOWN = [figure for figure in FIGURES if figure[1] not in ("start", "rms_curren
 
 
 def pieces(found: Sequence[MotorPiece], title: str) -> Table:
-    """The motor piece by piece of the motion, each unit in its column's head.
-
-    Parameters
-    ----------
-    found
-        Of one load case.
-    title
-        Above the table.
-
-    Returns
-    -------
-    Table
-        A row a piece, and the whole cycle below.
-    """
+    """The motor piece by piece of the motion, each unit in its column's head."""
     heads = [(f"{head}\n{label(unit)}", "right") for head, _, unit, _ in _SHOWN]
     table = bare(("", "left"), *heads, title=title)
     for one in found:

@@ -21,13 +21,7 @@ _HEADS = ("nominal", "5 %", "50 %", "95 %")
 
 
 def predicted(found: Prediction) -> None:
-    """Print a prediction.
-
-    Parameters
-    ----------
-    found
-        The prediction.
-    """
+    """Print a prediction."""
     out = tables.console()
     given = found.conditions
     around = [show(given.voltage, "V", "voltage"), show(given.ambient, "degC", "temperature")]

@@ -30,17 +30,7 @@ def below_confidence(result: SizingResult) -> str:
 
 
 def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -> None:
-    """Print the probabilities of a sizing; nothing where no tolerances were sampled.
-
-    Parameters
-    ----------
-    console
-        The terminal.
-    result
-        The sizing.
-    quiet
-        Leave out the checks one by one and the notes.
-    """
+    """Print the probabilities of a sizing; nothing where no tolerances were sampled."""
     uncertain = result.uncertainty
     if uncertain is None or not (result.sets or result.unsure):
         return
@@ -61,15 +51,7 @@ def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -
 
 
 def tolerances_of(console: Console, pair: Explanation) -> None:
-    """Print the probabilities of a combination with each belt ratio; nothing where no tolerances were sampled.
-
-    Parameters
-    ----------
-    console
-        The terminal.
-    pair
-        The combination of motor and gearhead.
-    """
+    """Print the probabilities of a combination with each belt ratio; nothing where no tolerances were sampled."""
     if pair.uncertainty is None:
         return
     console.print(_table(pair.sets, "Probability that all checks pass"))

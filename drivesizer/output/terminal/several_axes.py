@@ -27,19 +27,7 @@ _WIDE = 110  # columns from which on a drive has a single line
 
 
 def machine_sizing(result: MachineSizing, *, spec: str = "", checks: bool = False, quiet: bool = False) -> None:
-    """Print the sizing of a machine.
-
-    Parameters
-    ----------
-    result
-        The sizing.
-    spec
-        The file as it was named at the command line, for the commands that lead on; empty for the default.
-    checks
-        Whether every check of every axis is shown.
-    quiet
-        Only the drives.
-    """
+    """Print the sizing of a machine."""
     console = tables.console()
     status = MARK[result.status] if result.complete else "no drive for every axis"
     tables.heading(console, result.machine.name, status, STYLE[result.status])
@@ -193,15 +181,7 @@ def _next(console: Console, spec: str, result: MachineSizing) -> None:
 
 
 def machine_explained(name: str, found: Mapping[str, Explanation]) -> None:
-    """Print how one combination of motor and gearhead does on every axis of a machine, with its tightest check.
-
-    Parameters
-    ----------
-    name
-        Of the machine.
-    found
-        The combination by the axis' name.
-    """
+    """Print how one combination of motor and gearhead does on every axis of a machine, with its tightest check."""
     console = tables.console()
     label = next(one.sets[0].label for one in found.values())
     tables.heading(console, name, "")
@@ -224,15 +204,7 @@ def _row(check: Check | None) -> tuple[str, str, str, str]:
 
 
 def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
-    """Print the closed loops of a machine's axes, and steppers behind their pulses, a line each.
-
-    Parameters
-    ----------
-    name
-        Of the machine.
-    proofs
-        By the axis' name.
-    """
+    """Print the closed loops of a machine's axes, and steppers behind their pulses, a line each."""
     console = tables.console()
     failed = [axis for axis, proof in proofs.items() if proof.status == "fail"]
     loops = " and ".join(dict.fromkeys(proof.loop for proof in proofs.values()))

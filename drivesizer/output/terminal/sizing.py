@@ -242,15 +242,7 @@ def _unrestricted(other: DriveSet, objective: str) -> str:
 
 
 def explained(pair: Explanation, catalog: Catalog) -> None:
-    """Print a combination of motor and gearhead check by check, for every belt ratio, and its probabilities.
-
-    Parameters
-    ----------
-    pair
-        The combination with each belt.
-    catalog
-        The catalogue of its parts.
-    """
+    """Print a combination of motor and gearhead check by check, for every belt ratio, and its probabilities."""
     console = tables.console()
     for found in pair.sets:
         tables.heading(console, found.label, MARK[found.status], STYLE[found.status])
@@ -312,15 +304,7 @@ def validation(proof: Validation) -> None:
 
 
 def validations(proofs: Sequence[Validation], objective: str) -> None:
-    """Print several drives in closed loop, a line each, best first.
-
-    Parameters
-    ----------
-    proofs
-        The validations.
-    objective
-        The objective of the sizing that ranked them.
-    """
+    """Print several drives in closed loop, a line each, best first."""
     console = tables.console()
     first = proofs[0]
     tables.heading(

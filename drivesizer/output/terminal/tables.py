@@ -50,24 +50,7 @@ def console() -> Console:
 
 
 def bare(*columns: tuple[str, str], title: str = "", headed: bool = True, edged: bool = True) -> Table:
-    """A plain table.
-
-    Parameters
-    ----------
-    columns
-        Header and alignment of each column.
-    title
-        Above the table.
-    headed
-        Whether the headers are shown.
-    edged
-        Whether a blank line stands above and below.
-
-    Returns
-    -------
-    Table
-        Without rows.
-    """
+    """A plain table."""
     table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False,
                   padding=(0, 2, 0, 0), show_header=headed, show_edge=edged)  # fmt: skip
     for header, justify in columns:
@@ -93,17 +76,7 @@ def percent(margin: float) -> str:
 
 
 def heading(console: Console, name: str, right: str, style: str = "") -> None:
-    """Print a heading and a rule.
-
-    Parameters
-    ----------
-    console
-        The terminal.
-    name
-        At the left, bold.
-    right, style
-        Text at the right, and its style.
-    """
+    """Print a heading and a rule."""
     grid = Table.grid(expand=True)
     grid.add_column(overflow="fold")
     grid.add_column(justify="right", no_wrap=True)
@@ -113,20 +86,7 @@ def heading(console: Console, name: str, right: str, style: str = "") -> None:
 
 
 def requirements(requirements: Iterable[Requirement], title: str) -> Table:
-    """Requirements with their equation numbers.
-
-    Parameters
-    ----------
-    requirements
-        In the order of the rows.
-    title
-        Above the table.
-
-    Returns
-    -------
-    Table
-        A row for each.
-    """
+    """Requirements with their equation numbers."""
     table = bare(("eq.", "right"), ("", "left"), ("", "left"), ("", "right"), title=title, headed=False)
     for r in requirements:
         number = f"({r.equation})" if r.equation else ""
@@ -135,22 +95,7 @@ def requirements(requirements: Iterable[Requirement], title: str) -> Table:
 
 
 def checks(checks: Iterable[Check], title: str, *, edged: bool = True) -> Table:
-    """Checks: demand, limit, margin, verdict, and the worst instant where one is known.
-
-    Parameters
-    ----------
-    checks
-        In the order of the rows.
-    title
-        Above the table; the load case is added where all are worst in the same one.
-    edged
-        Whether a blank line stands above and below.
-
-    Returns
-    -------
-    Table
-        A row for each.
-    """
+    """Checks: demand, limit, margin, verdict, and the worst instant where one is known."""
     checks = list(checks)
     timed = any(check.at_time is not None for check in checks)
     worst_in = {check.case for check in checks} - {AS_SPECIFIED}
@@ -221,20 +166,7 @@ def missing(found: DriveSet) -> list[Text]:
 
 
 def plain(check: Check, figure: float) -> str:
-    """Demand or limit as text; empty for a condition without figures.
-
-    Parameters
-    ----------
-    check
-        The check: kind and unit.
-    figure
-        Its demand or limit [SI].
-
-    Returns
-    -------
-    str
-        The text of a cell.
-    """
+    """Demand or limit as text; empty for a condition without figures."""
     if isnan(check.demand) and isnan(check.limit) and check.status != "unknown":
         return ""
     return check.shown(figure)
@@ -256,20 +188,7 @@ _PARTS: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words
 
 
 def parts(found: DriveSet, catalog: Catalog) -> Table:
-    """The drive, part by part, with the figures that are not quoted from the maker.
-
-    Parameters
-    ----------
-    found
-        The drive.
-    catalog
-        The catalogue of its parts.
-
-    Returns
-    -------
-    Table
-        A row for each part.
-    """
+    """The drive, part by part, with the figures that are not quoted from the maker."""
     table = bare(("", "left"), ("", "left"), ("", "left"), headed=False)
     for role, part in found.parts.items():
         if part is None:
@@ -328,20 +247,7 @@ def _doubt(part: Any, role: str, found: DriveSet, catalog: Catalog) -> str:
 
 
 def objective(found: DriveSet, name: str) -> str:
-    """The figure that ranked a drive, and of which parts it is alone where those of others are unknown.
-
-    Parameters
-    ----------
-    found
-        The drive.
-    name
-        The objective, or the title of several with weights.
-
-    Returns
-    -------
-    str
-        The text of a cell.
-    """
+    """The figure that ranked a drive, and of which parts it is alone where those of others are unknown."""
     if name == "margin":
         return percent(found.objective)
     if name not in OBJECTIVES:
@@ -353,20 +259,7 @@ def objective(found: DriveSet, name: str) -> str:
 
 
 def loose(figures: Iterable[Figure], title: str) -> Table:
-    """Figures without a limit.
-
-    Parameters
-    ----------
-    figures
-        In the order of the rows.
-    title
-        Above the table.
-
-    Returns
-    -------
-    Table
-        Name, value and, where known, the instant of each.
-    """
+    """Figures without a limit."""
     table = bare(("", "left"), ("", "right"), ("", "right"), title=title, headed=False)
     for figure in figures:
         when = f"at {figure.at_time:.4g} s" if figure.at_time is not None else ""

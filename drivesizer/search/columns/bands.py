@@ -35,22 +35,7 @@ def at_ends(problem: Problem) -> tuple[Problem, Problem]:
 
 
 def estimated(problem: Problem, candidates: Candidates, method: str = "physics") -> NDArray[np.int64]:
-    """Candidates with an estimated figure that a check may hang on.
-
-    Parameters
-    ----------
-    problem
-        Its catalogue with both ends of the bands, or without estimates.
-    candidates
-        The candidates.
-    method
-        Of the checks: the paper's rest on few figures.
-
-    Returns
-    -------
-    array of int
-        Rows of them.
-    """
+    """Candidates with an estimated figure that a check may hang on."""
     if not problem.catalog.ends:
         return np.zeros(0, np.int64)
     motors, gearheads = (_differ(problem.catalog, name, problem.spec, method) for name in ("motors", "gearheads"))
@@ -111,20 +96,7 @@ class BothEnds(NamedTuple):
 
 
 def both_ends(problem: Problem, uncertain: Candidates) -> BothEnds:
-    """The problem at both ends of the bands of estimated figures, to be examined in one go.
-
-    Parameters
-    ----------
-    problem
-        Its catalogue with both ends.
-    uncertain
-        Candidates that are to be examined at the unfavourable end too.
-
-    Returns
-    -------
-    BothEnds
-        The problem, and what there is for each of its motors.
-    """
+    """The problem at both ends of the bands of estimated figures, to be examined in one go."""
     easy, hard = at_ends(problem)
     motors, gearheads = np.unique(uncertain.motor), np.unique(uncertain.gearhead)
     rows = {"motors": motors, "gearheads": gearheads, "brakes": np.arange(len(hard.catalog.brakes))}

@@ -29,20 +29,7 @@ _TABLES = {"motor": "motors", "gearhead": "gearheads", "brake": "brakes", "encod
 def chosen(
     encoder: NDArray[np.int64], controller: NDArray[np.int64], brake: NDArray[np.int64], *, needs_encoder: bool
 ) -> dict[str, Array]:
-    """The parts that go with candidates, among the figures that objectives count.
-
-    Parameters
-    ----------
-    encoder, controller, brake
-        Rows of each candidate; -1 where none is listed, of a brake where there is none.
-    needs_encoder
-        Whether there is one where none is listed.
-
-    Returns
-    -------
-    dict
-        Rows by role, as ``bought`` takes them.
-    """
+    """The parts that go with candidates, among the figures that objectives count."""
     unlisted = _UNLISTED if needs_encoder else _NEEDLESS
     return {
         "encoder": np.where(encoder < 0, unlisted, encoder).astype(float),
@@ -59,28 +46,7 @@ def bought(
     over: Sequence[str],
     end: int | None = None,
 ) -> Array:
-    """A figure of the parts of each candidate.
-
-    Parameters
-    ----------
-    catalog
-        The parts.
-    sets
-        Candidates.
-    parts
-        Of ``chosen``.
-    figure
-        Its name in the catalogue, such as mass.
-    over
-        Roles of the parts.
-    end
-        Which of ``assumed_mass`` counts of a part that is not listed; None for none, which leaves it unknown.
-
-    Returns
-    -------
-    array
-        A row for each role, NaN unknown: shape (roles, candidates).
-    """
+    """A figure of the parts of each candidate."""
     found = np.zeros((len(over), len(sets.motor)))
     for row, role in zip(found, over, strict=True):
         table = catalog.table(_TABLES[role])

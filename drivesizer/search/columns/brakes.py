@@ -60,18 +60,7 @@ class OfferedBrakes(NamedTuple):
 
 
 def offered_brakes(spec: RobotSpec, catalog: Catalog) -> OfferedBrakes | None:
-    """The brakes that go with each motor and that the spec allows; None where it wants none.
-
-    Parameters
-    ----------
-    spec, catalog
-        The requirements, and the parts to choose from.
-
-    Returns
-    -------
-    OfferedBrakes or None
-        Brakes of each motor, shape (motors, most of any).
-    """
+    """The brakes that go with each motor and that the spec allows; None where it wants none."""
     if not spec.wants_brake:
         return None
     table, motors = catalog.brakes, len(catalog.motors)
@@ -99,19 +88,7 @@ def offered_brakes(spec: RobotSpec, catalog: Catalog) -> OfferedBrakes | None:
 
 
 def is_listed(catalog: Catalog, motor: int, brake: int) -> bool:
-    """Whether a source lists a brake with a motor, or the spec has it as its own.
-
-    Parameters
-    ----------
-    catalog
-        The parts.
-    motor, brake
-        Rows; -1 no brake.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a source lists a brake with a motor, or the spec has it as its own."""
     pairs = catalog.motor_brake
     listed = bool(np.any((pairs.left == motor) & (pairs.right == brake)))
     return brake >= 0 and (listed or catalog.brakes["family"][brake] == OWN)
@@ -129,44 +106,14 @@ def _in_order(table: Table[Brake], spec: RobotSpec, listed: NDArray[np.bool_]) -
 
 
 def own_figure(brake: Figures, name: str) -> Any:
-    """A figure of brakes that is 0 where there is none; NaN unknown.
-
-    Parameters
-    ----------
-    brake
-        Columns by field name.
-    name
-        Of the field.
-
-    Returns
-    -------
-    Array
-        In SI.
-    """
+    """A figure of brakes that is 0 where there is none; NaN unknown."""
     return np.where(brake["part"] == "", 0.0, brake[name])
 
 
 def brakes_for(
     problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Sequence[Any], given: Any = None
 ) -> NDArray[np.int64]:
-    """Row of each candidate's brake, -1 where it has none.
-
-    Parameters
-    ----------
-    problem, offered
-        The problem, and its brakes.
-    cycles
-        The load cycle of each case at the gearhead's output.
-    parts
-        Motor, gearhead and encoder of each candidate: columns by field name, the motor with its rows.
-    given
-        Rows of brakes that are chosen already, or ``FREE``.
-
-    Returns
-    -------
-    array of int
-        Shape (rows,).
-    """
+    """Row of each candidate's brake, -1 where it has none."""
     motor, gearhead, encoder = parts
     spec, table = problem.spec, problem.catalog.brakes
     option = offered.row[motor.rows]
@@ -237,22 +184,7 @@ def _suits(
 
 
 def at_motor(brake: Figures, name: str, total: Any) -> Any:
-    """Inertia of brakes as the motor's shaft feels it; 0 where there is none, NaN unknown.
-
-    Parameters
-    ----------
-    brake
-        Columns by field name.
-    name
-        ``inertia``.
-    total
-        Ratio from the motor to the load.
-
-    Returns
-    -------
-    Array
-        [kg*m^2]
-    """
+    """Inertia of brakes as the motor's shaft feels it; 0 where there is none, NaN unknown."""
     return own_figure(brake, name) / _shaft(brake, total) ** 2
 
 
@@ -288,26 +220,7 @@ def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: F
 def brake_limits(
     spec: RobotSpec, cycle: AtGearhead, parts: Any, demand: Any, listed: NDArray[np.bool_]
 ) -> list[CheckColumn]:
-    """Limits of brakes, and of gearheads that pass on what brakes hold.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    parts
-        The parts of each candidate, its brake among them.
-    demand
-        Columns over candidates, of ``demands``.
-    listed
-        Whether a source lists the brake with the motor, shape (rows,).
-
-    Returns
-    -------
-    list[CheckColumn]
-        Columns over candidates.
-    """
+    """Limits of brakes, and of gearheads that pass on what brakes hold."""
     brake, motor, gearhead, needs = parts.brake, parts.motor, parts.gearhead, spec.needs
     there = brake["part"] != ""
     rubs = needs.holding_friction == "counted" and ~there & _by_friction(spec, cycle, motor, gearhead)
@@ -334,22 +247,7 @@ _ACCELERATION = 3
 
 
 def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Any) -> tuple[Stop, Stop]:
-    """An emergency stop from the highest speed, as the weight pulls most: with a strong brake and with a weak one.
-
-    Parameters
-    ----------
-    spec, cycle
-        The load case, and its cycle at the gearhead's output.
-    gearhead, brake
-        Columns by field name.
-    inertia
-        Of all parts of the drive at the motor's shaft [kg*m^2].
-
-    Returns
-    -------
-    tuple of Stop
-        With the torque of a slipping brake at either end of what it may be; alike where that is printed.
-    """
+    """An emergency stop from the highest speed, as the weight pulls most: with a strong brake and with a weak one."""
     total = gearhead["ratio"] * cycle.belt
     shaft = _shaft(brake, total)
     whole = (inertia + cycle.load_cycle.inertia / total**2) * shaft**2

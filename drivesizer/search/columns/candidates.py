@@ -115,20 +115,7 @@ def _at(columns: Any, rows: NDArray[np.int64]) -> Any:
 
 
 def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
-    """Every listed combination of motor and gearhead that the spec allows, without a belt.
-
-    Parameters
-    ----------
-    problem
-        The spec, and the catalogues.
-    also
-        Rows of a motor and a gearhead that are examined even when no source lists the combination.
-
-    Returns
-    -------
-    Candidates
-        With a belt ratio of 1.
-    """
+    """Every listed combination of motor and gearhead that the spec allows, without a belt."""
     if also is None:  # variants of a spec mostly have the same
         of = (problem.spec.select,)
         several = bool((problem.catalog.motors["order_number"] != "").any())
@@ -161,20 +148,7 @@ def _alone(catalog: Catalog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 
 def candidates(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
-    """Every combination of :func:`pairs` with every belt ratio of the problem.
-
-    Parameters
-    ----------
-    problem
-        The spec, and the catalogues.
-    also
-        As :func:`pairs` takes it.
-
-    Returns
-    -------
-    Candidates
-        A combination's belt ratios one after the other.
-    """
+    """Every combination of :func:`pairs` with every belt ratio of the problem."""
     found, belts = pairs(problem, also), np.array(problem.belt_ratios)
     every = np.repeat(np.arange(len(found.motor)), len(belts))
     return found.on(every)._replace(belt=np.tile(belts, len(found.motor)))

@@ -57,20 +57,7 @@ class Speeds(NamedTuple):
 
 
 def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
-    """Rows that a choice of families and part numbers leaves.
-
-    Parameters
-    ----------
-    table
-        A section of the catalogue.
-    choice
-        Families and part numbers, or patterns of them; empty ones allow all.
-
-    Returns
-    -------
-    array of bool
-        Shape (rows,).
-    """
+    """Rows that a choice of families and part numbers leaves."""
     keep = ~table.excluded
     for key, names in choice.named.items():
         keep &= np.isin(table[key], [known for name in names for known in matching(name, table, key)])
@@ -78,22 +65,7 @@ def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
 
 
 def matching(name: str, table: Table[Any], key: str) -> list[str]:
-    """Families or part numbers of a catalogue that a name in the spec means.
-
-    Parameters
-    ----------
-    name
-        One of them, another name of a part, or a pattern in which ``*`` stands for any text and ``?`` for a character.
-    table
-        A section of the catalogue.
-    key
-        ``family`` or ``part``.
-
-    Returns
-    -------
-    list of str
-        Empty where the catalogue has none.
-    """
+    """Families or part numbers of a catalogue that a name in the spec means."""
     if key == "part" and (rows := table.called(name)):
         found: list[str] = table["part"][rows].tolist()
         return found
@@ -102,20 +74,7 @@ def matching(name: str, table: Table[Any], key: str) -> list[str]:
 
 
 def figure_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Rows by a figure, then by part number; unknown figures last.
-
-    Parameters
-    ----------
-    table
-        A section of the catalogue.
-    figure
-        Shape (rows,); NaN unknown.
-
-    Returns
-    -------
-    array of int
-        Row numbers, shape (rows,).
-    """
+    """Rows by a figure, then by part number; unknown figures last."""
     return np.lexsort((table["part"], figure))
 
 
@@ -145,22 +104,7 @@ class Usable(NamedTuple):
 def usable_controllers(
     spec: RobotSpec, catalog: Catalog, supply: tuple[float, float] | None = None, ambient: float | None = None
 ) -> Usable:
-    """Controllers that fit each motor, whatever its load.
-
-    Parameters
-    ----------
-    spec, catalog
-        The requirements, and the parts to choose from.
-    supply
-        Lowest and highest voltage of the supply in all load cases [V]; the spec's own when not given.
-    ambient
-        Hottest of all load cases [K]; the spec's own when not given.
-
-    Returns
-    -------
-    Usable
-        Rows by rising current, and which of them each motor may have, shape (motors, controllers).
-    """
+    """Controllers that fit each motor, whatever its load."""
     (lowest, highest), choice = supply or (spec.supply.lowest, spec.supply.highest), spec.select.controller
     key = "controllers", repr(choice), lowest, highest
     columns: Usable = catalog.once(key, lambda: _allowed(choice, catalog, lowest, highest))
@@ -213,34 +157,7 @@ def controllers(
     barred: NDArray[np.bool_] | None = None,
     known: NDArray[np.bool_] | None = None,
 ) -> ChosenPart:
-    """The controller of each candidate.
-
-    Parameters
-    ----------
-    spec, catalog
-        The requirements, and the parts to choose from.
-    motor
-        Row of each candidate's motor.
-    rms_current, peak_current
-        Motor currents of each candidate [A]; NaN unknown.
-    voltage
-        Motor voltage of each candidate [V], where the method looks at it. Where it is more than the supply has that is
-        no controller's fault, and the largest is named.
-    speeds
-        What each candidate's controller has to keep up with, where the method looks at it.
-    usable
-        Which there are for each motor, where that is at hand; it knows the supply in all load cases.
-    barred
-        Which of the usable ones, in their order, a candidate may not have, shape (controllers, rows): it then has none
-        where none of the others suffices.
-    known
-        Which candidates may have only one of which all figures are known, with ``barred``.
-
-    Returns
-    -------
-    Chosen
-        Row of each candidate's controller, shape (rows,), -1 where there is none, and its checks.
-    """
+    """The controller of each candidate."""
     table = catalog.controllers
     usable = usable or usable_controllers(spec, catalog)
     order, lowest = usable.order, usable.lowest
@@ -292,22 +209,7 @@ _RATED = (
 
 
 def no_better_than(spec: RobotSpec, table: Table[Any], usable: Usable) -> dict[str, NDArray[np.bool_]]:
-    """For each of ``HANGING`` which of the usable controllers meets it no better than which other one, by its figures.
-
-    Parameters
-    ----------
-    spec
-        The requirements.
-    table
-        The controllers of the catalogue.
-    usable
-        Those for the supply.
-
-    Returns
-    -------
-    dict
-        By check: rows are those that meet it no better, columns the others, both in their order.
-    """
+    """For each of ``HANGING`` which of the usable controllers meets it no better than which other one."""
     of = {name: table[name][usable.order] for name in (*STAGE_FIGURES, *_RATED)}
     stage = spec.feed(of).stage
     kept: tuple[NDArray[Any], ...] = (of["supply_max"], stage.least_loss)
@@ -329,22 +231,7 @@ def no_better_than(spec: RobotSpec, table: Table[Any], usable: Usable) -> dict[s
 
 
 def room_on_bus(spec: RobotSpec, table: Table[Any], usable: Usable) -> NDArray[np.float64]:
-    """Energy that each usable controller stores at least; no end of it where the spec says how the bus is held.
-
-    Parameters
-    ----------
-    spec
-        The requirements.
-    table
-        The controllers of the catalogue.
-    usable
-        Those for the supply.
-
-    Returns
-    -------
-    array
-        Of each, in their order [J].
-    """
+    """Energy that each usable controller stores at least; no end of it where the spec says how the bus is held."""
     if spec.supply.capacitance is not None or spec.chopper_voltage is not None:
         return np.full(len(usable.order), np.inf)
     current, most = (table[name][usable.order] for name in ("continuous_current", "supply_max"))
@@ -388,24 +275,7 @@ def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest:
 def none_suits(
     spec: RobotSpec, supply: tuple[float, float], catalog: Catalog, motor: int, currents: tuple[float, float]
 ) -> str:
-    """Reason why no controller is taken: what the catalogues list none for.
-
-    Parameters
-    ----------
-    spec, catalog
-        The requirements, and the parts to choose from.
-    supply
-        Lowest and highest voltage of the supply in all load cases [V].
-    motor
-        Its row.
-    currents
-        RMS and largest, with the margins that the spec requires [A]; NaN unknown.
-
-    Returns
-    -------
-    str
-        Empty where the catalogues list no controllers.
-    """
+    """Reason why no controller is taken: what the catalogues list none for."""
     table, (low, high), (rms, peak) = catalog.controllers, supply, currents
     kind, own = (str(catalog.motors[name][motor]) for name in ("kind", "controller"))
     box = str(_box(catalog.motors)[motor])
@@ -435,23 +305,7 @@ def _split(buses: str) -> list[str]:
 
 
 def offers(offered: str, bus: str) -> bool:
-    """Whether an entry such as ``EtherCAT option card`` is the required bus.
-
-    Parameters
-    ----------
-    offered
-        Entry of the catalogue.
-    bus
-        Name of the required bus.
-
-    Returns
-    -------
-    bool
-        Whether the entry begins with the name of the bus, in any case of letters.
-
-    >>> offers("EtherCAT option card", "ethercat")
-    True
-    """
+    """Whether an entry such as ``EtherCAT option card`` is the required bus."""
     return f"{offered.casefold()} ".startswith(f"{bus.casefold()} ")
 
 

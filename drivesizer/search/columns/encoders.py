@@ -41,36 +41,12 @@ class EncoderOffers(NamedTuple):
 
 
 def angle_per_edge(counts: Any, reduction: Any) -> Any:
-    """Angle of the load per edge of an encoder at the motor.
-
-    Parameters
-    ----------
-    counts
-        Lines per turn of the encoder.
-    reduction
-        Total ratio from the motor to the load.
-
-    Returns
-    -------
-    float or Array
-        [rad].
-    """
+    """Angle of the load per edge of an encoder at the motor."""
     return 2 * np.pi / (EDGES * counts * reduction)
 
 
 def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
-    """The encoders that fit each motor and that the spec allows.
-
-    Parameters
-    ----------
-    spec, catalog
-        The requirements, and the parts to choose from.
-
-    Returns
-    -------
-    Offered
-        Encoders of each motor, shape (motors, most of any).
-    """
+    """The encoders that fit each motor and that the spec allows."""
     choice, needed = spec.select.encoder, spec.needs.encoder_counts
     key = "encoders", repr(choice), needed
     offered: EncoderOffers = catalog.once(
@@ -110,24 +86,6 @@ def encoders_for(
 ) -> NDArray[np.int64]:
     """Row of each candidate's encoder, -1 where none is listed for its motor.
 
-    Parameters
-    ----------
-    spec
-        The requirements.
-    offered
-        Of ``offered_encoders``.
-    motor
-        Row of each candidate's motor.
-    speed
-        Highest speed of its motor with the margin that the spec requires [rad/s]; NaN unknown.
-    reduction
-        From its motor to the driven shaft.
-
-    Returns
-    -------
-    array of int
-        Shape (rows,).
-
     Notes
     -----
     Where none has counts enough it is the one with the most, so that its check can say by how much it falls short.
@@ -152,18 +110,6 @@ def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> l
 
     A motor without any listed encoder has an unknown one, for tables of what fits are partial: a reason to fail only
     where the spec requires counts, a family or a part.
-
-    Parameters
-    ----------
-    spec, catalog
-        The requirements, and the parts.
-    row
-        Encoder of each candidate, shape (rows,); -1 none.
-
-    Returns
-    -------
-    list[CheckColumn]
-        One column or none.
     """
     choice = spec.select.encoder
     least = max(spec.needs.encoder_counts or 0, choice.min_counts or 0)
@@ -174,42 +120,12 @@ def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> l
 
 
 def line_frequency(demand: Demands, encoder: Figures) -> Array:
-    """Lines of the encoder per second at the highest speed.
-
-    Parameters
-    ----------
-    demand
-        Columns over candidates, of ``demands``.
-    encoder
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    Array
-        [Hz], shape (rows,).
-    """
+    """Lines of the encoder per second at the highest speed."""
     return np.where(demand.peak_speed == 0.0, 0.0, lines(encoder) * demand.peak_speed / (2 * np.pi))
 
 
 def counting_limits(spec: RobotSpec, belt: Any, demand: Demands, parts: Parts) -> list[CheckColumn]:
-    """Limits of encoders: speed, frequency, their own and the controller's, and resolution.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    belt
-        Ratio of the belt of each candidate.
-    demand
-        Columns over candidates, of ``demands``.
-    parts
-        The parts of each candidate.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Columns over candidates; advice where the encoder is a proposal.
-    """
+    """Limits of encoders: speed, frequency, their own and the controller's, and resolution."""
     encoder = parts.encoder
     speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else PROPOSAL)
     counted = line_frequency(demand, encoder)

@@ -124,24 +124,7 @@ class Evaluation(NamedTuple):
 
 
 def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True, rejected: bool = True) -> Evaluation:
-    """Every candidate's checks by the spec's method; by the paper's, with its requirements.
-
-    Parameters
-    ----------
-    problem
-        With its load cycles and catalogues.
-    candidates
-        The candidates.
-    exact
-        Compute what needs the waveform from it; else by bounds where they decide.
-    rejected
-        By the paper's method: those too that its rule rejects; else it may leave them out.
-
-    Returns
-    -------
-    Evaluation
-        Columns over the candidates.
-    """
+    """Every candidate's checks by the spec's method; by the paper's, with its requirements."""
     if problem.spec.method == "physics":
         return by_physics(problem, candidates, exact)
     few = len(candidates.motor) <= paper_rule.FEW
@@ -187,20 +170,7 @@ def _with_controllers(found: Evaluation) -> Evaluation:
 
 
 def by_physics(problem: Problem, candidates: Candidates, exact: bool | NDArray[np.bool_]) -> Evaluation:
-    """Every limit against the whole load cycle, whatever the spec's method.
-
-    Parameters
-    ----------
-    problem, candidates
-        As :func:`evaluate` takes them.
-    exact
-        The same, of all candidates or of each.
-
-    Returns
-    -------
-    Evaluation
-        Columns over the candidates.
-    """
+    """Every limit against the whole load cycle, whatever the spec's method."""
 
     def at(given: Problem, some: Candidates, rows: Any) -> Evaluation:
         return at_figures(given, some, exact if isinstance(exact, bool) else exact[rows])
@@ -267,18 +237,7 @@ def _with_parts(
 def figures_by_physics(
     problem: Problem, candidates: Candidates, exact: Wanted | bool = True
 ) -> Mapping[str, NDArray[np.float64]]:
-    """The figures of :func:`by_physics` alone, which take no checks at the favourable end of a band.
-
-    Parameters
-    ----------
-    problem, candidates, exact
-        As :func:`examine` takes them.
-
-    Returns
-    -------
-    mapping
-        Columns over the candidates by name, SI.
-    """
+    """The figures of :func:`by_physics` alone, which take no checks at the favourable end of a band."""
     rows = estimated(problem, candidates)
     if len(rows):
         _, hard = _by_belt(at_ends(problem)[1], candidates.on(rows), exact, ())
@@ -289,20 +248,7 @@ def figures_by_physics(
 def at_figures(
     problem: Problem, candidates: Candidates, exact: bool | NDArray[np.bool_], each: Collection[str] = ()
 ) -> Evaluation:
-    """Every limit at the figures of the problem's catalogue, as they are.
-
-    Parameters
-    ----------
-    problem, candidates, exact
-        As :func:`by_physics` takes them.
-    each
-        Names of checks to decide of candidates that fail on another as well.
-
-    Returns
-    -------
-    Evaluation
-        Columns over the candidates.
-    """
+    """Every limit at the figures of the problem's catalogue, as they are."""
     found, columns = _by_belt(problem, candidates, exact, each)
     controller, encoder, brake = (columns.pop(name) for name in _PARTS)
     return Evaluation(problem, candidates, {}, {}, _in_order(found), encoder, controller, brake, columns)

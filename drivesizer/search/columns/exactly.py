@@ -46,22 +46,7 @@ def exact(
     what: Wanted = "all",
     error: float = 1e-3,
 ) -> Pair:
-    """Peaks and heat over the waveform, of candidates over one cycle or of samples each over its own.
-
-    Parameters
-    ----------
-    spec, cycle, demand, heating, stresses, parts
-        The spec, its load cycle at the gearhead, and columns over candidates.
-    what
-        What to compute: whatever has ``limits``, or ``all``, energy too.
-    error
-        As ``drives_of`` takes it.
-
-    Returns
-    -------
-    pair of Moments
-        The same where heat is known; else the demand with the winding cold, and as warm as it may be.
-    """
+    """Peaks and heat over the waveform, of candidates over one cycle or of samples each over its own."""
     ambient, motor, feed = spec.environment.ambient, parts.motor, spec.feed(parts.controller, parts.brake)
     kept = kept_on_the_bus(spec)
     level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
@@ -98,22 +83,7 @@ def decided(
     alive: NDArray[np.bool_],
     each: Collection[str] = (),
 ) -> Pair:
-    """By bounds, and computed where these leave a limit open.
-
-    Parameters
-    ----------
-    spec, cycle, demand, heating, stresses, parts
-        As ``exact`` takes them.
-    alive
-        Candidates that have failed on nothing so far: of others nothing is computed.
-    each
-        Names of limits that are decided by themselves: of all candidates, and whether a winding passes or not.
-
-    Returns
-    -------
-    Pair
-        Lower and upper bounds, the same where they were computed.
-    """
+    """By bounds, and computed where these leave a limit open."""
     low, high = bounds(spec, cycle, demand, heating, stresses, parts)
     left = left_open(spec, (low, high), parts) & alive
     limits = waveform_limits(spec, high, high, parts)
@@ -128,22 +98,7 @@ def decided(
 
 
 def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:
-    """Candidates that fail on no limit of the waveform by their bounds, and of which one may be met or not.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    found
-        Lower and upper bounds.
-    parts
-        The parts of each candidate.
-
-    Returns
-    -------
-    array of bool
-        Of each candidate.
-    """
+    """Candidates that fail on no limit of the waveform by their bounds, and of which one may be met or not."""
     both = list(zip(*(waveform_limits(spec, side, side, parts) for side in found), strict=True))
     fails = np.logical_or.reduce([a.failed & b.failed for a, b in both])
     left = np.logical_or.reduce([(a.passed != b.passed) | (a.failed != b.failed) for a, b in both])

@@ -64,41 +64,13 @@ _OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
 
 
 def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
-    """Limits of the load and of the belt, the same for all candidates.
-
-    Parameters
-    ----------
-    spec
-        The load case.
-    cycle
-        Its load cycle at the gearhead's output.
-    drive
-        Belt and pulleys of its ratio, where they are out of the catalogues.
-
-    Returns
-    -------
-    list
-        Columns of one figure.
-    """
+    """Limits of the load and of the belt, the same for all candidates."""
     found = [check for own in cycle.load_cycle.own if (check := own_limit(spec, own)) is not None]
     return found + _belt_limits(spec, spec.belt, cycle, drive) if spec.belt else found
 
 
 def own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn | None:
-    """A limit of the load itself with the margin that the spec requires of its kind.
-
-    Parameters
-    ----------
-    spec
-        The load case.
-    own
-        The limit; the demand of a life is what the spec needs.
-
-    Returns
-    -------
-    CheckColumn or None
-        A column of one figure; None of a life where none is required, and of a screw's thrust on its bearing.
-    """
+    """A limit of the load itself with the margin that the spec requires of its kind."""
     if own.name == THRUST:
         return None
     if own.name == _LIFE:
@@ -126,22 +98,7 @@ def _belt_limits(spec: RobotSpec, belt: BeltStage, cycle: AtGearhead, drive: Bel
 
 
 def lost_at_load(spec: RobotSpec, backlash: Array, belt: Array) -> Array:
-    """Backlash of gearheads, and of a gear of fixed ratio, as the load has it [rad].
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    backlash
-        Of the gearheads at their output [rad]; NaN unknown.
-    belt
-        Ratio of the belt.
-
-    Returns
-    -------
-    array
-        Of each candidate.
-    """
+    """Backlash of gearheads, and of a gear of fixed ratio, as the load has it [rad]."""
     lost: Array = backlash / belt
     if spec.gear is None:
         return lost
@@ -150,22 +107,7 @@ def lost_at_load(spec: RobotSpec, backlash: Array, belt: Array) -> Array:
 
 
 def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> list[CheckColumn]:
-    """Limits of the gearhead, whatever motor drives it; loads of its shaft are in ``shaft_limits``.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    gearhead
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Torque, speed and power, and what the spec requires of the gearhead.
-    """
+    """Limits of the gearhead, whatever motor drives it; loads of its shaft are in ``shaft_limits``."""
     i, ambient = gearhead["ratio"], spec.environment.ambient
     torque: dict[str, Any] = {"needed": spec.margins.torque}
     speed: dict[str, Any] = {"needed": spec.margins.speed}
@@ -196,40 +138,14 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> li
 
 
 def motor_limits(spec: RobotSpec, motor: Figures) -> list[CheckColumn]:
-    """Limits of the motor, whatever it drives.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    motor
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Its range of ambient temperatures, and the voltage that it withstands.
-    """
+    """Limits of the motor, whatever it drives."""
     waived, (least, most) = "ambient_range" in spec.select.assume, (motor["ambient_min"], motor["ambient_max"])
     ambient = ambient_range("motor_temperature_range", spec.environment.ambient, least, most, waived=waived)
     return [ambient, *supply_voltage_limit(motor, spec.supply.highest)]
 
 
 def waived(spec: RobotSpec, column: CheckColumn) -> CheckColumn:
-    """A check that passes where its figure is missing, if the spec assumes so.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    column
-        Of the candidates.
-
-    Returns
-    -------
-    CheckColumn
-        As it was, where the spec does not name it.
-    """
+    """A check that passes where its figure is missing, if the spec assumes so."""
     if not any(column.name in ASSUMABLE[name] for name in spec.select.assume):
         return column
     missing = ~(column.passed | column.failed) & np.isnan(column.limit + column.demand)
@@ -237,20 +153,7 @@ def waived(spec: RobotSpec, column: CheckColumn) -> CheckColumn:
 
 
 def size_limits(spec: RobotSpec, motor: Figures, gearhead: Figures, brake: Figures | None = None) -> list[CheckColumn]:
-    """Dimensions, mass and price, where the spec limits them.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    motor, gearhead, brake
-        Columns over candidates by field name; no brake where drives have none.
-
-    Returns
-    -------
-    list[CheckColumn]
-        One for each limit that the spec sets.
-    """
+    """Dimensions, mass and price, where the spec limits them."""
     needs = spec.needs
     sums = {name: motor[name] + gearhead[name] for name in ("length", "mass", "price") if getattr(needs, name)}
     more: dict[str, Any] = {}
@@ -266,24 +169,7 @@ def size_limits(spec: RobotSpec, motor: Figures, gearhead: Figures, brake: Figur
 def moving_limits(
     spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts
 ) -> list[CheckColumn]:
-    """Limits of a combination in motion that the moments decide; that of the winding by its mean, which is no more.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    demand, heating
-        Columns over candidates, of ``demands`` and ``heat``.
-    parts
-        The parts of each candidate.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Columns over candidates.
-    """
+    """Limits of a combination in motion that the moments decide; that of the winding by its mean, which is no more."""
     motor, ambient = parts.motor, spec.environment.ambient
     torque, speed = motor_needed(spec), spec.margins.speed
     mean = cycle.moments[DIRECTION, SPEED] * demand.total_ratio
@@ -301,18 +187,7 @@ def moving_limits(
 def unpowered_limits(
     spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts
 ) -> list[CheckColumn]:
-    """Those of ``moving_limits`` that hang on no current, also of steppers: inertias.
-
-    Parameters
-    ----------
-    spec, cycle, demand, heating, parts
-        As ``moving_limits`` takes them.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Columns over candidates.
-    """
+    """Those of ``moving_limits`` that hang on no current, also of steppers: inertias."""
     return _inertias(spec, cycle, demand, parts)
 
 
@@ -374,24 +249,7 @@ def _peak_torque(stresses: Stress, motor: Figures, volts: float, needed: float) 
 def electrical_limits(
     spec: RobotSpec, cycle: AtGearhead, demand: Demands, stresses: Stress, parts: Parts
 ) -> list[CheckColumn]:
-    """Limits of controller and encoder by current and speed.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    demand, stresses
-        Columns over candidates, of ``demands`` and ``stress``.
-    parts
-        The parts of each candidate.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Columns over candidates.
-    """
+    """Limits of controller and encoder by current and speed."""
     controller, torque = parts.controller, spec.margins.torque
     lasting, printed = controller_current(controller, spec.environment.ambient), controller["continuous_current"]
     return [
@@ -407,20 +265,7 @@ def electrical_limits(
 
 
 def electrical_speed(demand: Demands, motor: Figures) -> Array:
-    """Speed times pole pairs, where the controller commutates; 0 of a brushed motor, which does so itself.
-
-    Parameters
-    ----------
-    demand
-        Columns over candidates, of ``demands``.
-    motor
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    Array
-        [rad/s], shape (rows,).
-    """
+    """Speed times pole pairs, where the controller commutates; 0 of a brushed motor, which does so itself."""
     turns = (motor["kind"] != "brushed") & (demand.peak_speed != 0.0)
     return np.where(turns, demand.peak_speed * motor["pole_pairs"], 0.0)
 

@@ -76,24 +76,7 @@ Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
 
 
 def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady: Array) -> Pair:
-    """Bounds of candidates whose heat is unknown.
-
-    Parameters
-    ----------
-    high
-        Of all candidates; of these with the winding as warm as it may be.
-    cold
-        Of these candidates, the winding cold.
-    rows
-        Which they are.
-    mean, steady
-        Temperature of all windings in the long run at the cycle's RMS current, and at its largest [K].
-
-    Returns
-    -------
-    Pair
-        Lower and upper bounds of all candidates.
-    """
+    """Bounds of candidates whose heat is unknown."""
     low = Moments(*(column.copy() for column in high))
     for name in ("voltage", "voltage_time", "power", "power_time"):
         getattr(low, name)[rows] = getattr(cold, name)
@@ -103,20 +86,7 @@ def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady:
 
 
 def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair:
-    """The same; with incomplete demands only lower bounds are known.
-
-    Parameters
-    ----------
-    found
-        Lower and upper bounds over the waveform.
-    demand, heating, stresses
-        What it was computed from.
-
-    Returns
-    -------
-    Pair
-        The bounds; of candidates with incomplete demands the upper ones are NaN.
-    """
+    """The same; with incomplete demands only lower bounds are known."""
     if demand.complete.all():
         return found
     low, high = (Moments(*(np.where(demand.complete, column, np.nan) for column in side)) for side in found)
@@ -127,24 +97,7 @@ def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair
 
 
 def hottest(spec: RobotSpec, cycle: AtGearhead, heating: Heat, stresses: Stress, motor: Any) -> Array:
-    """Temperature that a winding of unknown heat does not exceed, or must not: the demand then is a safe bound.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    heating, stresses
-        Columns over candidates, of ``heat`` and ``stress``.
-    motor
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    Array
-        [K], shape (rows,); NaN where neither is known.
-    """
+    """Temperature that a winding of unknown heat does not exceed, or must not: the demand then is a safe bound."""
     found = temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor)
     bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
     return bound
@@ -153,42 +106,14 @@ def hottest(spec: RobotSpec, cycle: AtGearhead, heating: Heat, stresses: Stress,
 def warmest_passing(
     spec: RobotSpec, cycle: AtGearhead, heating: Heat, stresses: Stress, motor: Any, peak: Array
 ) -> Array:
-    """Temperature that a winding does not exceed, or fails by its heat.
-
-    Parameters
-    ----------
-    spec, cycle, heating, stresses, motor
-        As in ``hottest``.
-    peak
-        An upper bound of the winding's peak [K]; NaN unknown.
-
-    Returns
-    -------
-    Array
-        [K], shape (rows,); NaN where it is unknown.
-    """
+    """Temperature that a winding does not exceed, or fails by its heat."""
     bound = hottest(spec, cycle, heating, stresses, motor)
     found = np.fmin(np.where(np.isnan(peak), bound, peak), motor["max_winding_temperature"])
     return np.where(np.isfinite(found), found, np.nan)
 
 
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
-    """Bounds over the waveform against the limits; all drives draw from one supply.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    low, high
-        Lower and upper bounds; one object where they are exact.
-    parts
-        The parts of each candidate, with its controller.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Columns over candidates; where only bounds are known a check may stay undecided.
-    """
+    """Bounds over the waveform against the limits; all drives draw from one supply."""
     if low is high:
         return _limits(spec, high, parts)
     return [between(*both) for both in zip(*(_limits(spec, side, parts) for side in (low, high)), strict=True)]
@@ -217,22 +142,7 @@ def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
 
 
 def bus_limit(spec: Any, bus: Any, limit: Any, **more: Any) -> CheckColumn:
-    """Highest voltage of the bus against the controller's limit.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    bus, limit
-        Columns over candidates [V].
-    more
-        Further fields of the column.
-
-    Returns
-    -------
-    CheckColumn
-        On the common supply of a machine the voltage that the controller was chosen for, whatever its axis returns.
-    """
+    """Highest voltage of the bus against the controller's limit."""
     if spec.on_common_bus:
         return at_most("common_bus_voltage", bus, limit, by_choice=True)
     return at_most("bus_voltage", bus, limit, **more)

@@ -62,20 +62,7 @@ def offers(problem: Problem) -> Offers:
 
 
 def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) -> list[CheckColumn]:
-    """The checks; with an unknown inertia those that hang on it may fail but not pass.
-
-    Parameters
-    ----------
-    checks
-        Of candidates, by physics.
-    known
-        Whether all inertias of each candidate are known, shape (candidates,).
-
-    Returns
-    -------
-    list
-        The checks in their order.
-    """
+    """The checks; with an unknown inertia those that hang on it may fail but not pass."""
     if known.all():
         return checks
     return [
@@ -85,20 +72,7 @@ def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) 
 
 
 def worst_of_all(problem: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
-    """The worst case of each check.
-
-    Parameters
-    ----------
-    problem
-        With its load cases.
-    checks
-        Makes the checks of the load case of a number.
-
-    Returns
-    -------
-    list
-        Each check over the load cases that have it.
-    """
+    """The worst case of each check."""
     found: dict[str, list[tuple[int, CheckColumn]]] = {}
     for number in range(len(problem.cases)):
         for check in checks(number):
@@ -112,44 +86,13 @@ def limits_behind_each(
     compute: Callable[[AtGearhead, BeltDrive | None, slice], list[CheckColumn]],
     count: int,
 ) -> list[CheckColumn]:
-    """Limits that hang on the belt itself: those behind each belt put together.
-
-    Parameters
-    ----------
-    problem
-        With its belts.
-    cycle
-        The load cycle behind the belts of so many candidates.
-    compute
-        Makes the limits of the load cycle behind one belt, that belt, and which candidates are behind it.
-    count
-        Number of candidates.
-
-    Returns
-    -------
-    list
-        Columns over the candidates.
-    """
+    """Limits that hang on the belt itself: those behind each belt put together."""
     parts = cycle.parts if isinstance(cycle, AtGearheads) else [(cycle, slice(0, count))]
     return scattered([(rows, compute(at, problem.belt_drive(at.belt), rows)) for at, rows in parts], count)
 
 
 def scattered(found: Sequence[tuple[Any, list[CheckColumn]]], count: int) -> list[CheckColumn]:
-    """Checks of some rows at a time, put together.
-
-    Parameters
-    ----------
-    found
-        Rows, by numbers or as slices, and their checks. One that some rows do not have, such as that of a torque where
-        all currents are known, limits nothing there.
-    count
-        Number of rows.
-
-    Returns
-    -------
-    list
-        Each check over all rows.
-    """
+    """Checks of some rows at a time, put together."""
     parts: dict[str, list[tuple[Any, CheckColumn]]] = {}
     for rows, checks in found:
         for check in checks:
@@ -174,22 +117,7 @@ def _one_check(parts: list[tuple[Any, CheckColumn]], count: int) -> CheckColumn:
 
 
 def placed(parts: Sequence[tuple[Any, Any]], count: int, dtype: Any = np.float64) -> NDArray[Any]:
-    """Columns of some rows at a time as one column.
-
-    Parameters
-    ----------
-    parts
-        Rows, by numbers or as slices, and their values.
-    count
-        Number of rows.
-    dtype
-        Of the column.
-
-    Returns
-    -------
-    array
-        Shape (count,).
-    """
+    """Columns of some rows at a time as one column."""
     whole = np.empty(count, dtype)
     for rows, part in parts:
         whole[rows] = part

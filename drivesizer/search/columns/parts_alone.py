@@ -66,22 +66,7 @@ class _Parts(NamedTuple):
 
 
 def by_their_parts(problem: Problem, offered: Offers, crossed: Crossed, margins: bool) -> Iterator[Started]:
-    """Of pairs behind several belts those of which no part fails, so many at a time.
-
-    Parameters
-    ----------
-    problem, offered
-        The problem, and what there is for each motor.
-    crossed
-        All candidates.
-    margins
-        Compute the smallest margin of each.
-
-    Yields
-    ------
-    Started
-        At least one; what failed is counted in the first.
-    """
+    """Of pairs behind several belts those of which no part fails, so many at a time."""
     parts = _of_the_catalog(problem, offered, crossed.belts, margins)
     left, near = _sorted_out(crossed, parts)
     gearheads = _worth(parts, crossed.pairs.gearhead, (left, near), margins)
@@ -234,18 +219,7 @@ def _several(counts: Sequence[int], most: int) -> Iterator[slice]:
 
 
 def belts_together(problem: Problem) -> int:
-    """Number of belts whose load cycles are held at a time.
-
-    Parameters
-    ----------
-    problem
-        With its load cycles.
-
-    Returns
-    -------
-    int
-        A few where much is kept of a cycle behind each: of a very long one nothing is.
-    """
+    """Number of belts whose load cycles are held at a time."""
     kept = max(0 if case.at_belt.census else case.at_belt.pieces for case in problem.cases)
     return _MANY_BELTS if kept <= _SHORT and not has_steppers(problem.catalog) else _BELTS
 
@@ -268,20 +242,7 @@ def _started(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearhe
 
 
 def all_of_them(problem: Problem, offered: Offers, sets: Candidates) -> Iterator[Started]:
-    """All candidates, with the checks of their parts in full, so many at a time.
-
-    Parameters
-    ----------
-    problem, offered
-        The problem, and what there is for each motor.
-    sets
-        The candidates, their belts never falling.
-
-    Yields
-    ------
-    Started
-        None where there are no candidates.
-    """
+    """All candidates, with the checks of their parts in full, so many at a time."""
     counts = np.unique(sets.belt, return_counts=True)[1]
     for rows in _several(counts.tolist(), belts_together(problem)) if len(counts) else ():
         some = sets.on(rows)

@@ -65,27 +65,7 @@ def powered(
     exactly: Exactly,
     each: Collection[str] = (),
 ) -> Powered:
-    """Controllers, and every check that hangs on current, voltage and heat.
-
-    Parameters
-    ----------
-    problem, offered
-        The problem with its load cycles, and its controllers.
-    cycles
-        The load cycles behind the belts of the candidates.
-    cases, parts
-        Columns over candidates; the controllers are chosen but where a row is given.
-    exactly
-        Compute the waveform of all, with their energy or as far as is wanted; else only of those that safe bounds leave
-        undecided. Or a mask of which.
-    each
-        Names of checks to decide of candidates that fail on another as well.
-
-    Returns
-    -------
-    Powered
-        Row of each candidate's controller, its checks, and its figures.
-    """
+    """Controllers, and every check that hangs on current, voltage and heat."""
     ambients = [case.spec.environment.ambient for case in problem.cases]
     stresses = [
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)

@@ -39,20 +39,7 @@ def _known(check: CheckColumn, loads: ShaftLoads) -> CheckColumn:
 def loads_on_gearheads(
     spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None, gearhead: Figures
 ) -> list[CheckColumn]:
-    """Radial and axial load, tilting moment and output bearing of gearheads, as far as the spec requires them.
-
-    Parameters
-    ----------
-    spec, cycle, drive
-        As for ``carried``.
-    gearhead
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    list[CheckColumn]
-        None where the spec has no such load.
-    """
+    """Radial and axial load, tilting moment and output bearing of gearheads, as far as the spec requires them."""
     loads = shaft_loads(spec, cycle, drive)
     if loads is None:
         return []
@@ -141,20 +128,7 @@ def _bearing(spec: RobotSpec, shaft: Shaft, loads: ShaftLoads, gearhead: Figures
 def loads_on_motors(
     spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None, motor: Figures, gearhead: Figures
 ) -> list[CheckColumn]:
-    """Radial and axial load of motors' shafts where no gearhead is between them and the load.
-
-    Parameters
-    ----------
-    spec, cycle, drive
-        As for ``carried``.
-    motor, gearhead
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    list[CheckColumn]
-        None where the spec has no such load.
-    """
+    """Radial and axial load of motors' shafts where no gearhead is between them and the load."""
     loads = shaft_loads(spec, cycle, drive)
     if loads is None:
         return []
@@ -172,22 +146,7 @@ def loads_on_motors(
 
 
 def life_of_gearheads(cycle: AtGearhead, gearhead: Figures, rated: str = "rated_life") -> NDArray[np.float64]:
-    """Nominal life of gearheads by their rated life, at rated torque and speed.
-
-    Parameters
-    ----------
-    cycle
-        The load cycle at the gearhead's output.
-    gearhead
-        Columns over candidates by field name.
-    rated
-        Which of the rated lives: ``rated_life`` or ``median_life``.
-
-    Returns
-    -------
-    array
-        Life [s], rests of the cycle included; NaN unknown, infinite without a gearhead.
-    """
+    """Nominal life of gearheads by their rated life, at rated torque and speed."""
     life, exponent = gearhead[rated], gearhead["life_exponent"]
     speed = np.where(np.isnan(gearhead["rated_speed"]), gearhead["continuous_input_speed"], gearhead["rated_speed"])
     found = np.full(np.shape(life), np.nan)
@@ -198,24 +157,7 @@ def life_of_gearheads(cycle: AtGearhead, gearhead: Figures, rated: str = "rated_
 
 
 def shock_limits(spec: RobotSpec, torque: float, cycle: AtGearhead, gearhead: Figures) -> list[CheckColumn]:
-    """Torque of an emergency stop or a collision against what gearheads withstand a few times in their life.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    torque
-        At the load's shaft [N*m].
-    cycle
-        The load cycle at the gearhead's output.
-    gearhead
-        Columns over candidates by field name.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Emergency stop torque, and that at which the teeth of strain wave gears jump.
-    """
+    """Torque of an emergency stop or a collision against what gearheads withstand a few times in their life."""
     at_output = torque / (cycle.belt * (spec.gear.ratio if spec.gear else 1.0))
     jumps = np.where(gearhead["kind"] == STRAIN_WAVE, gearhead["ratcheting_torque"], np.inf)
     needed = spec.margins.torque

@@ -77,22 +77,7 @@ class ShaftLoads(NamedTuple):
 
 
 def carried(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None) -> Carried | None:
-    """Forces of what the shaft carries: pulley or pinion of the next stage, or the load; None where none is known.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    drive
-        Belt and pulleys of its ratio, where they are out of the catalogues.
-
-    Returns
-    -------
-    Carried | None
-        With its forces.
-    """
+    """Forces of what the shaft carries: pulley or pinion of the next stage, or the load; None where none is known."""
     shaft = spec.shaft
     if shaft is None:
         return None
@@ -159,18 +144,7 @@ def _of_the_load(spec: RobotSpec, shaft: Shaft, cycle: AtGearhead) -> Carried | 
 
 
 def shaft_loads(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None) -> ShaftLoads | None:
-    """Loads of the output shaft, of what it carries and of what the spec adds.
-
-    Parameters
-    ----------
-    spec, cycle, drive
-        As for ``carried``.
-
-    Returns
-    -------
-    ShaftLoads | None
-        None where the spec has no such load.
-    """
+    """Loads of the output shaft, of what it carries and of what the spec adds."""
     needs = spec.needs
     if spec.shaft is None and needs.radial_load is needs.axial_load is needs.tilting_moment is None:
         return None

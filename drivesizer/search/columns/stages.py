@@ -81,28 +81,6 @@ def examine(
     """Candidates against every limit: pairs behind several belts in stages, a list of candidates all the way.
 
     Those behind several belts go together, as many as stay within the processor's cache.
-
-    Parameters
-    ----------
-    problem
-        With its load cycles.
-    sets
-        The candidates. Of pairs behind several belts what fails is dropped at each stage; the belts of a list may not
-        fall.
-    exact
-        Compute the waveform of all that come so far, with their energy or as far as is wanted; else only of those that
-        safe bounds leave undecided. Of a list a mask may say of which.
-    each
-        Names of checks to decide of candidates that fail on another as well.
-    margins
-        In stages: compute the smallest margin of each.
-    offered
-        What there is for each motor, where it is at hand.
-
-    Yields
-    ------
-    Examined
-        Some of them at a time, in order.
     """
     offered = offered or offers(problem)
     if isinstance(sets, Crossed):
@@ -189,19 +167,7 @@ def _moving(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
 
 
 def felt(cycle: AtGearhead, parts: Parts) -> Any:
-    """Inertia of brakes as the motor's shaft feels it [kg*m^2]; 0 where no drive has one.
-
-    Parameters
-    ----------
-    cycle
-        The load cycle at the gearhead's output.
-    parts
-        Of each candidate.
-
-    Returns
-    -------
-    float or array
-    """
+    """Inertia of brakes as the motor's shaft feels it [kg*m^2]; 0 where no drive has one."""
     if parts.brake is None:
         return 0.0
     return at_motor(parts.brake, "inertia", parts.gearhead["ratio"] * cycle.belt)
@@ -210,24 +176,7 @@ def felt(cycle: AtGearhead, parts: Parts) -> Any:
 def brakes_of(
     problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], parts: Parts, given: Any = None
 ) -> Rows | None:
-    """A brake for each candidate, that holds the load in all cases; None where the spec wants none.
-
-    Parameters
-    ----------
-    problem, offered
-        The problem, and its brakes.
-    cycles
-        The load cycle of each case at the gearhead's output.
-    parts
-        Motor, gearhead and encoder of each candidate.
-    given
-        Rows of brakes that are chosen already, or ``FREE``.
-
-    Returns
-    -------
-    Rows or None
-        Of the brakes; figures are unknown where there is none.
-    """
+    """A brake for each candidate, that holds the load in all cases; None where the spec wants none."""
     if offered.brakes is None:
         return None
     return Rows(problem.catalog.brakes, brakes_for(problem, offered.brakes, cycles, parts[:3], given))
@@ -236,22 +185,7 @@ def brakes_of(
 def encoders_of(
     problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], motor: NDArray[np.int64], ratio: Array
 ) -> NDArray[np.int64]:
-    """An encoder for each candidate that does in the fastest of all load cases.
-
-    Parameters
-    ----------
-    problem, offered
-        The problem, and its encoders.
-    cycles
-        The load cycle of each case at the gearhead's output.
-    motor, ratio
-        Row of each candidate's motor, and ratio of its gearhead, shape (candidates,).
-
-    Returns
-    -------
-    ndarray
-        Row of each candidate's encoder; -1 where none is listed for its motor.
-    """
+    """An encoder for each candidate that does in the fastest of all load cases."""
     specs = [case.spec for case in problem.cases]
     speeds = [cycle.peak_speed * (1.0 + spec.margins.speed) for spec, cycle in zip(specs, cycles, strict=True)]
     fastest = np.maximum.reduce(speeds)

@@ -89,26 +89,7 @@ def stepped(
     *,
     staged: bool,
 ) -> Stepped:
-    """Drivers, and every check of steppers that hangs on the load cycle.
-
-    Parameters
-    ----------
-    problem, offered
-        The problem with its load cycles, and its controllers.
-    cycles
-        The load cycle of each case behind the belt of the candidates.
-    demand
-        Torque and speed of each case, columns over candidates.
-    parts
-        Columns over candidates; the controllers are chosen but where a row is given.
-    staged
-        Compute what is drawn of those alone that fail on nothing else.
-
-    Returns
-    -------
-    Stepped
-        Row of each candidate's controller, its checks, and its figures.
-    """
+    """Drivers, and every check of steppers that hangs on the load cycle."""
     catalog, motor = problem.catalog, parts.motor
     current = motor["nominal_current"]
     thin = max(controller_needed(case.spec, 0.0) for case in problem.cases)
@@ -146,24 +127,7 @@ def stepped(
 
 
 def driver_limits(current: Array, controller: Figures, needed: float, ambient: Any) -> list[CheckColumn]:
-    """Rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's.
-
-    Parameters
-    ----------
-    current
-        Rated current of a phase [A].
-    controller
-        Columns over candidates by field name.
-    needed
-        Margin that thin air requires [1].
-    ambient
-        [K].
-
-    Returns
-    -------
-    list
-        Two checks.
-    """
+    """Rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's."""
     return [
         at_most("controller_continuous_current", current, controller_current(controller, ambient), needed=needed),
         at_most("controller_peak_current", amplitude(current), controller["peak_current"]),
@@ -251,18 +215,7 @@ def _between(functions: Array, lines: Array) -> Iterator[Array]:
 
 
 def inertia_at_motor(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
-    """Inertia of the load and of all that turns with it.
-
-    Parameters
-    ----------
-    cycle, demand
-        The load cycle, and torque and speed: columns over candidates.
-
-    Returns
-    -------
-    tuple of arrays
-        The two, at the motor's shaft [kg*m^2].
-    """
+    """Inertia of the load and of all that turns with it."""
     load = cycle.load_cycle.inertia / (demand.total_ratio * cycle.belt) ** 2
     return load, load + demand.coefficients[:, ACCELERATION] / demand.total_ratio
 
@@ -282,24 +235,7 @@ def _starting(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts,
 def start_limits(
     spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, torques: tuple[Array, Array]
 ) -> list[CheckColumn]:
-    """Speed to which the motor jumps without a ramp, against that at which it starts.
-
-    Parameters
-    ----------
-    spec
-        The load case, in which such a speed is required.
-    cycle, demand
-        Its load cycle, and torque and speed: columns over candidates.
-    parts
-        The parts of each candidate.
-    torques
-        Against the motion, and the motor's at low speed [N*m].
-
-    Returns
-    -------
-    list
-        The check.
-    """
+    """Speed to which the motor jumps without a ramp, against that at which it starts."""
     motor, (_, inertia) = parts.motor, inertia_at_motor(cycle, demand)
     limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, *torques)
     return [at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed)]
@@ -309,20 +245,6 @@ def resolution_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts
     """Angle of a microstep at the load; of a full step, where the driver's are unknown and that is fine enough.
 
     Microsteps are those of the spec, as far as the driver has them; else its finest.
-
-    Parameters
-    ----------
-    spec
-        The load case.
-    cycle, demand
-        Its load cycle, and torque and speed: columns over candidates.
-    parts
-        The parts of each candidate.
-
-    Returns
-    -------
-    list
-        The check, where the spec has such a need.
     """
     need = spec.needs.resolution_at_load
     if need is None:
@@ -374,24 +296,7 @@ def _draw(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wan
 
 
 def supply_limits(spec: RobotSpec, returned: Array, most: Array, parts: Parts, printed: Array) -> list[CheckColumn]:
-    """The supply's voltage against the motor's, its current and power, and the bus where energy is regenerated.
-
-    Parameters
-    ----------
-    spec
-        The load case.
-    returned, most
-        Energy that a motor returns per cycle [J], and the largest power that it draws [W].
-    parts
-        The parts of each candidate.
-    printed
-        Highest voltage that the makers of the motors permit [V]; NaN none.
-
-    Returns
-    -------
-    list
-        Those that the spec has limits for.
-    """
+    """The supply's voltage against the motor's, its current and power, and the bus where energy is regenerated."""
     supply, torque, power = spec.supply, spec.margins.torque, most * spec.load.motors
     none, stays = returned == 0.0, (1.0 - supply.regeneration) * returned * spec.load.motors
     raised = np.nan if supply.capacitance is None else bus_voltage(supply.highest, stays, supply.capacitance)

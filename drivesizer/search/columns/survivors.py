@@ -36,22 +36,7 @@ class Amount(NamedTuple):
 
 
 def amounting(found: Sequence[CheckColumn], count: int, margins: bool) -> Amount:
-    """Amount of some checks.
-
-    Parameters
-    ----------
-    found
-        Columns of so many rows, or of one figure.
-    count
-        Number of rows.
-    margins
-        Compute the smallest margin.
-
-    Returns
-    -------
-    Amount
-        Of each row.
-    """
+    """Amount of some checks."""
     failed, unknown, margin = np.zeros(count, bool), np.zeros((count, _WORDS), np.uint64), np.full(count, np.inf)
     doublings = np.zeros(count, np.int64)
     for check in found:
@@ -66,20 +51,7 @@ def amounting(found: Sequence[CheckColumn], count: int, margins: bool) -> Amount
 
 
 def bound_of(found: Sequence[CheckColumn], count: int) -> Array:
-    """Upper bound of the smallest margin; -1 where a check fails that has none.
-
-    Parameters
-    ----------
-    found
-        Columns of so many rows, or of one figure.
-    count
-        Number of rows.
-
-    Returns
-    -------
-    array
-        Of each row.
-    """
+    """Upper bound of the smallest margin; -1 where a check fails that has none."""
     least = np.full(count, np.inf)
     for check in found:
         margin = check.margin

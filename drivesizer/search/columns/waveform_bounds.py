@@ -36,24 +36,7 @@ _SOME = 1e-100  # s, more than nothing, of a time that is not known yet
 
 
 def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
-    """Lower and upper bounds over the waveform; upper ones of windings that pass.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    cycle
-        The load cycle at the gearhead's output.
-    demand, heating, stresses
-        Columns over candidates, as ``demands``, ``heat`` and ``stress`` give them.
-    parts
-        The parts of each candidate.
-
-    Returns
-    -------
-    Pair
-        Columns over candidates; NaN where nothing is known, or no limit needs it.
-    """
+    """Lower and upper bounds over the waveform; upper ones of windings that pass."""
     heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
     motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
     low, high = winding_limits(spec, cycle, demand, heating, stresses, motor)
@@ -88,22 +71,7 @@ def _each(cycle: AtGearhead, compute: Callable[..., Any], *columns: Any) -> Any:
 
 
 def at_source(power: Array, stresses: Stress, feed: Feed) -> Array:
-    """Upper bound of the power out of the source, of one of the motor's power.
-
-    Parameters
-    ----------
-    power
-        Upper bound of the motor's power [W].
-    stresses
-        Columns over candidates, of ``stress``.
-    feed
-        Stages and supply.
-
-    Returns
-    -------
-    Array
-        [W], shape (rows,).
-    """
+    """Upper bound of the power out of the source, of one of the motor's power."""
     found: Array = of_the_source(power + feed.lost(stresses.current.value) + feed.stage.standby, feed)
     return found
 

@@ -21,20 +21,7 @@ _ALIKE = 32  # drives of a family that rank alike, of which margins are computed
 
 
 def family_of(catalog: Catalog, motor: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The motor family of drives, as a number.
-
-    Parameters
-    ----------
-    catalog
-        The catalogue of the motors.
-    motor
-        Rows of the motors, shape (drives,).
-
-    Returns
-    -------
-    ndarray
-        Equal for motors of one family, shape (drives,).
-    """
+    """The motor family of drives, as a number."""
 
     def numbers() -> NDArray[np.int64]:
         return np.unique(catalog.motors["family"].astype(str), return_inverse=True)[1]
@@ -53,20 +40,7 @@ def family_firsts(family: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def margin_candidates(catalog: Catalog, sets: Candidates, order: Rows, first: int, wanted: int, rank: Array) -> Rows:
-    """Drives of which ``best_of_other_families`` needs margins, as far as the order of the first leaves that open.
-
-    Parameters
-    ----------
-    catalog, sets, order, wanted, rank
-        As ``best_of_other_families`` takes them.
-    first
-        How many of the first may still be ordered otherwise, and are evaluated anyway.
-
-    Returns
-    -------
-    array of int
-        Rows that are not among the first.
-    """
+    """Drives of which ``best_of_other_families`` needs margins, as far as the order of the first leaves that open."""
     family = family_of(catalog, sets.motor[order])
     leaders = family_firsts(family)
     beyond = leaders[np.count_nonzero(leaders < first) :]
@@ -92,28 +66,7 @@ def best_of_other_families(
     rank: Array,
     bounded: Evaluated | None = None,
 ) -> Rows:
-    """The best drive of each other motor family than that of the best; of those that rank alike the largest margin.
-
-    Parameters
-    ----------
-    judge, sets, evaluated, order
-        As ``in_order`` takes them.
-    catalog
-        The parts.
-    best
-        Rows of the drives that are shown.
-    wanted
-        How many families.
-    rank
-        A row for each figure that orders, shape (figures, drives).
-    bounded
-        Evaluates by bounds, where a waveform takes long.
-
-    Returns
-    -------
-    array of int
-        Rows, the best first.
-    """
+    """The best drive of each other motor family than that of the best; of those that rank alike the largest margin."""
     if not wanted or not len(best):
         return best[:0]
     family, own = family_of(catalog, sets.motor[order]), family_of(catalog, sets.motor[best])[0]

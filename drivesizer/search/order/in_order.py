@@ -21,24 +21,7 @@ _MOST = 1 << 16  # at a time
 def ordered_in_machine(
     judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: NDArray[np.int64], wanted: int
 ) -> BudgetFilter:
-    """The drives in order that pass the machine's budgets, until so many are found or none is left.
-
-    Parameters
-    ----------
-    judge
-        Which pass; all where not given.
-    sets, evaluated
-        All drives, and a function that evaluates some of them.
-    order
-        Their rows, the best first.
-    wanted
-        How many.
-
-    Returns
-    -------
-    Kept
-        Rows of ``sets``.
-    """
+    """The drives in order that pass the machine's budgets, until so many are found or none is left."""
     if judge is None:
         return BudgetFilter(order, order[:0], 0, Counter())
     best, rejected, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
@@ -58,58 +41,19 @@ def _among(evaluated: Evaluated, rows: NDArray[np.int64]) -> Evaluated:
 
 
 def without_rejected(counts: Counts, kept: BudgetFilter, passes: NDArray[np.bool_]) -> Counts:
-    """The counts without the drives that fail on a budget of the machine.
-
-    Parameters
-    ----------
-    counts
-        Of drives by their own checks.
-    kept
-        Of ``ordered_in_machine``.
-    passes
-        Which drives meet all limits of theirs, as none of their checks is unknown or open.
-
-    Returns
-    -------
-    Counts
-        With how many were judged, and how many failed on each budget.
-    """
+    """The counts without the drives that fail on a budget of the machine."""
     by = {name: count for name, count in kept.by.items() if count}
     left, passing = counts.feasible - len(kept.rejected), counts.passing - int(passes[kept.rejected].sum())
     return replace(counts, feasible=left, passing=passing, judged=kept.judged, failed_by_budget=by)
 
 
 def failing_before(kept: BudgetFilter, order: NDArray[np.int64]) -> int:
-    """Number of drives that fail on a budget before the first that passes.
-
-    Parameters
-    ----------
-    kept
-        Of ``ordered_in_machine``.
-    order
-        Rows of the drives, the best first.
-
-    Returns
-    -------
-    int
-        All that were judged where none passes.
-    """
+    """Number of drives that fail on a budget before the first that passes."""
     if not len(kept.best):
         return len(kept.rejected)
     return int(np.argmax(order == kept.best[0]))  # all before it were judged
 
 
 def but_for(rows: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Some rows without others.
-
-    Parameters
-    ----------
-    rows, others
-        Rows of drives.
-
-    Returns
-    -------
-    array of int
-        In their order; mostly there are none, and nothing is compared.
-    """
+    """Some rows without others."""
     return rows[~np.isin(rows, others)] if len(rows) else rows

@@ -69,26 +69,7 @@ class FullDrives(NamedTuple):
 def drives_by_margin(
     problem: Problem, kept: Sifted, rank: Rank, tied: Rows, beside: Rows, rejected: Candidates, misses: int, top: int
 ) -> tuple[FullDrives, Rows]:
-    """The first drives in order of their margins too, and what was looked at for that.
-
-    Parameters
-    ----------
-    problem, kept, rank
-        The machine, the drives that pass or may pass, and what orders them before their margins do.
-    tied
-        The first by that order, up to the equals of the last shown.
-    beside
-        Others to look at.
-    rejected, misses
-        The closest, and how many of them may be shown.
-    top
-        Of how many of the first the order matters.
-
-    Returns
-    -------
-    tuple
-        Drives in full, and those tied, the best first.
-    """
+    """The first drives in order of their margins too, and what was looked at for that."""
     several = max(_FEW, 2 * top)
     few, others = np.split(tied[rank.order(problem.catalog, kept.sets, tied, kept.most[tied])], [several])
     if several < len(others) and np.isfinite(kept.most[others[0]]):

@@ -51,20 +51,7 @@ class Turn(NamedTuple):
 
 
 def estimated_figures(problem: Problem, motor: int, gearhead: int, brake: int = -1) -> list[Figure]:
-    """Figures of a drive's motor, gearhead and brake that are not the same at both ends of their bands.
-
-    Parameters
-    ----------
-    problem
-        Its catalogue with both ends of the bands, or without estimates.
-    motor, gearhead, brake
-        Rows; -1 no brake.
-
-    Returns
-    -------
-    list
-        Section and column of each.
-    """
+    """Figures of a drive's motor, gearhead and brake that are not the same at both ends of their bands."""
     if not problem.catalog.ends:
         return []
     low, high = problem.catalog.ends
@@ -96,26 +83,7 @@ def _followers(catalog: Catalog, motor: int) -> dict[Figure, Figure]:
 def passing(
     problem: Problem, one: Candidates, names: Set[str], samples: int = SAMPLES, *, each: bool = True
 ) -> dict[str, float]:
-    """Probability that each check of a drive passes, by name; under "" that all of these pass.
-
-    Parameters
-    ----------
-    problem
-        Its catalogue with both ends of the bands.
-    one
-        A single candidate, with its controller.
-    names
-        Of its open checks: one may be known at an end of the bands alone.
-    samples
-        How many.
-    each
-        Judge each of these checks by itself; else only as far as it takes to say whether all pass.
-
-    Returns
-    -------
-    dict
-        Of these, and of all checks that are not unknown in every sample.
-    """
+    """Probability that each check of a drive passes, by name; under "" that all of these pass."""
     figures = estimated_figures(problem, *_rows_of(one))
     points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
     checks = [
@@ -149,20 +117,7 @@ def _normal(samples: int, figures: int) -> Array:
 
 
 def turns(problem: Problem, one: Candidates, names: Set[str]) -> dict[str, Turn]:
-    """For some checks of a drive the estimated figure that moves each most, and the value at which it turns.
-
-    Parameters
-    ----------
-    problem, one
-        As for ``passing``.
-    names
-        Of the checks.
-
-    Returns
-    -------
-    dict
-        By name; only checks that turn by one figure alone.
-    """
+    """For some checks of a drive the estimated figure that moves each most, and the value at which it turns."""
     figures = estimated_figures(problem, *_rows_of(one))
     if not figures or not names:
         return {}
@@ -217,24 +172,7 @@ def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passe
 def drive_at_points(
     problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, names: Collection[str]
 ) -> Evaluation:
-    """A drive with its estimated figures at several points of their bands, a row each.
-
-    Parameters
-    ----------
-    problem, one
-        As for ``passing``.
-    points
-        By figure: standard deviations from the middle of the band, towards its unfavourable end; shape (count,).
-    count
-        Number of points.
-    names
-        Checks that are judged by themselves, whatever else fails at a point.
-
-    Returns
-    -------
-    Evaluation
-        Of ``count`` rows.
-    """
+    """A drive with its estimated figures at several points of their bands, a row each."""
     catalog, every = problem.catalog, np.arange(count)
     motor, gearhead = (np.full(count, rows[0]) for rows in (one.motor, one.gearhead))
     tables = {

@@ -47,45 +47,13 @@ class Rank(NamedTuple):
     def order(
         self, catalog: Catalog, sets: Candidates, rows: Any = slice(None), margin: Array | None = None
     ) -> NDArray[np.int64]:
-        """Some drives from best to worst, by their places among these.
-
-        Parameters
-        ----------
-        catalog, sets
-            The parts, and all drives.
-        rows
-            Which of them.
-        margin
-            Smallest margin of each of these, where that is at hand.
-
-        Returns
-        -------
-        array of int
-            The larger margin goes before of equals, then part numbers.
-        """
+        """Some drives from best to worst, by their places among these."""
         before = [self.precedence[rows]]
         return ranking.order(catalog, sets.on(rows), self.value[rows], self.missing[rows], before=before, margin=margin)
 
 
 def ranked(problem: Problem, kept: Sifted, objective: Ranking, top: int) -> Rank:
-    """Columns that order the drives that pass or may pass.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    kept
-        The drives.
-    objective
-        What ranks them.
-    top
-        How many are to be shown.
-
-    Returns
-    -------
-    Rank
-        Columns over the drives.
-    """
+    """Columns that order the drives that pass or may pass."""
     value, missing = ranking.values(problem.catalog, kept.sets, kept.figures, objective)
     return Rank(_precedence(problem, kept, value, missing, top), missing, value)
 
@@ -113,22 +81,7 @@ def _precedence(
 
 
 def equals_of_the_last(problem: Problem, rank: Rank, order: NDArray[np.int64], top: int) -> int:
-    """Number of the first in order that are ordered by margin: up to the equals of the last shown, in bounds.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles.
-    rank, order
-        Of the drives, and their rows by it.
-    top
-        How many are to be shown.
-
-    Returns
-    -------
-    int
-        0 where there are no drives.
-    """
+    """Number of the first in order that are ordered by margin: up to the equals of the last shown, in bounds."""
     if not len(order):
         return 0
     same = rank.columns[:, order]
@@ -143,20 +96,7 @@ def waveforms(problem: Problem) -> int:
 
 
 def better_but_unknown(problem: Problem, kept: Sifted, rank: Rank, best: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The best of those that are better than the first shown and only stand behind it for a figure that is missing.
-
-    Parameters
-    ----------
-    problem, kept, rank
-        The parts, the drives, and what orders them.
-    best
-        Rows of those that are shown.
-
-    Returns
-    -------
-    array of int
-        Its row, or none.
-    """
+    """The best of those that are better than the first shown and only stand behind it for a figure that is missing."""
     if not len(best) or kept.certainty[best[0]] != PASSES:
         return best[:0]
     first, shown = ranking.rounded(rank.value), best[0]

@@ -30,13 +30,7 @@ Ranking = str | list[Weighted]  # one objective, or several with weights
 
 
 def objective_of(text: str) -> Ranking:
-    """An objective as the command line gives it: a name, or names with weights such as ``mass=2,price=1``.
-
-    Raises
-    ------
-    InputError
-        When a name or a weight is wrong.
-    """
+    """An objective as the command line gives it: a name, or names with weights such as ``mass=2,price=1``."""
     parts = [part.partition("=") for part in text.split(",")]
     for name, _, _ in parts:
         if name.strip() not in OBJECTIVES:
@@ -92,27 +86,7 @@ def title_of(objective: Ranking) -> str:
 def values(
     catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: Ranking
 ) -> tuple[Array, NDArray[np.int64]]:
-    """An objective of each drive, less is better, and of how many parts it is unknown.
-
-    Parameters
-    ----------
-    catalog
-        The parts.
-    sets
-        Candidates.
-    figures
-        Their energy [J], peak current [A], winding temperature [K] and smallest margin, as far as objectives need them,
-        and the parts of ``bought.chosen``.
-    objective
-        One, or several with weights: then multiples of the best value that any of the drives has are summed.
-
-    Returns
-    -------
-    tuple[Array, array of int]
-        The objective and what is unknown of it, each of shape (rows,). A single objective counts unknown encoders and
-        controllers after all others; where the price of motor, gearhead or brake is unknown it is the mass, by which
-        such drives are ordered.
-    """
+    """An objective of each drive, less is better, and of how many parts it is unknown."""
     if isinstance(objective, str):
         value, missing = single(catalog, sets, figures, objective)
         if objective == "price" and missing.any():  # what is known of a price says nothing of the rest of it
@@ -131,20 +105,7 @@ def values(
 def single(
     catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str
 ) -> tuple[Array, NDArray[np.int64]]:
-    """One objective of each drive as far as it is known, less is better, and what is unknown of it.
-
-    Parameters
-    ----------
-    catalog, sets, figures
-        As ``values`` takes them.
-    name
-        The objective.
-
-    Returns
-    -------
-    tuple[Array, array of int]
-        Each of shape (rows,); what is unknown of encoder and controller is left out and not counted.
-    """
+    """One objective of each drive as far as it is known, less is better, and what is unknown of it."""
     declared = OBJECTIVES[name]
     if not declared.over:
         value = np.where(np.isinf(figures[name]), np.nan, -figures[name]) if declared.more_is_better else figures[name]
@@ -158,20 +119,7 @@ def single(
 def controlling_unknown(
     catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: str
 ) -> NDArray[np.int64]:
-    """Number of encoder and controller of each drive of which an objective is unknown.
-
-    Parameters
-    ----------
-    catalog, sets, figures
-        As ``values`` takes them.
-    objective
-        One.
-
-    Returns
-    -------
-    array of int
-        Of shape (rows,).
-    """
+    """Number of encoder and controller of each drive of which an objective is unknown."""
     declared = OBJECTIVES[objective]
     over = [role for role in declared.over if role in CONTROLLING]
     unknown: NDArray[np.int64] = np.isnan(
@@ -192,22 +140,6 @@ def order(
 
     An objective that is known of all parts goes before one that is not, then the better one, then the larger smallest
     margin where that is at hand, then part numbers: the same input gives the same order.
-
-    Parameters
-    ----------
-    catalog, sets
-        The parts, and the candidates.
-    value, missing
-        Of ``values``, each of shape (rows,).
-    before
-        Columns that go before all of these, the first one first.
-    margin
-        Smallest margin of each; NaN unknown.
-
-    Returns
-    -------
-    array of int
-        Rows, the best first, shape (rows,).
     """
     return np.lexsort((
         sets.belt,
@@ -232,18 +164,6 @@ def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name
     """Drives that no other drive equals or beats in every one of several objectives, in order of the first.
 
     Drives of which one of the objectives is not wholly known are left out.
-
-    Parameters
-    ----------
-    catalog, sets, figures
-        As for ``values``.
-    names
-        Objectives.
-
-    Returns
-    -------
-    array of int
-        Rows on the front.
     """
     columns = [single(catalog, sets, figures, name) for name in names]
     known = np.flatnonzero(sum(missing for _, missing in columns) == 0)

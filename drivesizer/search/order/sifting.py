@@ -82,27 +82,7 @@ def sifted(
     objective: Ranking | None = None,
     wanted: int = 0,
 ) -> tuple[Sifted, Candidates, Counts]:
-    """The drives that pass or may pass, the closest rejected, and the counts.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-    names
-        Objectives.
-    progress
-        Called after each chunk.
-    margins
-        Compute the smallest margin of each; by bounds where no objective needs the waveform.
-    objective, wanted
-        Over a long cycle drives that bounds leave open are computed in this order, until so many pass; those behind are
-        counted as undecided. All of them are where no objective is given, or one needs margins or the waveform.
-
-    Returns
-    -------
-    tuple
-        Those that pass or may pass, candidates near the limits, and how many failed on what.
-    """
+    """The drives that pass or may pass, the closest rejected, and the counts."""
     every = pairs(problem)
     total, done, failed_by = len(every.motor) * len(problem.belt_ratios), 0, Counter[str]()
     kept: list[_Found] = []
@@ -135,34 +115,12 @@ def sifted(
 
 
 def examined_by(names: Set[str], margins: bool) -> tuple[Hashable, ...]:
-    """All of objectives that ``sifted`` hangs on.
-
-    Parameters
-    ----------
-    names, margins
-        As of ``sifted``.
-
-    Returns
-    -------
-    tuple
-        Equal where the same drives and figures come of both.
-    """
+    """All of objectives that ``sifted`` hangs on."""
     return _wanted(names), margins, bool(names & set(COUNTED))
 
 
 def any_passes(problem: Problem) -> bool:
-    """Whether any candidate passes or may pass: no more of them are examined than answer that.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cycles, and the catalogues.
-
-    Returns
-    -------
-    bool
-        Whether ``sifted`` would find one.
-    """
+    """Whether any candidate passes or may pass: no more of them are examined than answer that."""
     every = pairs(problem)
     if problem.spec.select.unknown == "reject":
         return any((~one.unknown.any(axis=1)).any() for one in _examined(problem, every, False, False))

@@ -60,20 +60,7 @@ class Derivation:
 
 
 def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
-    """Requirements (1)-(16) of a wheeled vehicle.
-
-    Parameters
-    ----------
-    spec
-        The robot.
-    rotor_inertia
-        J_m of (10) [kg*m^2], one figure or a column over candidates.
-
-    Returns
-    -------
-    Derivation
-        Each step with its inputs and its value.
-    """
+    """Requirements (1)-(16) of a wheeled vehicle."""
     d, load, motion, factors = Derivation(), spec.load, spec.motion, spec.paper_factors
     assert isinstance(load, WheeledVehicle) and isinstance(motion, Trapezoid)  # nothing else: RobotSpec.paper_applies
     g, N, wheel, m_R = spec.environment.gravity, load.driven_wheels, load.wheel_diameter, load.mass
@@ -139,24 +126,7 @@ def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Any:
 def motor_requirements(
     spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Figures, gearhead: Figures, belt: Any
 ) -> Derivation:
-    """Requirements (17)-(20) of candidates.
-
-    Parameters
-    ----------
-    spec
-        The robot.
-    wheel
-        Requirements (1)-(16), each a figure or a column over the candidates.
-    motor, gearhead
-        Figures of the candidates' parts by field name: a record's or columns'.
-    belt
-        Belt ratio of each candidate.
-
-    Returns
-    -------
-    Derivation
-        Each step with its inputs and its value.
-    """
+    """Requirements (17)-(20) of candidates."""
     d = Derivation()
     geared = {"K_g": gearhead["ratio"], "eta_gear": gearhead["efficiency"]}
     chain = geared | {"i_b": belt, "eta_b": spec.belt_efficiency}
@@ -181,20 +151,7 @@ def motor_requirements(
 
 
 def drive_requirements(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Requirement]:
-    """Requirements (1)-(20) of a wheeled vehicle with a drive; without one (1)-(16), with no rotor inertia.
-
-    Parameters
-    ----------
-    spec
-        The robot, to which the paper applies.
-    drive
-        The drive.
-
-    Returns
-    -------
-    dict
-        By name, in the order in which they were derived.
-    """
+    """Requirements (1)-(20) of a wheeled vehicle with a drive; without one (1)-(16), with no rotor inertia."""
     if drive is None:
         return vehicle(spec, 0.0).steps
     wheel = vehicle(spec, drive.motor.rotor_inertia).steps

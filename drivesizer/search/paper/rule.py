@@ -51,22 +51,7 @@ def rule(
     gearhead: Figures,
     belt: Any,
 ) -> list[CheckColumn]:
-    """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates.
-
-    Parameters
-    ----------
-    spec
-        The machine, or one of its load cases.
-    wheel, shaft
-        Requirements (1)-(16) and (17)-(20) by name.
-    motor, gearhead, belt
-        As for ``at_the_motor``.
-
-    Returns
-    -------
-    list[CheckColumn]
-        Columns over candidates.
-    """
+    """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates."""
     at_gearhead = belt * spec.belt_efficiency
     n_motor = _motor_speed(wheel, gearhead["ratio"], belt)
     torque = wheel["rms_torque_per_motor"].value / at_gearhead, largest_torque(wheel) / at_gearhead
@@ -106,20 +91,6 @@ def hopeless(
 
     Without them the others pass and fail as with them: the reductions of a family are compared for each motor, and one
     that turns too fast is none that is allowed.
-
-    Parameters
-    ----------
-    spec, catalog
-        The machine, and the parts.
-    motor, gearhead
-        Rows of each candidate's parts.
-    belt
-        Belt ratio of each candidate.
-
-    Returns
-    -------
-    array of bool
-        Shape (rows,).
     """
     wheel, gears = vehicle(spec, catalog.motors["rotor_inertia"]).steps, catalog.gearheads
     found: NDArray[np.bool_] = _power(wheel, catalog.motors).failed[motor]
@@ -141,25 +112,7 @@ def _groups(catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any]) -> ND
 def largest_allowed(
     catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], total: NDArray[Any], gear: list[CheckColumn]
 ) -> CheckColumn:
-    """The rule that one reduction remains per motor and gearhead family: the largest that is allowed.
-
-    Parameters
-    ----------
-    catalog
-        The catalogue.
-    motor, gearhead
-        Rows of each candidate's parts.
-    total
-        Total ratio of each candidate.
-    gear
-        The checks on the gearhead's torques and input speed. Where a family has no reduction that passes them and
-        some that are unknown, the largest of those remains.
-
-    Returns
-    -------
-    CheckColumn
-        Columns over candidates.
-    """
+    """The rule that one reduction remains per motor and gearhead family: the largest that is allowed."""
     allowed = np.logical_and.reduce([check.passed for check in gear])
     possible = ~np.logical_or.reduce([check.failed for check in gear])
     key, of = "families of candidates", (motor, gearhead)

@@ -32,22 +32,7 @@ Given = Mapping[tuple[str, str], str]
 
 
 def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class, ...]:
-    """The classes of one part's figures, one a figure; none without the part, or of a controller inside an actuator.
-
-    Parameters
-    ----------
-    catalog
-        The parts, and the tolerances that their makers state.
-    given
-        Classes of the spec, in place of any other, by part and figure.
-    part, row
-        ``motor``, ``gearhead`` or ``controller``, and its row.
-
-    Returns
-    -------
-    tuple of Class
-        In the order of the figures.
-    """
+    """The classes of one part's figures, one a figure; none without the part, or of a controller inside an actuator."""
     table = catalog.table(_SECTIONS[part])
     if row < 0 or table["part"][row] == DIRECT or (part == "controller" and table["inside"][row] != ""):
         return ()
@@ -158,20 +143,7 @@ def _of_a_maker(catalog: Catalog, one: MakerTolerance) -> Class:
 
 
 def holding_of_a_set(catalog: Catalog, given: Given, *rows: int) -> tuple[Class, ...]:
-    """The classes of the figures of a motor, its gearhead and its controller, by their rows.
-
-    Parameters
-    ----------
-    catalog, given
-        As in ``holding``.
-    rows
-        Theirs, as many as count.
-
-    Returns
-    -------
-    tuple of Class
-        Those of the motor first.
-    """
+    """The classes of the figures of a motor, its gearhead and its controller, by their rows."""
     return tuple(one for part, row in zip(_SECTIONS, rows, strict=False) for one in holding(catalog, given, part, row))
 
 
@@ -179,18 +151,6 @@ def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, ...]]) -> tup
     """The classes that hold for any of some motors, gearheads and controllers, each once, in a fixed order.
 
     The order is that of the figures, the default class of each first, then the makers' by name.
-
-    Parameters
-    ----------
-    catalog, given
-        As in ``holding``.
-    rows
-        Rows of motors, gearheads and controllers.
-
-    Returns
-    -------
-    tuple of Class
-        Each once.
     """
     parts = dict.fromkeys(pair for one in rows for pair in zip(_SECTIONS, one, strict=False))
     found = {one for part, row in parts for one in holding(catalog, given, part, row)}

@@ -18,22 +18,7 @@ Factors = Mapping[str, Mapping[str, float]]  # by part, then by figure; 1 where 
 
 
 def deviating_drive(one: DriveParts, spec: RobotSpec, factors: Factors) -> DriveParts:
-    """A drive whose figures deviate from those of the catalogue.
-
-    Parameters
-    ----------
-    one
-        The drive as printed.
-    spec
-        The machine with the figures of the sample.
-    factors
-        Of ``motor``, ``gearhead`` and ``controller``, by the figures of tolerance classes.
-
-    Returns
-    -------
-    DriveParts
-        With these figures.
-    """
+    """A drive whose figures deviate from those of the catalogue."""
     of_gearhead = factors["gearhead"]
     losses, gains = (of_gearhead.get(name, 1.0) for name in ("efficiency", "inertia"))
     gearhead = replace(

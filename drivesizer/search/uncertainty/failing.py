@@ -44,18 +44,7 @@ class Passing(NamedTuple):
 
 
 def passing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Passing]:
-    """In how many samples drives pass, by bounds.
-
-    Parameters
-    ----------
-    given, catalog, subjects, processes
-        As in ``failing``.
-
-    Returns
-    -------
-    list of Passing
-        One a drive.
-    """
+    """In how many samples drives pass, by bounds."""
     if processes > 1 and len(subjects) > 1:
         return by_processes(passing, given, catalog, subjects, processes)
     parts = [[_known(catalog, one, block) for one in subjects] for block in blocks_of(given, catalog, subjects)]
@@ -67,20 +56,7 @@ def passing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], proc
 
 
 def counted(given: Prepared, catalog: Catalog, one: Subject, known: Passing) -> int:
-    """In how many samples a drive passes: of those that bounds leave open what needs the waveform is computed.
-
-    Parameters
-    ----------
-    given, catalog
-        As in ``failing``.
-    one, known
-        The drive, and what ``passing`` found of it.
-
-    Returns
-    -------
-    int
-        Number of samples.
-    """
+    """In how many samples a drive passes: of those that bounds leave open what needs the waveform is computed."""
     if not len(known.opened):
         return known.least
     wanted = {*_deciding(one), *BATTERY_SAMPLED}
@@ -95,24 +71,7 @@ def counted(given: Prepared, catalog: Catalog, one: Subject, known: Passing) -> 
 
 
 def failing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Failed]:
-    """Whether some check fails, of each drive in each sample.
-
-    Parameters
-    ----------
-    given
-        The samples.
-    catalog
-        The parts.
-    subjects
-        The drives.
-    processes
-        Number of processes that share the drives.
-
-    Returns
-    -------
-    list of array
-        One a drive, of shape (samples,).
-    """
+    """Whether some check fails, of each drive in each sample."""
     if processes > 1 and len(subjects) > 1:
         return by_processes(failing, given, catalog, subjects, processes)
     parts = [[_fails(catalog, one, block) for one in subjects] for block in blocks_of(given, catalog, subjects)]

@@ -29,31 +29,7 @@ def sampling_of(
     processes: int = 1,
     loop: int | None = None,
 ) -> Sampling | None:  # fmt: skip
-    """Options of sampling of a spec, and options before it; None where neither mentions tolerances.
-
-    Parameters
-    ----------
-    spec
-        The spec with its tolerances.
-    confidence
-        Required probability that all checks pass, 0 to 1 [1].
-    samples, seed
-        Number of samples, and seed of their scrambling.
-    processes
-        Number of processes that share the drives.
-    loop
-        Samples of the best drives in closed loop.
-
-    Returns
-    -------
-    Sampling or None
-        The options.
-
-    Raises
-    ------
-    InputError
-        When an option is out of its range.
-    """
+    """Options of sampling of a spec, and options before it; None where neither mentions tolerances."""
     _refuse(confidence, samples, seed, loop)
     given = spec.tolerances
     wanted = loop or any(option is not None for option in (confidence, samples, seed, given.confidence))

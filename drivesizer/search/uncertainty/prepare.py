@@ -77,24 +77,7 @@ class Prepared(NamedTuple):
 
 
 def prepared(problem: Problem, given: Sequence[Assumption], values: Array, *, every: bool = False) -> Prepared:
-    """Samples of a machine, with their load cycles.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cases.
-    given
-        The uncertain figures.
-    values
-        (samples, assumptions) [SI].
-    every
-        Compute the load cycle of each by itself, and all of them; else fewer where the cycles are long.
-
-    Returns
-    -------
-    Prepared
-        The samples; fewer where the load cycles are long.
-    """
+    """Samples of a machine, with their load cycles."""
     cases = []
     for machine, case, paths, make in _cases(problem, given):
         own = sorted(paths)
@@ -190,22 +173,7 @@ def _moves(paths: Mapping[int, Path_], values: Mapping[int, float], given: Seque
 
 
 def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[Block]:
-    """The samples in blocks, ready for drives with any of some belt ratios.
-
-    Parameters
-    ----------
-    one
-        The samples.
-    catalog
-        The parts.
-    belts
-        Belt ratios of the drives [1].
-
-    Returns
-    -------
-    iterator of Block
-        Consecutive samples.
-    """
+    """The samples in blocks, ready for drives with any of some belt ratios."""
     longest = max(len(case.cycles.duration) for case in one.cases)
     size = int(np.clip(_CELLS // longest, 64, _ROWS))
     for first in range(0, len(one.values), size):

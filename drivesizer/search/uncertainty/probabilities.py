@@ -70,24 +70,7 @@ _NOTHING = True, False, math.inf, math.inf
 
 
 def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Examined]:
-    """Checks of drives over all samples.
-
-    Parameters
-    ----------
-    given
-        The samples.
-    catalog
-        The parts.
-    subjects
-        The drives.
-    processes
-        Number of processes that share the drives; the figures are the same with any number.
-
-    Returns
-    -------
-    list of Examined
-        One a drive.
-    """
+    """Checks of drives over all samples."""
     if processes > 1 and len(subjects) > 1:
         return by_processes(examined, given, catalog, subjects, processes)
     kept = [*blocks_of(given, catalog, subjects)] if given.cells <= _KEPT else None
@@ -103,18 +86,7 @@ def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], pro
 
 
 def blocks_of(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> Iterator[Block]:
-    """The samples in blocks, ready for some drives.
-
-    Parameters
-    ----------
-    given, catalog, subjects
-        As in ``examined``.
-
-    Returns
-    -------
-    iterator of Block
-        Consecutive samples.
-    """
+    """The samples in blocks, ready for some drives."""
     return blocks(given, catalog, sorted({one.rows.belt for one in subjects}))
 
 
@@ -125,20 +97,7 @@ def by_processes(
     function: Callable[[Prepared, Catalog, Sequence[Subject]], list[Found]],
     given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int,
 ) -> list[Found]:  # fmt: skip
-    """Results of a function for drives, by several processes, each with some of them.
-
-    Parameters
-    ----------
-    function
-        Of the samples, the parts and some drives; it finds something of each.
-    given, catalog, subjects, processes
-        As in ``examined``.
-
-    Returns
-    -------
-    list
-        Of each drive, in their order.
-    """
+    """Results of a function for drives, by several processes, each with some of them."""
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
@@ -191,20 +150,7 @@ def _reduced(one: Subject, parts: Sequence[Mapping[str, Over]]) -> Examined:
 
 
 def reduced(every: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
-    """Reliability of several checks together.
-
-    Parameters
-    ----------
-    every
-        The checks over the same samples, at least one.
-    titles
-        Theirs.
-
-    Returns
-    -------
-    Examined
-        With the smallest margin of each sample.
-    """
+    """Reliability of several checks together."""
     count = len(next(iter(every.values())).passed)
     failed, smallest, place = np.zeros(count, bool), np.full(count, np.inf), np.full(count, -1)
     for number, over in enumerate(every.values()):
@@ -252,18 +198,7 @@ def _spread(name: str, title: str, over: Over, weakest: float) -> Spread:
 
 
 def quantiles(values: Array) -> tuple[float, float, float]:
-    """The values that 5 %, 50 % and 95 % of all lie below.
-
-    Parameters
-    ----------
-    values
-        Of all samples, shape (samples,).
-
-    Returns
-    -------
-    tuple of float
-        NaN where one of the values is unknown.
-    """
+    """The values that 5 %, 50 % and 95 % of all lie below."""
     least = float(values.min())
     if least != least or least == values.max():  # NaN, or all the same
         return (least,) * 3
@@ -276,41 +211,13 @@ def quantiles(values: Array) -> tuple[float, float, float]:
 
 
 def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption]) -> list[int]:
-    """Numbers of the assumptions that count for a drive: the spec's, and the classes that hold for its parts.
-
-    Parameters
-    ----------
-    one, catalog
-        The drive, and the parts.
-    spec
-        The machine.
-    given
-        The assumptions.
-
-    Returns
-    -------
-    list of int
-        In their order.
-    """
+    """Numbers of the assumptions that count for a drive: the spec's, and the classes that hold for its parts."""
     held = holding_of_a_set(catalog, spec.tolerances.given, one.rows.motor, one.rows.gearhead, one.rows.controller)
     return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
 
 
 def at_ends(problem: Problem, given: Sequence[Assumption]) -> Prepared:
-    """The nominal figures, then two samples an assumption, it alone varied: at its 5 % and at its 95 % quantile.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cases.
-    given
-        The assumptions.
-
-    Returns
-    -------
-    Prepared
-        1 + 2 n samples of n assumptions.
-    """
+    """The nominal figures, then two samples an assumption, it alone varied: at its 5 % and at its 95 % quantile."""
     values = np.tile([assumption.nominal for assumption in given], (1 + 2 * len(given), 1))
     ends = values_of(given, np.tile([[0.05], [0.95]], len(given)))
     for k in range(len(given)):
@@ -324,24 +231,7 @@ def _ends(k: int) -> slice:
 
 
 def drivers(one: Subject, catalog: Catalog, ends: Prepared, sample: Sample, smallest: Array) -> tuple[Driver, ...]:
-    """Effect of each assumption on the smallest margin of a drive, the largest first.
-
-    Parameters
-    ----------
-    one, catalog
-        The drive, and the parts.
-    ends
-        The machine with one assumption varied at a time.
-    sample
-        The samples.
-    smallest
-        Smallest margin of each [1].
-
-    Returns
-    -------
-    tuple of Driver
-        One an assumption that counts.
-    """
+    """Effect of each assumption on the smallest margin of a drive, the largest first."""
     known, own = np.isfinite(smallest), counting(one, catalog, ends.spec, ends.given)
     if not own:
         return ()
@@ -377,20 +267,7 @@ def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
 
 
 def without_effect(drives: Sequence[Subject], catalog: Catalog, ends: Prepared) -> list[Assumption]:
-    """Figures of the spec that leave every sampled check of some drives as it is.
-
-    Parameters
-    ----------
-    drives, catalog
-        The drives, and the parts.
-    ends
-        The machine with one assumption varied at a time.
-
-    Returns
-    -------
-    list of Assumption
-        In their order.
-    """
+    """Figures of the spec that leave every sampled check of some drives as it is."""
     changed = np.zeros(len(ends.values), bool)
     for one in drives:
         first: dict[str, tuple[Array, Array]] = {}

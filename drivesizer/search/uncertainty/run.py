@@ -57,24 +57,7 @@ class SampledDrives(NamedTuple):
 def sample_drives(
     problem: Problem, subjects: Mapping[int, Subject], how: Sampling, *, brief: bool = False
 ) -> SampledDrives:
-    """Reliability of drives.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cases, and the catalogues.
-    subjects
-        Drives that meet all limits at nominal figures, in order, by their rows.
-    how
-        Samples, seed, and the required confidence.
-    brief
-        The probabilities alone, not what they depend on.
-
-    Returns
-    -------
-    SampledDrives
-        The drives with their samples.
-    """
+    """Reliability of drives."""
     rows = [(one.rows.motor, one.rows.gearhead, one.rows.controller) for one in subjects.values()]
     catalog, machine = problem.catalog, problem.machine
     held = used(catalog, machine.tolerances.given, rows)
@@ -111,22 +94,7 @@ def _divided(ready: Prepared, subjects: Mapping[int, Subject], how: Sampling) ->
 
 
 def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:
-    """A drive that a search found, with its checks by physics.
-
-    Parameters
-    ----------
-    evaluation
-        Result of the search.
-    row
-        Of the drive in it.
-    beside
-        Checks by the other method.
-
-    Returns
-    -------
-    Subject
-        The drive, ready to be sampled.
-    """
+    """A drive that a search found, with its checks by physics."""
     given = evaluation.candidates
     rows = SetRows(
         int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
@@ -138,22 +106,7 @@ def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) ->
 def reliabilities(
     sampled: SampledDrives, rows: Collection[int], finalists: Mapping[int, DriveParts]
 ) -> dict[int, Reliability]:
-    """Reliability of drives, with the sensitivities of each unless they were sampled in brief.
-
-    Parameters
-    ----------
-    sampled
-        The sampled drives.
-    rows
-        Which of them.
-    finalists
-        Those that are sampled in closed loop too.
-
-    Returns
-    -------
-    dict
-        By row.
-    """
+    """Reliability of drives, with the sensitivities of each unless they were sampled in brief."""
     catalog, ends, described = sampled.ready.problem.catalog, sampled.ends, {}
     for row, found in sampled.examined(rows).items():
         described[row], one = found.reliability, sampled.subjects[row]

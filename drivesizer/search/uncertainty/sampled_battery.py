@@ -51,22 +51,7 @@ class Draw(NamedTuple):
 
 
 def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
-    """The battery of a machine, and what the equipment draws from it.
-
-    Parameters
-    ----------
-    spec
-        The machine, with columns in place of what is sampled.
-    rated
-        Its battery at nominal figures.
-    catalog
-        Where the battery's part is listed.
-
-    Returns
-    -------
-    Feeding
-        The battery and its equipment.
-    """
+    """The battery of a machine, and what the equipment draws from it."""
     given = spec.battery
     assert given is not None
     charge: Any = 1.0
@@ -82,47 +67,14 @@ def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
 
 
 def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw]) -> list[CheckColumn]:
-    """Autonomy, range, peak and voltage of the battery, as far as they are required.
-
-    Parameters
-    ----------
-    spec
-        With columns.
-    feeds
-        The battery.
-    at
-        The load cycles.
-    draws
-        Of the load case; of a platform on its path of each wheel. Their peaks need not coincide, so those of
-        several are not checked.
-
-    Returns
-    -------
-    list of CheckColumn
-        Columns over the samples.
-    """
+    """Autonomy, range, peak and voltage of the battery, as far as they are required."""
     total = at.total
     speed = _travel(spec, at) / total if feeds.travels else np.full_like(total, nan)
     return columns_of(spec, feeds, total, speed, draws)
 
 
 def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequence[Draw]) -> list[CheckColumn]:
-    """Autonomy, range, peak and voltage, from figures of the cycle.
-
-    Parameters
-    ----------
-    spec, feeds, draws
-        As in ``battery_limits``.
-    total
-        Length of the cycle [s].
-    speed
-        Mean speed of the machine [m/s].
-
-    Returns
-    -------
-    list of CheckColumn
-        Columns over the samples.
-    """
+    """Autonomy, range, peak and voltage, from figures of the cycle."""
     share = spec.supply.regeneration
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
     slip = spec.platform.slip if spec.platform else 0.0

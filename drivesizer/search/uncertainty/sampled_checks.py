@@ -55,22 +55,7 @@ _ERROR = 1e-2  # of what a change within a segment does to the winding; the sear
 
 
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
-    """Every check that samples may change, by name: columns over the samples, the worst of all load cases.
-
-    Parameters
-    ----------
-    catalog
-        The parts.
-    one
-        Rows of the drive's parts.
-    block
-        The samples.
-
-    Returns
-    -------
-    dict of CheckColumn
-        By name: columns over the samples.
-    """
+    """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
     parts, factors = parts_of(catalog, one, block)
     listed = is_listed(catalog, one.motor, one.brake)
     stepper = stepper_of(catalog, one, parts, factors)
@@ -102,18 +87,7 @@ def _of_batteries(block: Block, one: SetRows, draws: Sequence[Draw]) -> Iterator
 
 
 def over_time_checks(catalog: Catalog, one: SetRows, block: Block) -> Iterator[CheckColumn]:
-    """Those of the checks that need the current over time, of each load case, of a drive without least demands.
-
-    Parameters
-    ----------
-    catalog, one, block
-        As for ``checks_of``.
-
-    Returns
-    -------
-    iterator of CheckColumn
-        Columns over the samples.
-    """
+    """Those of the checks that need the current over time, of each load case, of a drive without least demands."""
     parts, factors = parts_of(catalog, one, block)
     draws = list[Draw]()
     for spec, ats in zip(block.specs, block.ats, strict=True):
@@ -138,20 +112,7 @@ def _of_gearhead(spec: Any, at: AtSamples, drive: BeltDrive | None, gearhead: Pa
 
 
 def stepper_of(catalog: Catalog, one: SetRows, parts: Parts, factors: Mapping[str, Array]) -> SampledStepper | None:
-    """A stepper over samples, with what its checks take beside its parts.
-
-    Parameters
-    ----------
-    catalog, one
-        As for ``checks_of``.
-    parts, factors
-        Of ``parts_of``.
-
-    Returns
-    -------
-    SampledStepper or None
-        None of other motors.
-    """
+    """A stepper over samples, with what its checks take beside its parts."""
     if not has_steppers(catalog):
         return None
     highest = catalog.steppers["supply_max"][catalog.motors[STEPPER][one.motor]]
@@ -169,22 +130,7 @@ class Loaded(NamedTuple):
 
 
 def loaded(spec: Any, at: AtSamples, parts: Parts, factors: Mapping[str, Array], *, energies: bool) -> Loaded:
-    """Demands, heat and waveform of a drive in one load case.
-
-    Parameters
-    ----------
-    spec, at
-        The load case with columns, and its load cycles.
-    parts, factors
-        Of ``parts_of``.
-    energies
-        Compute power and energy, whatever the checks need.
-
-    Returns
-    -------
-    Loaded
-        Columns over the samples.
-    """
+    """Demands, heat and waveform of a drive in one load case."""
     required, warmth = _moved(spec, at, parts, factors)
     feed = spec.feed(parts.controller, parts.brake)
     peaks = stress(spec.environment.ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)
@@ -255,18 +201,7 @@ class Moving(NamedTuple):
 
 
 def moving_checks(catalog: Catalog, one: SetRows, block: Block) -> Iterator[Moving]:
-    """A drive that is no stepper over the samples of each load case, without the waveform.
-
-    Parameters
-    ----------
-    catalog, one, block
-        As for ``checks_of``.
-
-    Returns
-    -------
-    iterator of Moving
-        One a load case.
-    """
+    """A drive that is no stepper over the samples of each load case, without the waveform."""
     parts, factors = parts_of(catalog, one, block)
     listed = is_listed(catalog, one.motor, one.brake)
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):

@@ -44,27 +44,7 @@ _LOST = "the loop does not come to an end"
 def loop_share(
     spec: RobotSpec, one: DriveParts, given: Sequence[Assumption], values: Array, samples: int
 ) -> LoopShare | None:
-    """Share of samples in which no check of the closed loop fails; None of the wheels of a platform on its path.
-
-    Parameters
-    ----------
-    spec, one
-        The machine as it was sized, its own load case, and the drive.
-    given, values
-        The uncertain figures of this drive, and their samples, replicate after replicate.
-    samples
-        Largest number of them.
-
-    Returns
-    -------
-    LoopShare or None
-        Share of the samples that pass, with its error.
-
-    Raises
-    ------
-    InputError
-        When the nominal drive cannot be simulated in closed loop.
-    """
+    """Share of samples in which no check of the closed loop fails; None of the wheels of a platform on its path."""
     if isinstance(spec.load, WheelLoad):
         return None
     nominal = run(spec, one, motion_of(spec))
@@ -88,22 +68,7 @@ def loop_share(
 def deviating(
     spec: RobotSpec, one: DriveParts, given: Sequence[Assumption], values: Array
 ) -> tuple[RobotSpec, DriveParts]:
-    """Machine and drive with the figures of one sample.
-
-    Parameters
-    ----------
-    spec, one
-        The nominal machine and drive.
-    given
-        The uncertain figures that count for the drive, each once.
-    values
-        Of one sample [SI].
-
-    Returns
-    -------
-    tuple of RobotSpec and DriveParts
-        With these figures.
-    """
+    """Machine and drive with the figures of one sample."""
     paths = case_paths(spec, None)
     moved = applied(spec, {path: float(values[k]) - given[k].nominal for k, path in paths.items()})
     factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}, "controller": {}}

@@ -48,22 +48,7 @@ _LEAST = ("free_speed", "stall_torque", "pull_out_at_rest", "pull_out_at_speed")
 
 
 def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[FigureSpread, ...]:
-    """Percentiles of the figures of a drive.
-
-    Parameters
-    ----------
-    given
-        The samples.
-    catalog
-        The parts.
-    one
-        Rows of the drive's parts.
-
-    Returns
-    -------
-    tuple of FigureSpread
-        In the order in which people read them.
-    """
+    """Percentiles of the figures of a drive."""
     each = [figure_columns(catalog, one, block) for block in blocks(given, catalog, [one.belt])]
     found = []
     for name, (title, kind, unit) in (_OF_STEPPERS if has_steppers(catalog) else _FIGURES).items():
@@ -73,20 +58,7 @@ def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[Fig
 
 
 def figure_columns(catalog: Catalog, one: SetRows, block: Block) -> dict[str, Array]:
-    """Figures of a drive, sample by sample.
-
-    Parameters
-    ----------
-    catalog, one
-        The parts, and which of them the drive has.
-    block
-        The samples.
-
-    Returns
-    -------
-    dict
-        SI columns by name, shape (samples,); NaN where a figure is unknown, or only bounds of it are known.
-    """
+    """Figures of a drive, sample by sample."""
     parts, factors = parts_of(catalog, one, block)
     stepper = stepper_of(catalog, one, parts, factors)
     found: dict[str, Array] = {}

@@ -77,24 +77,7 @@ class Cycles(NamedTuple):
 
 
 def cycles_of(make: Make, nominal: Array, values: Array, *, every: bool = False) -> Cycles:
-    """The load cycles of samples.
-
-    Parameters
-    ----------
-    make
-        Gives the cycle at values of all figures that may shape it.
-    nominal
-        Those figures.
-    values
-        Of the samples, shape (samples, figures), replicate after replicate.
-    every
-        Compute each by itself, and all of them: for values that are no replicates.
-
-    Returns
-    -------
-    Cycles
-        As many as samples; or 1, where no figure shapes it; or those of the first samples of each replicate.
-    """
+    """The load cycles of samples."""
     like = make(nominal)
     if every or len(values) <= _FEW:
         return _side_by_side([make(row) for row in values], like)

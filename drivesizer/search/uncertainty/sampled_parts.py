@@ -76,16 +76,6 @@ def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
 
     Torque and voltage constant have one factor: both deviate with the magnets' flux. Their difference, by saturation
     and losses, belongs to the type and is no tolerance of the single motor.
-
-    Parameters
-    ----------
-    given
-        Factors by class, as far as they are sampled: columns or single ones.
-
-    Returns
-    -------
-    dict
-        Factor by the name of the figure in the catalogue [1].
     """
     friction, cooling, k = (given.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
     return {
@@ -98,20 +88,7 @@ def motor_factors(given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def with_dry_share(motor: Any, factors: Mapping[str, Any]) -> dict[str, Any]:
-    """Friction of a motor whose dry share is sampled: at any speed, and per speed; nothing where it is not.
-
-    Parameters
-    ----------
-    motor
-        Figures by field name, without the factors.
-    factors
-        By class.
-
-    Returns
-    -------
-    dict
-        The two columns [N*m], [N*m*s/rad]; the share's factor and that of all friction in them.
-    """
+    """Friction of a motor whose dry share is sampled: at any speed, and per speed; nothing where it is not."""
     if "dry_friction" not in factors:
         return {}
     coulomb, viscous = friction(motor, factors["dry_friction"])
@@ -120,20 +97,7 @@ def with_dry_share(motor: Any, factors: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def with_losses(efficiency: Any, factor: Any) -> Any:
-    """Efficiency with losses per transmitted torque, 1/e - 1, times a factor; it stays within 0 to 1.
-
-    Parameters
-    ----------
-    efficiency
-        Nominal [1].
-    factor
-        Of the losses [1].
-
-    Returns
-    -------
-    float or array
-        Efficiency [1].
-    """
+    """Efficiency with losses per transmitted torque, 1/e - 1, times a factor; it stays within 0 to 1."""
     return 1.0 / (1.0 + (1.0 / efficiency - 1.0) * factor)
 
 
@@ -192,18 +156,7 @@ def _brake(catalog: Catalog, row: int, block: Block) -> PartFigures:
 
 
 def parts_of(catalog: Catalog, one: SetRows, block: Block) -> tuple[Parts, dict[str, Array]]:
-    """The parts of a drive over samples, and the factors of its motor; of a stepper its driver's as well.
-
-    Parameters
-    ----------
-    catalog, one, block
-        As for ``checks_of``.
-
-    Returns
-    -------
-    tuple
-        Figures by field name, columns over the samples; factors by figure [1].
-    """
+    """The parts of a drive over samples, and the factors of its motor; of a stepper its driver's as well."""
     factors = block.factors_of(catalog, "motor", one.motor)
     if has_steppers(catalog):
         factors |= block.factors_of(catalog, "controller", one.controller)

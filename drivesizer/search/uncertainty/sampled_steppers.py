@@ -58,24 +58,7 @@ class SampledStepper(NamedTuple):
 
 
 def stepper_motor(catalog: Catalog, row: int, count: int, factors: Mapping[str, Any]) -> PartFigures:
-    """A stepper's figures, each times its factor, with the current that its driver really gives.
-
-    Parameters
-    ----------
-    catalog
-        As a search for steppers takes it.
-    row
-        Of the motor.
-    count
-        Number of samples.
-    factors
-        By class, those of the driver among them, as far as they are sampled.
-
-    Returns
-    -------
-    PartFigures
-        Columns over the samples.
-    """
+    """A stepper's figures, each times its factor, with the current that its driver really gives."""
     printed = PartFigures(catalog.motors, row, count, {}).nominal
     current = factors.get("phase_current", 1.0)
     times = {name: factors.get(name, 1.0) for name in ("resistance", "inductance", "rotor_inertia", "start_speed")}
@@ -85,20 +68,7 @@ def stepper_motor(catalog: Catalog, row: int, count: int, factors: Mapping[str, 
 
 
 def stepper_checks(spec: Any, at: AtSamples, one: SampledStepper) -> tuple[list[CheckColumn], Draw]:
-    """The checks of one load case, and the energy that its drives draw.
-
-    Parameters
-    ----------
-    spec, at
-        The load case with columns, and its load cycles.
-    one
-        The drive over the samples.
-
-    Returns
-    -------
-    tuple
-        Columns over the samples.
-    """
+    """The checks of one load case, and the energy that its drives draw."""
     parts, required = one.parts, _required(at, one.parts)
     found = [_pull_out(spec, at, required, one), *_start(spec, at, required, one)]
     found += resolution_limits(spec, at, required, parts)
@@ -263,20 +233,7 @@ def _heated(spec: Any, at: AtSamples) -> Array:
 
 
 def stepper_figures(spec: Any, at: AtSamples, one: SampledStepper) -> dict[str, Array]:
-    """Figures of a stepper in one load case.
-
-    Parameters
-    ----------
-    spec, at
-        The load case with columns, and its load cycles.
-    one
-        The drive over the samples.
-
-    Returns
-    -------
-    dict
-        SI columns by name, of one figure where all samples have it.
-    """
+    """Figures of a stepper in one load case."""
     parts, required = one.parts, _required(at, one.parts)
     torque = np.abs(at.line(required.coefficients)).max(axis=(0, 1))
     fastest = (np.abs(at.speeds).max(axis=(0, 1)) * required.total_ratio)[:, None]

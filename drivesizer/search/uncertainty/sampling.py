@@ -43,25 +43,7 @@ class Share(NamedTuple):
 
 
 def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence[Assumption] = ()) -> Sample:
-    """Samples of assumptions: the same seed, the same samples.
-
-    Parameters
-    ----------
-    given
-        The assumptions.
-    samples
-        Least number; rounded up to a multiple of the replicates.
-    seed
-        Of the scrambling.
-    drawn
-        Assumptions of the columns that are drawn, where these are others: so the same seed gives the same machines,
-        whichever parts are compared. Each of the given takes the column that it shares.
-
-    Returns
-    -------
-    Sample
-        Points of the cube, and values [SI].
-    """
+    """Samples of assumptions: the same seed, the same samples."""
     columns = [one.column for one in drawn or given]
     each = -(-samples // REPLICATES)
     power = max(int(np.ceil(np.log2(each))), 0)
@@ -72,37 +54,13 @@ def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence
 
 
 def first_of_each(samples: int, size: int) -> NDArray[np.int64]:
-    """Rows of the first samples of every replicate.
-
-    Parameters
-    ----------
-    samples, size
-        Number of rows, and of all samples: multiples of the replicates both.
-
-    Returns
-    -------
-    array
-        Rows, replicate after replicate.
-    """
+    """Rows of the first samples of every replicate."""
     each = np.arange(REPLICATES)[:, None] * (size // REPLICATES) + np.arange(samples // REPLICATES)
     return each.reshape(-1)
 
 
 def values_of(given: Sequence[Assumption], cube: Array) -> Array:
-    """Values of assumptions at points of the cube.
-
-    Parameters
-    ----------
-    given
-        The assumptions.
-    cube
-        Shape (points, assumptions), 0 to 1.
-
-    Returns
-    -------
-    array
-        Of the same shape; SI, of a catalogue figure its factor.
-    """
+    """Values of assumptions at points of the cube."""
     normal = [k for k, one in enumerate(given) if one.distribution.by_deviations]
     deviations = dict(zip(normal, normal_deviations(cube[:, normal]).T, strict=True)) if normal else {}
     values = [one.distribution.at(cube[:, k], deviations.get(k)) for k, one in enumerate(given)]
@@ -116,16 +74,6 @@ def mean_and_error(hits: NDArray[np.bool_]) -> Share:
 
     Where all samples agree the replicates give no error; then 3/n, since so many samples miss a rarer event with
     a probability of 5 % (the rule of three).
-
-    Parameters
-    ----------
-    hits
-        Of each sample, replicate after replicate.
-
-    Returns
-    -------
-    Share
-        The share and its error [1].
     """
     each = hits.reshape(REPLICATES, -1).mean(axis=1)
     error = _STUDENT * float(np.std(each, ddof=1)) / np.sqrt(REPLICATES)

@@ -29,18 +29,6 @@ _COSINES = 8
 def first_order(inputs: Array, output: Array) -> Array:
     """First-order Sobol indices of each input [1]; 0 where the output does not vary.
 
-    Parameters
-    ----------
-    inputs
-        (samples, inputs), each in any monotonic measure.
-    output
-        Of each sample.
-
-    Returns
-    -------
-    array
-        Index of each input [1].
-
     Examples
     --------
     >>> from scipy.stats import qmc
@@ -63,20 +51,7 @@ def first_order(inputs: Array, output: Array) -> Array:
 
 
 def rank_correlations(inputs: Array, output: Array) -> Array:
-    """Spearman's rank correlation of each input with the output [1]; 0 where the output does not vary.
-
-    Parameters
-    ----------
-    inputs
-        Shape (samples, inputs).
-    output
-        Of each sample.
-
-    Returns
-    -------
-    array
-        Correlation of each input, -1 to 1 [1].
-    """
+    """Spearman's rank correlation of each input with the output [1]; 0 where the output does not vary."""
     y = _ranks(output[:, None])[:, 0]
     x = _ranks(inputs)
     size = np.sqrt((x * x).sum(axis=0) * (y @ y))

@@ -25,22 +25,7 @@ _FEW = 16  # points that are no sample
 
 
 def sobol(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> NDArray[np.float64]:
-    """Points of the cube from 0 to 1: for each seed as many as a power of two, one seed after the other.
-
-    Parameters
-    ----------
-    figures
-        Dimensions of the cube.
-    power
-        Of two.
-    seeds
-        Of the scrambling.
-
-    Returns
-    -------
-    array
-        Points, shape (seeds times 2 to the power, figures).
-    """
+    """Points of the cube from 0 to 1: for each seed as many as a power of two, one seed after the other."""
     name = "sobol" if len(seeds) > 1 else "sobol_of_one"  # of a fit: in no sample's place, which would be drawn anew
     return _kept(name, repr((figures, power, [*map(tuple, seeds)])).encode(), partial(_drawn, figures, power, seeds))
 
@@ -53,18 +38,7 @@ def _drawn(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> NDArray[
 
 
 def normal_deviations(share: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Normal deviations at points (``distributions.deviations_at``), kept too: to load SciPy takes longer.
-
-    Parameters
-    ----------
-    share
-        Points of the cube, of any shape.
-
-    Returns
-    -------
-    array
-        Of the same shape.
-    """
+    """Normal deviations at points (``distributions.deviations_at``), kept too: to load SciPy takes longer."""
     name = "deviations" if len(share) > _FEW else "deviations_of_few"
     return _kept(name, repr((share.shape, CUT)).encode() + share.tobytes(), partial(deviations_at, share))
 

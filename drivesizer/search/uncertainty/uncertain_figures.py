@@ -47,20 +47,7 @@ class Assumption(NamedTuple):
 
 
 def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[Assumption, ...]:
-    """All uncertain figures of a spec and of the catalogue.
-
-    Parameters
-    ----------
-    spec
-        As it was read, with its tolerances and its own classes.
-    held
-        The classes that hold for the parts in question; without them the default ones of all figures.
-
-    Returns
-    -------
-    tuple of Assumption
-        The spec's first.
-    """
+    """All uncertain figures of a spec and of the catalogue."""
     classes_held = _of_the_kind(spec) if held is None else held
     return (*map(of_the_file, spec.toleranced), *(of_a_class(one) for one in classes_held if one.factor is not None))
 
@@ -89,20 +76,7 @@ def _named(path: Path_) -> str:
 
 
 def case_paths(spec: RobotSpec, number: int | None) -> dict[int, Path_]:
-    """The spec's tolerances that count in a load case, by their number, with their places there.
-
-    Parameters
-    ----------
-    spec
-        As it was read.
-    number
-        Of the further case; None the spec itself.
-
-    Returns
-    -------
-    dict
-        Place in the load case by the number of the tolerance.
-    """
+    """The spec's tolerances that count in a load case, by their number, with their places there."""
     if number is None:
         return {k: one.path for k, one in enumerate(spec.toleranced) if one.path[0] != "cases"}
     own = dict(enumerate(spec.entered.get("cases") or ())).get(number, {})  # poses of a robot are not in the file
@@ -124,20 +98,7 @@ def _replaced(case: Mapping[str, Any], path: Path_) -> bool:
 
 
 def applied(spec: RobotSpec, changes: Mapping[Path_, Any]) -> RobotSpec:
-    """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked.
-
-    Parameters
-    ----------
-    spec
-        At nominal figures.
-    changes
-        Differences by place [SI]: figures or columns.
-
-    Returns
-    -------
-    RobotSpec
-        The spec with these figures.
-    """
+    """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked."""
     changed: RobotSpec = _moved(spec, changes) if changes else spec
     return changed
 

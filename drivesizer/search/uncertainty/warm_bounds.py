@@ -25,22 +25,7 @@ _VOLTAGE, _CURRENT = 1.02, 1.1  # by which voltage and current may differ beside
 
 
 def warm_at_most(heat: MotorHeat, cold: Simulation, free: Simulation, start: Sequence[float]) -> Simulation:
-    """A simulation from cold with figures that a cycle does not exceed which begins warm.
-
-    Parameters
-    ----------
-    heat
-        The motor's two bodies, and the ambient.
-    cold, free
-        One drive over its cycles, with and without limits of voltage and current.
-    start
-        Winding and housing where the warm cycle begins [K].
-
-    Returns
-    -------
-    Simulation
-        ``free`` with other largest voltage and current demand, and current of the supply.
-    """
+    """A simulation from cold with figures that a cycle does not exceed which begins warm."""
     figures = free.figures
     hottest = max(start) + figures["winding_highest"] - heat.ambient  # as if nothing of the start were dissipated
     volts = figures["stage_voltage"]
@@ -64,18 +49,7 @@ def alike(checks: tuple[Check, ...]) -> Judged:
 
 
 def weakest(found: Sequence[Judged]) -> str | None:
-    """The check that fails most often, else that with the smallest margin in the mean.
-
-    Parameters
-    ----------
-    found
-        The machines.
-
-    Returns
-    -------
-    str or None
-        Its title, empty where no check has a margin; None where the bounds of the margins leave it open.
-    """
+    """The check that fails most often, else that with the smallest margin in the mean."""
     failed = Counter(check.title for one in found for check in one.checks if check.status == "fail")
     if failed:
         return failed.most_common(1)[0][0]

@@ -46,20 +46,7 @@ class Side(NamedTuple):
 def sampled_bounds(
     spec: Any, at: AtSamples, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
 ) -> tuple[Side, Side] | None:
-    """Lower and upper bounds of a drive in one load case.
-
-    Parameters
-    ----------
-    spec, at
-        The load case with columns, and its load cycles.
-    demand, heating, stresses, parts
-        Columns over the samples; the stresses' voltage is not read.
-
-    Returns
-    -------
-    tuple of Side or None
-        None of a drive whose demands are least ones, whose heat is unknown, or where resistances take of its voltage.
-    """
+    """Lower and upper bounds of a drive in one load case."""
     motor, bodies = parts.motor, two_bodies(parts.motor)
     if spec.resists or not (demand.complete.all() and np.all(bodies.known)):
         return None

@@ -14,23 +14,7 @@ __all__ = ["read_description"]
 
 
 def read_description(path: Path) -> Robot:
-    """Links and joints of a file, URDF or MJCF by its root element.
-
-    Parameters
-    ----------
-    path
-        Of the file; those that it names, such as meshes, are not read.
-
-    Returns
-    -------
-    Robot
-        Its links and joints in SI.
-
-    Raises
-    ------
-    InputError
-        One line with file, line, what was found and what is expected.
-    """
+    """Links and joints of a file, URDF or MJCF by its root element."""
     root = read_tree(path)
     if root.tag == "mujoco":
         return mjcf_of(root, path)

@@ -34,23 +34,7 @@ _FLUID = ("density", "viscosity")
 
 
 def mjcf_of(root: Node, path: Path) -> Robot:
-    """Links and joints of a root element.
-
-    Parameters
-    ----------
-    root, path
-        The element ``mujoco``, and its file.
-
-    Returns
-    -------
-    Robot
-        Its first link is the world; a body with several joints has links of no mass between them.
-
-    Raises
-    ------
-    InputError
-        One line with file, line, what was found and what is expected.
-    """
+    """Links and joints of a root element."""
     for node in root.children:
         if node.tag not in _READ | _ELSEWHERE and (node.children or node.tag not in ("equality", "tendon")):
             raise InputError(f"{path}:{node.line}: <{node.tag[:40]}> is not read; expected a description without it")

@@ -18,27 +18,7 @@ _NONE = Body(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def mass_of(node: Node, settings: Settings, childclass: str) -> tuple[Body, str]:
-    """Mass of one body without those that hang on it.
-
-    Parameters
-    ----------
-    node
-        The element ``body``.
-    settings
-        Of the file.
-    childclass
-        Class of its geoms where they give none.
-
-    Returns
-    -------
-    tuple
-        Mass, centre and inertia in its frame, and a reason where they are unknown, else an empty text.
-
-    Raises
-    ------
-    InputError
-        A figure that is none.
-    """
+    """Mass of one body without those that hang on it."""
     inertial = node.first("inertial")
     if settings.from_geoms != "true" and inertial is not None:
         return _inertial(inertial, settings), ""

@@ -50,23 +50,7 @@ class Settings:
 
 
 def settings_of(root: Node, path: Path) -> Settings:
-    """Settings and classes of a file.
-
-    Parameters
-    ----------
-    root, path
-        The element ``mujoco``, and its file.
-
-    Returns
-    -------
-    Settings
-        With the defaults of MJCF where the file gives none.
-
-    Raises
-    ------
-    InputError
-        A setting that changes masses in a manner that is not read.
-    """
+    """Settings and classes of a file."""
     found = Settings(path)
     for node in root.all("compiler"):
         _compiler(node, found)
@@ -116,25 +100,7 @@ def _class(node: Node, found: Settings, inherited: Mapping[str, dict[str, str]],
 
 
 def frame_of(node: Node, settings: Settings) -> tuple[Array, Array]:
-    """Place and turn of an element in the frame of its parent.
-
-    Parameters
-    ----------
-    node
-        With ``pos`` and one of quat, axisangle, euler, xyaxes, zaxis, where they are given.
-    settings
-        Of the file.
-
-    Returns
-    -------
-    tuple of arrays
-        Place [m], shape (3,), and rotation matrix.
-
-    Raises
-    ------
-    InputError
-        Several orientations, or one that is none.
-    """
+    """Place and turn of an element in the frame of its parent."""
     given = [name for name in _ORIENTATIONS if name in node.attributes]
     where = f"{settings.path}:{node.line}: <{node.tag}>"
     if len(given) > 1:
@@ -193,18 +159,7 @@ def _least_turn(z: Array) -> Array:
 
 
 def scalar(node: Node, name: str, settings: Settings) -> float:
-    """One number of an attribute; laws of several coefficients are refused.
-
-    Parameters
-    ----------
-    node, name, settings
-        Element, attribute, and settings of the file.
-
-    Returns
-    -------
-    float
-        0 where the attribute is not there.
-    """
+    """One number of an attribute; laws of several coefficients are refused."""
     if len(node.attributes.get(name, "0").split()) != 1:
         where = f"{settings.path}:{node.line}: <{node.tag}> {name}"
         raise InputError(f"{where}: {quoted(node.attributes[name])} is not read; expected one number")

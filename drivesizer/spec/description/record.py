@@ -103,29 +103,7 @@ class Robot:
 def robot_of(
     path: Path, name: str, links: Iterable[tuple[int, Link]], joints: Iterable[Joint], notes: Iterable[str] = ()
 ) -> Robot:
-    """A robot, its names unique and its joints a tree.
-
-    Parameters
-    ----------
-    path, name
-        The file, and the robot's name in it.
-    links
-        Each with its line.
-    joints
-        In the order of the file.
-    notes
-        For the reader.
-
-    Returns
-    -------
-    Robot
-        The record.
-
-    Raises
-    ------
-    InputError
-        A name is there twice, a joint names a link that is not there, a link hangs on two joints, joints are a ring.
-    """
+    """A robot, its names unique and its joints a tree."""
     found: dict[str, Link] = {}
     for line, link in links:
         if link.name in found:
@@ -160,20 +138,7 @@ def _a_tree(joints: dict[str, Joint], path: Path) -> None:
 
 
 def placed(joint: Joint, position: float) -> tuple[Array, Array]:
-    """Place and turn of a joint's child in the frame of its parent.
-
-    Parameters
-    ----------
-    joint
-        Of one degree of freedom, or fixed.
-    position
-        Of the joint [rad or m].
-
-    Returns
-    -------
-    tuple of arrays
-        Place [m], shape (3,), and rotation matrix from the child's axes to the parent's.
-    """
+    """Place and turn of a joint's child in the frame of its parent."""
     moved = position - joint.reference
     if joint.kind == "prismatic":
         return joint.place + joint.turn @ joint.axis * moved, joint.turn
@@ -184,20 +149,7 @@ def placed(joint: Joint, position: float) -> tuple[Array, Array]:
 
 
 def about(axis: Array, angle: float) -> Array:
-    """Rotation matrix about an axis by an angle, by Rodrigues' formula.
-
-    Parameters
-    ----------
-    axis
-        Of length 1, shape (3,).
-    angle
-        By the right hand [rad].
-
-    Returns
-    -------
-    array
-        Shape (3, 3).
-    """
+    """Rotation matrix about an axis by an angle, by Rodrigues' formula."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turned: Array = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross

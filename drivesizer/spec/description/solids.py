@@ -42,19 +42,6 @@ class Body(NamedTuple):
 def shape_of(kind: str, size: Sequence[float]) -> tuple[float, Array]:
     """Volume of a solid about its own centre, and inertia by mass.
 
-    Parameters
-    ----------
-    kind
-        ``sphere`` (radius), ``ellipsoid`` and ``box`` (three half sizes), ``cylinder`` and ``capsule`` along z (radius,
-        half the length, of a capsule without its ends).
-    size
-        Above 0 [m].
-
-    Returns
-    -------
-    tuple
-        Volume [m^3], and principal moments of inertia by mass [m^2], shape (3,).
-
     Examples
     --------
     >>> shape_of("box", (0.5, 1.0, 1.5))
@@ -74,18 +61,7 @@ def shape_of(kind: str, size: Sequence[float]) -> tuple[float, Array]:
 
 
 def together(bodies: Sequence[Body]) -> Body:
-    """Several bodies of one frame as one.
-
-    Parameters
-    ----------
-    bodies
-        In the same frame; none is a body of mass 0.
-
-    Returns
-    -------
-    Body
-        Their mass, centre and inertia.
-    """
+    """Several bodies of one frame as one."""
     mass = sum(body.mass for body in bodies)
     centre = sum((body.mass * body.centre for body in bodies), np.zeros(3))
     centre = centre / mass if mass > 0.0 else centre

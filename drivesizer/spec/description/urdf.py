@@ -23,13 +23,7 @@ Array = NDArray[np.float64]
 
 
 def read_urdf(path: Path) -> Robot:
-    """Links and joints of a file.
-
-    Raises
-    ------
-    InputError
-        One line with file, line, what was found and what is expected.
-    """
+    """Links and joints of a file."""
     root = read_tree(path)
     if root.tag != "robot":
         raise InputError(f"{path}:{root.line}: <{root.tag[:40]}> is no URDF; expected <robot>")
@@ -37,23 +31,7 @@ def read_urdf(path: Path) -> Robot:
 
 
 def urdf_of(root: Node, path: Path) -> Robot:
-    """Links and joints of a root element.
-
-    Parameters
-    ----------
-    root, path
-        The element ``robot``, and its file.
-
-    Returns
-    -------
-    Robot
-        In the order of the file.
-
-    Raises
-    ------
-    InputError
-        One line with file, line, what was found and what is expected.
-    """
+    """Links and joints of a root element."""
     links = [(node.line, _link(node, path)) for node in root.all("link")]
     joints = [_joint(node, path) for node in root.all("joint")]
     return robot_of(path, root.attributes.get("name", ""), links, joints)

@@ -45,23 +45,7 @@ class Node:
 
 
 def read_tree(path: Path) -> Node:
-    """Root element of a file, without text between the elements.
-
-    Parameters
-    ----------
-    path
-        Of an XML file.
-
-    Returns
-    -------
-    Node
-        The root with all below it.
-
-    Raises
-    ------
-    InputError
-        The file is no XML, too large or too deep, or has a document type.
-    """
+    """Root element of a file, without text between the elements."""
     raw = read_bytes(path, _LARGEST)
     top, open_, count = Node("", 0, {}), [], 0
     open_.append(top)
@@ -92,23 +76,7 @@ def read_tree(path: Path) -> Node:
 
 
 def name_of(node: Node, path: Path) -> str:
-    """Name of an element that must have one.
-
-    Parameters
-    ----------
-    node, path
-        The element and its file.
-
-    Returns
-    -------
-    str
-        The attribute ``name``.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-    """
+    """Name of an element that must have one."""
     name = node.attributes.get("name", "")
     if not name:
         raise InputError(f"{path}:{node.line}: <{node.tag}> has no name")
@@ -116,25 +84,7 @@ def name_of(node: Node, path: Path) -> str:
 
 
 def figure(node: Node, name: str, path: Path, otherwise: float | None = None) -> float:
-    """Number in an attribute.
-
-    Parameters
-    ----------
-    node, name, path
-        Element, attribute and file.
-    otherwise
-        For an attribute that is not there; None where it must be.
-
-    Returns
-    -------
-    float
-        Finite.
-
-    Raises
-    ------
-    InputError
-        When it is missing, or no finite number.
-    """
+    """Number in an attribute."""
     written = node.attributes.get(name)
     if written is None:
         if otherwise is None:
@@ -155,46 +105,12 @@ def _number(written: str, node: Node, name: str, path: Path) -> float:
 
 
 def figures(node: Node, name: str, path: Path) -> Array:
-    """Numbers in an attribute, separated by blanks; none where it is not there.
-
-    Parameters
-    ----------
-    node, name, path
-        Element, attribute and file.
-
-    Returns
-    -------
-    array
-        Finite, as many as there are.
-
-    Raises
-    ------
-    InputError
-        When one is no finite number.
-    """
+    """Numbers in an attribute, separated by blanks; none where it is not there."""
     return np.array([_number(part, node, name, path) for part in node.attributes.get(name, "").split()])
 
 
 def vector(node: Node, name: str, path: Path, otherwise: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Array:
-    """Three numbers in an attribute.
-
-    Parameters
-    ----------
-    node, name, path
-        Element, attribute and file.
-    otherwise
-        For an attribute that is not there.
-
-    Returns
-    -------
-    array
-        Shape (3,).
-
-    Raises
-    ------
-    InputError
-        When there are not three finite numbers.
-    """
+    """Three numbers in an attribute."""
     written = node.attributes.get(name)
     if written is None:
         return np.array(otherwise)

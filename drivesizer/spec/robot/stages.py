@@ -16,46 +16,12 @@ __all__ = ["fed", "stage_of"]
 
 @lru_cache(maxsize=64)
 def stage_of(controller: Controller | None, volts: float, given: PowerStage, assume: bool) -> StageFigures:
-    """The power stage of one controller: of those of late as before.
-
-    Parameters
-    ----------
-    controller
-        None: one whose figures are unknown.
-    volts
-        Nominal voltage of the supply [V].
-    given
-        Losses that the spec gives.
-    assume
-        Whether losses that no data sheet gives are assumed.
-
-    Returns
-    -------
-    PowerStage
-        Its losses.
-    """
+    """The power stage of one controller: of those of late as before."""
     return power_stage(controller or Controller(), volts, given, assume=assume)
 
 
 def fed(stage: StageFigures, supply: Supply, motors: int, brake: Figures | None, released: float = 1.0) -> Feed:
-    """Power stages and what feeds as many as there are motors.
-
-    Parameters
-    ----------
-    stage
-        Of one controller or of many.
-    supply, motors
-        What feeds them, and how many.
-    brake
-        Figures of the brake of each by name; None without one.
-    released
-        Share of the time in which it is kept released.
-
-    Returns
-    -------
-    Feed
-        With the power that keeps a brake released as the stage's standby power.
-    """
+    """Power stages and what feeds as many as there are motors."""
     if brake is not None:
         stage = stage._replace(standby=stage.standby + released * released_power(brake))
     return Feed(stage, supply.lowest, 0.0 if supply.resistance is None else supply.resistance, motors)

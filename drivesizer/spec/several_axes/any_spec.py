@@ -20,23 +20,7 @@ def is_machine(source: YamlSource) -> bool:
 
 
 def load_any(path: str | Path) -> RobotSpec | MachineSpec:
-    """The spec of one axis or of a machine, as the file has one or the other.
-
-    Parameters
-    ----------
-    path
-        Of the file.
-
-    Returns
-    -------
-    RobotSpec or MachineSpec
-        A machine where there are ``axes`` or a ``robot``.
-
-    Raises
-    ------
-    InputError
-        As of ``load_spec``.
-    """
+    """The spec of one axis or of a machine, as the file has one or the other."""
     return read_any(read(Path(path)))
 
 

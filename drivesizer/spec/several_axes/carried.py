@@ -23,20 +23,7 @@ _ALONG = ("belt_axis", "rack_pinion", "hoist", "lead_screw", "ball_screw", "conv
 
 
 def check_carrier(load: Load, distances: Iterable[float | None]) -> None:
-    """Refuse a load that carries no drives, and a distance that its kind lacks or does not have.
-
-    Parameters
-    ----------
-    load
-        Of the carrying axis.
-    distances
-        From its axis to each carried drive [m]; None where not given.
-
-    Raises
-    ------
-    InputError
-        With what is expected; the caller adds file and line.
-    """
+    """Refuse a load that carries no drives, and a distance that its kind lacks or does not have."""
     turning = isinstance(load, Arm | RotaryTable)
     if not turning and load.kind not in _ALONG:
         raise InputError(f"a {load.kind} carries no drives; expected an axis with a mass, an arm or a rotary_table")
@@ -48,20 +35,7 @@ def check_carrier(load: Load, distances: Iterable[float | None]) -> None:
 
 
 def carrying(load: Load, masses: Iterable[tuple[float, float | None]]) -> Load:
-    """A load with the drives of other axes on it.
-
-    Parameters
-    ----------
-    load
-        Of the carrying axis, which ``check_carrier`` accepts.
-    masses
-        Of each carried drive [kg], and its distance from the axis [m].
-
-    Returns
-    -------
-    Load
-        A copy; the load itself where nothing is carried.
-    """
+    """A load with the drives of other axes on it."""
     found = [(mass, distance or 0.0) for mass, distance in masses if mass]
     if not found:
         return load

@@ -51,48 +51,12 @@ select:
 
 
 def joints_to_drive(path: Path) -> int:
-    """Number of joints of a description that move by themselves.
-
-    Parameters
-    ----------
-    path
-        URDF or MJCF.
-
-    Returns
-    -------
-    int
-        Those that follow another joint, and fixed ones, left out.
-
-    Raises
-    ------
-    InputError
-        When the file is no description.
-    """
+    """Number of joints of a description that move by themselves."""
     return len(_driven(read_description(path)))
 
 
 def machine_of(path: Path, folder: Path, masses: str = "") -> str:
-    """The text of a machine.yaml whose axes are the joints of a description.
-
-    Parameters
-    ----------
-    path
-        URDF or MJCF.
-    folder
-        Where the text is to be, from which the description's path counts.
-    masses
-        Whether the links' masses are without their drives or with_drives; empty where that is not known.
-
-    Returns
-    -------
-    str
-        YAML with comments.
-
-    Raises
-    ------
-    InputError
-        One line: the file is no description, no joint moves, or a joint's name cannot name an axis.
-    """
+    """The text of a machine.yaml whose axes are the joints of a description."""
     robot = read_description(path)
     joints = _driven(robot)
     if not joints:

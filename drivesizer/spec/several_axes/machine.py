@@ -63,23 +63,7 @@ class MachineSpec:
     changes: tuple[Callable[[RobotSpec], RobotSpec], ...] = ()  # that joints have yet to undergo
 
     def axis(self, name: str) -> AxisSpec:
-        """The axis of a name.
-
-        Parameters
-        ----------
-        name
-            As in the file.
-
-        Returns
-        -------
-        AxisSpec
-            That axis.
-
-        Raises
-        ------
-        InputError
-            When there is none.
-        """
+        """The axis of a name."""
         found = next((axis for axis in self.axes if axis.name == name), None)
         if found is None:
             names = [axis.name for axis in self.axes]
@@ -88,19 +72,7 @@ class MachineSpec:
         return found
 
     def carried(self, name: str) -> dict[str, float | None]:
-        """All whose drives ride on an axis, on others that ride on it too, each with its distance from this one.
-
-        Parameters
-        ----------
-        name
-            Of the carrying axis.
-
-        Returns
-        -------
-        dict[str, float or None]
-            Distance by name [m], None along a line. Where not given, distances add along the chain, as of an arm that
-            is stretched out.
-        """
+        """All whose drives ride on an axis, on others that ride on it too, each with its distance from this one."""
         direct = {one.name: one.distance for one in self.axis(name).carries}
         found = dict(direct)
         for other, distance in direct.items():
@@ -109,18 +81,7 @@ class MachineSpec:
         return found
 
     def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> MachineSpec:
-        """The machine with the same change in the specs of all its axes.
-
-        Parameters
-        ----------
-        change
-            Makes the copy of a spec with another section.
-
-        Returns
-        -------
-        MachineSpec
-            Joints that the file does not name are changed when they are made.
-        """
+        """The machine with the same change in the specs of all its axes."""
         axes = tuple(replace(axis, spec=axis.spec.changed(change)) for axis in self.axes)
         return replace(self, axes=axes, changes=(*self.changes, change))
 

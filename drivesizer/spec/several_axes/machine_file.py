@@ -146,23 +146,7 @@ def load_machine(given: str | Path | Mapping[str, Any]) -> MachineSpec:
 
 
 def read_machine(source: YamlSource) -> MachineSpec:
-    """A machine from YAML source.
-
-    Parameters
-    ----------
-    source
-        The document.
-
-    Returns
-    -------
-    MachineSpec
-        Its axes in the order of the file.
-
-    Raises
-    ------
-    InputError
-        One line with file, line, field, what was found and what is expected.
-    """
+    """A machine from YAML source."""
     head = _head(source)
     if not head.axes and head.robot is None:
         raise InputError(
@@ -208,20 +192,7 @@ def _check_whole(source: YamlSource, head: MachineFields) -> None:
 
 
 def with_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
-    """The axis on a bus that rises to its chopper's voltage, for the choice of its controllers.
-
-    Parameters
-    ----------
-    axis
-        Of several.
-    resistor
-        The machine's, if any.
-
-    Returns
-    -------
-    AxisSpec
-        The same where no chopper's voltage is given, or with a supply of its own.
-    """
+    """The axis on a bus that rises to its chopper's voltage, for the choice of its controllers."""
     volts = resistor.chopper_voltage if resistor else None
     if volts is None or axis.own_supply:
         return axis
@@ -254,27 +225,7 @@ def _head(source: YamlSource) -> MachineFields:
 
 
 def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisSpec:
-    """A joint of a machine's robot as an axis, which the file need not name.
-
-    Parameters
-    ----------
-    machine
-        With a robot.
-    name
-        Of the joint.
-    carried
-        Joints whose drives ride beyond it.
-
-    Returns
-    -------
-    AxisSpec
-        Its load has yet to be computed.
-
-    Raises
-    ------
-    InputError
-        When a section is wrong, or the file gives it a load of its own.
-    """
+    """A joint of a machine's robot as an axis, which the file need not name."""
     axis = next((axis for axis in machine.axes if axis.name == name), None)
     if axis is not None and not axis.is_joint:
         where = machine.where(("axes", name, "load"))
@@ -348,23 +299,7 @@ def _check_carried(source: YamlSource, at: Path_, axis: AxisSpec) -> None:
 
 
 def sizing_order(machine: MachineSpec) -> MachineSpec:
-    """The machine with the order in which its axes are sized: carried ones before those that carry them.
-
-    Parameters
-    ----------
-    machine
-        With all its axes.
-
-    Returns
-    -------
-    MachineSpec
-        The same in the order of the file where nothing is carried.
-
-    Raises
-    ------
-    InputError
-        When an axis carries one that there is not, or that carries it.
-    """
+    """The machine with the order in which its axes are sized: carried ones before those that carry them."""
     names = [axis.name for axis in machine.axes]
     for axis in machine.axes:
         for other in axis.carries:

@@ -19,13 +19,7 @@ _PARTIAL = "Axis"  # before models of which no field is required
 
 
 def machine_schema() -> dict[str, Any]:
-    """The JSON Schema of machine.yaml.
-
-    Returns
-    -------
-    dict
-        Its axes take sections of a spec in parts; every key that is unknown is refused.
-    """
+    """The JSON Schema of machine.yaml."""
     spec, head, axis = (model.model_json_schema() for model in (RobotSpec, MachineFields, AxisFields))
     robot = RobotSection.model_json_schema(ref_template=f"{_REF}{_ROBOT}{{model}}")
     models = spec["$defs"] | {f"{_ROBOT}{name}": one for name, one in robot.pop("$defs").items()}

@@ -12,41 +12,13 @@ __all__ = ["MachineExport", "accept_machine", "machine_export", "write_machine"]
 
 
 def accept_machine(form: str, path: Path) -> None:
-    """Refuse a format without several joints, or an impossible target, before time is spent.
-
-    Parameters
-    ----------
-    form
-        Name of a format.
-    path
-        The file to write.
-
-    Raises
-    ------
-    InputError
-        One line that says what is expected.
-    """
+    """Refuse a format without several joints, or an impossible target, before time is spent."""
     if form in FORMATS and form not in WHOLE:
         raise InputError(f"--format: {form} is of a single axis; expected --axis beside it, or {', '.join(WHOLE)}")
     accept(form, path)
 
 
 def write_machine(of: MachineExport, form: str, path: Path) -> list[Path]:
-    """Write a machine to a file of a format, whole or not at all.
-
-    Parameters
-    ----------
-    of
-        The machine.
-    form
-        One of ``WHOLE``.
-    path
-        The file.
-
-    Returns
-    -------
-    list of Path
-        The files written.
-    """
+    """Write a machine to a file of a format, whole or not at all."""
     accept_machine(form, path)
     return write(of, form, path, "machine")

@@ -44,13 +44,7 @@ def effort(drive: JointDrive) -> dict[str, str]:
 
 
 def armature(drive: JointDrive) -> float:
-    """Inertia of a drive at its joint [kg*m^2, or kg].
-
-    Raises
-    ------
-    InputError
-        When that of the rotor is unknown.
-    """
+    """Inertia of a drive at its joint [kg*m^2, or kg]."""
     if isnan(drive.armature):
         raise InputError(
             f"{drive.joint}: the rotor's inertia of {drive.of.label} is not in the catalogue; expected --format urdf, "
@@ -60,17 +54,7 @@ def armature(drive: JointDrive) -> float:
 
 
 def add_motor(actuator: Element, drive: JointDrive, named: dict[str, str]) -> None:
-    """Add the actuator of a drive; rotor and friction are those of the joint.
-
-    Parameters
-    ----------
-    actuator
-        The section.
-    drive
-        Of the joint.
-    named
-        Its name, and the joint or tendon that it moves.
-    """
+    """Add the actuator of a drive; rotor and friction are those of the joint."""
     if drive.of.stepper:
         _stepper(actuator, drive, named)
         return

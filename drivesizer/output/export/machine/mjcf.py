@@ -154,17 +154,6 @@ def _frame(place: Array, turn: Array) -> dict[str, str]:
 def quaternion(turn: Array) -> tuple[float, float, float, float]:
     """Unit quaternion of a rotation matrix, real part first.
 
-    Parameters
-    ----------
-    turn
-        Shape (3, 3).
-
-    Returns
-    -------
-    tuple
-        By the largest of its four parts, so that none is lost to rounding: S. W. Shepperd, J. Guidance and Control 1
-        (1978) 223-224.
-
     Examples
     --------
     >>> quaternion(np.diag([1.0, -1.0, -1.0]))

@@ -63,18 +63,7 @@ __all__ = [
 
 
 def in_urdf(robot: RobotExport) -> RobotExport:
-    """The robot with frames as URDF has them, points of drives and payload in these.
-
-    Parameters
-    ----------
-    robot
-        In the frames of its description.
-
-    Returns
-    -------
-    RobotExport
-        The same machine.
-    """
+    """The robot with frames as URDF has them, points of drives and payload in these."""
     above = robot.robot.above
     moved = {name: above[name].anchor if name in above else np.zeros(3) for name in robot.robot.links}
     described = replace(
@@ -106,18 +95,7 @@ def _joint(joint: Joint, moved: Array) -> Joint:
 
 
 def head(of: MachineExport) -> list[str]:
-    """Remarks on the whole file.
-
-    Parameters
-    ----------
-    of
-        The machine.
-
-    Returns
-    -------
-    list of str
-        What it has, what is left out.
-    """
+    """Remarks on the whole file."""
     said = [f"{of.program}. SI: kg, m, s, N, N*m, rad."]
     if of.robot:
         said += _of_robot(of.robot)
@@ -151,18 +129,7 @@ def _bearings(robot: RobotExport, drive: JointDrive) -> bool:
 
 
 def of_drive(drive: JointDrive) -> list[str]:
-    """Remarks on the drive of a joint.
-
-    Parameters
-    ----------
-    drive
-        With its limits.
-
-    Returns
-    -------
-    list of str
-        Its parts, what limits it, its inertia and efficiency.
-    """
+    """Remarks on the drive of a joint."""
     limits, e = drive.of.limits, drive.efficiency
     lacking = f", without {', '.join(drive.lacking)}, of unknown mass" if drive.lacking else ""
     rotor = brief(drive.armature) if drive.armature == drive.armature else "UNKNOWN"
@@ -190,16 +157,6 @@ _NAMES = ("name", "joint", "link", "actuator", "site", "tendon")  # attributes t
 def free_name(wanted: str, taken: Collection[str]) -> str:
     """A name that is not taken, with underscores behind it where it is.
 
-    Parameters
-    ----------
-    wanted, taken
-        A name, and those that are there.
-
-    Returns
-    -------
-    str
-        The name.
-
     Examples
     --------
     >>> free_name("payload", {"payload"})
@@ -223,24 +180,7 @@ class Adding:
         ]
 
     def add(self, axis: str, tree: Element, target: Element, *, kept: str = "", instead: str = "") -> None:
-        """Add what is in the document of one axis.
-
-        Parameters
-        ----------
-        axis
-            Its name.
-        tree
-            The document, or a part of it.
-        target
-            Element that gets its children.
-        kept, instead
-            A name that all axes share, and the one in its place.
-
-        Raises
-        ------
-        InputError
-            When a name is there already.
-        """
+        """Add what is in the document of one axis."""
         before = identifier(axis)
         for element in tree.iter():
             for attribute in _NAMES:
@@ -372,25 +312,7 @@ class MachineExport:
 
 
 def machine_export(sizing: MachineSizing, *, one_rate: bool = False) -> MachineExport:
-    """The record of a machine that a sizing found.
-
-    Parameters
-    ----------
-    sizing
-        With a drive on every axis.
-    one_rate
-        Whether all controllers are designed for the same rate, the slowest of theirs.
-
-    Returns
-    -------
-    MachineExport
-        SI.
-
-    Raises
-    ------
-    InputError
-        When a figure is unknown that every format needs, or an axis has what several joints cannot.
-    """
+    """The record of a machine that a sizing found."""
     machine = sizing.machine
     exports = {axis.name: _exported(axis, None) for axis in sizing.axes}
     periods = {of.period for of in exports.values() if of.controller}

@@ -86,23 +86,7 @@ def render(of: MachineExport) -> bytes:
 
 
 def controllers(of: MachineExport) -> bytes:
-    """The parameters of controller manager and controllers, as YAML.
-
-    Parameters
-    ----------
-    of
-        The machine.
-
-    Returns
-    -------
-    bytes
-        One velocity controller of all joints, beside it one of positions where there are steppers.
-
-    Raises
-    ------
-    InputError
-        When a drive has a position loop, a name is none of ROS, or a belt passes other joints.
-    """
+    """The parameters of controller manager and controllers, as YAML."""
     joints = _joints(of)
     looped, steppers = [one for one in joints if not one.of.stepper], [one.name for one in joints if one.of.stepper]
     slowest = max((one.of for one in looped), key=lambda export: export.period, default=None)

@@ -51,23 +51,7 @@ def render(of: MachineExport) -> bytes:
 
 
 def robot(of: MachineExport) -> Element:
-    """Links and joints.
-
-    Parameters
-    ----------
-    of
-        The machine.
-
-    Returns
-    -------
-    Element
-        ``robot``, without transmissions.
-
-    Raises
-    ------
-    InputError
-        When no limit of torque or of speed of a drive is known, or names of axes are those of the robot.
-    """
+    """Links and joints."""
     root = Element("robot", name=identifier(of.name))
     remark(root, *head(of))
     if of.robot is None:
@@ -109,20 +93,7 @@ def _links(root: Element, robot: RobotExport) -> None:
 
 
 def laden(link: Link, drives: list[JointDrive]) -> Body:
-    """A link with drives on it.
-
-    Parameters
-    ----------
-    link
-        Of the description.
-    drives
-        Those whose place is on it.
-
-    Returns
-    -------
-    Body
-        In the frame of the link.
-    """
+    """A link with drives on it."""
     own = Body(link.mass, link.centre, link.inertia)
     if not drives:
         return own
@@ -130,15 +101,7 @@ def laden(link: Link, drives: list[JointDrive]) -> Body:
 
 
 def add_inertial(element: Element, body: Body) -> None:
-    """Add mass, centre and inertia; none of a link without any.
-
-    Parameters
-    ----------
-    element
-        ``link``.
-    body
-        In the frame of the link.
-    """
+    """Add mass, centre and inertia; none of a link without any."""
     if not body.mass and not body.inertia.any():
         return
     inertial = SubElement(element, "inertial")
@@ -202,16 +165,6 @@ def _limit(element: Element, joint: Joint, drive: JointDrive | None) -> None:
 
 def roll_pitch_yaw(turn: Array) -> tuple[float, float, float]:
     """Angles about the fixed axes x, y and z, one after the other, of a rotation matrix.
-
-    Parameters
-    ----------
-    turn
-        Shape (3, 3).
-
-    Returns
-    -------
-    tuple
-        [rad]; roll 0 where the pitch is a right angle, and only their sum or difference is determined.
 
     Examples
     --------

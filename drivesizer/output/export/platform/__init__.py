@@ -13,22 +13,7 @@ __all__ = ["PlatformExport", "platform_export", "write_drive", "write_platform"]
 
 
 def write_platform(of: PlatformExport, form: str, path: Path) -> list[Path]:
-    """Write a platform to a file of a format, whole or not at all.
-
-    Parameters
-    ----------
-    of
-        The platform.
-    form
-        A format of several joints.
-    path
-        The file.
-
-    Returns
-    -------
-    list of Path
-        The files written.
-    """
+    """Write a platform to a file of a format, whole or not at all."""
     accept(form, path)
     return write(of, form, path, "platform")
 
@@ -36,24 +21,7 @@ def write_platform(of: PlatformExport, form: str, path: Path) -> list[Path]:
 def write_drive(
     spec: RobotSpec, found: DriveSet, form: str, path: Path, wheel: int | None = None
 ) -> tuple[tuple[str, ...], list[Path]]:
-    """Write the drive of a spec; of a platform with all its wheels, in formats of several joints.
-
-    Parameters
-    ----------
-    spec, found
-        The machine and its drive.
-    form
-        Name of a format.
-    path
-        The file.
-    wheel
-        Of a platform: number of the wheel whose drive is written, from 1; all of them when not given.
-
-    Returns
-    -------
-    tuple
-        Assumptions as sentences, and the files written.
-    """
+    """Write the drive of a spec; of a platform with all its wheels, in formats of several joints."""
     if wheel is None and spec.platform is not None and form in WHOLE:
         platform = platform_export(spec, found)
         return platform.said, write_platform(platform, form, path)

@@ -50,20 +50,7 @@ class BaseController(NamedTuple):
 
 
 def base_controller(of: PlatformExport, before: str) -> BaseController | None:
-    """The controller whose wheels turn as those of a platform; None where none does.
-
-    Parameters
-    ----------
-    of
-        The platform.
-    before
-        Controller of the wheels' velocities that it commands, with a slash; empty for the joints themselves.
-
-    Returns
-    -------
-    BaseController or None
-        With its parameters.
-    """
+    """The controller whose wheels turn as those of a platform; None where none does."""
     places = list(of.drives)
     rows = np.round(of.radius * of.kinematics.E[places] / _SAME) * _SAME
     names = [wheel_name(place) for place in places]
@@ -166,18 +153,6 @@ def _axis_limits(speed: float, acceleration: float, jerk: float, older: bool) ->
 
 def parameters_text(parameters: Mapping[str, Any], indent: int = 4) -> str:
     """Parameters as lines of YAML.
-
-    Parameters
-    ----------
-    parameters
-        Figures, names, lists of names, and such by name.
-    indent
-        Blanks before each line.
-
-    Returns
-    -------
-    str
-        The lines.
 
     Examples
     --------

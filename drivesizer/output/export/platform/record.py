@@ -70,25 +70,7 @@ _LIGHT, _HEAVY = 1e-3, 0.5  # of the mass that a wheel carries: bounds of its ow
 
 
 def split(platform: Platform, size: Size | None) -> tuple[Body, Body]:
-    """Base and one wheel of a platform.
-
-    Parameters
-    ----------
-    platform
-        With its mass.
-    size
-        Of its box, where that is known.
-
-    Returns
-    -------
-    tuple of Body
-        The base in the robot's frame, whose origin is on the floor; a wheel in its own.
-
-    Raises
-    ------
-    InputError
-        When the wheels have more inertia about the vertical than all together.
-    """
+    """Base and one wheel of a platform."""
     r, share = platform.wheels[0].radius, platform.mass / len(platform.wheels)
     J = max(platform.wheels[0].inertia, LEAST_INERTIA)
     disc = min(max(2.0 * J / r**2, _LIGHT * share), _HEAVY * share)
@@ -139,20 +121,7 @@ class Reach(NamedTuple):
 
 
 def wheel_speed(of: Export, rolling: float) -> float:
-    """Speed that a drive keeps at its wheel on the lowest supply voltage [rad/s].
-
-    Parameters
-    ----------
-    of
-        The drive; of a stepper the highest speed of its motion.
-    rolling
-        Torque at the wheel at constant speed [N*m].
-
-    Returns
-    -------
-    float
-        NaN where nothing limits it.
-    """
+    """Speed that a drive keeps at its wheel on the lowest supply voltage [rad/s]."""
     permitted, train = of.limits.peak_speed, of.train
     most = permitted.value if permitted.by else inf
     if not of.stepper:
@@ -162,24 +131,7 @@ def wheel_speed(of: Export, rolling: float) -> float:
 
 
 def reached(k: Kinematics, wheel: float, limits: Limits, eta_dot: Array) -> Reach:
-    """Speeds and accelerations of a platform.
-
-    Parameters
-    ----------
-    k
-        Its wheels.
-    wheel
-        Highest speed of a driven one [rad/s].
-    limits
-        That the spec sets.
-    eta_dot
-        Rate of change of the velocity in the robot's frame over the spec's motion, shape (3, ...).
-
-    Returns
-    -------
-    Reach
-        SI.
-    """
+    """Speeds and accelerations of a platform."""
     most = np.abs(k.E[list(k.driven)]).max(axis=0)
     speed, aside, turning = (wheel / each if each > _NOTHING * most.max() else nan for each in most.tolist())
     along, about = float(np.hypot(eta_dot[0], eta_dot[1]).max()), float(np.abs(eta_dot[2]).max())
@@ -201,18 +153,7 @@ def _least(value: float, limit: float | None) -> float:
 
 
 def head(of: PlatformExport) -> list[str]:
-    """Remarks on the whole file.
-
-    Parameters
-    ----------
-    of
-        The platform.
-
-    Returns
-    -------
-    list of str
-        What it has, what is assumed.
-    """
+    """Remarks on the whole file."""
     whole, wheel = of.platform, of.wheel
     box = "slender as its box" if of.size else "that of a flat plate"
     said = [
@@ -233,20 +174,7 @@ def head(of: PlatformExport) -> list[str]:
 
 
 def of_wheel(of: PlatformExport, place: int) -> str:
-    """Remark on the joint of a wheel: what resists.
-
-    Parameters
-    ----------
-    of
-        The platform.
-    place
-        Of the wheel, from 0.
-
-    Returns
-    -------
-    str
-        A sentence.
-    """
+    """Remark on the joint of a wheel: what resists."""
     no_drive = "" if place in of.drives else "It has no drive. "
     return f"{no_drive}Friction has the {brief(of.rolling[place])} N*m that it takes to roll under its load at rest."
 
@@ -293,25 +221,7 @@ class PlatformExport:
 
 
 def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
-    """The record of a platform with the drive that a sizing found.
-
-    Parameters
-    ----------
-    spec
-        With a platform.
-    found
-        The drive.
-
-    Returns
-    -------
-    PlatformExport
-        SI.
-
-    Raises
-    ------
-    InputError
-        When a figure is unknown that every format needs, or the spec has no platform.
-    """
+    """The record of a platform with the drive that a sizing found."""
     spec = _laden(spec, found)
     section, load = spec.platform, spec.load
     if section is None or not isinstance(load, WheeledVehicle):

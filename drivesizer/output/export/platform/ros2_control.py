@@ -52,23 +52,7 @@ def _base(of: PlatformExport) -> BaseController | None:
 
 
 def controllers(of: PlatformExport) -> bytes:
-    """The parameters of controller manager and controllers, as YAML.
-
-    Parameters
-    ----------
-    of
-        The platform.
-
-    Returns
-    -------
-    bytes
-        One velocity controller of all wheels, and that of the base where one fits.
-
-    Raises
-    ------
-    InputError
-        When the drive has a position loop.
-    """
+    """The parameters of controller manager and controllers, as YAML."""
     found = _base(of)
     gains = {} if of.of.stepper else {drive.joint: velocity_gains(of.of) for drive in of.drives.values()}
     rate = TRAJECTORY if of.of.stepper else rate_of(of.of)

@@ -34,25 +34,7 @@ def render(of: PlatformExport) -> bytes:
 
 
 def robot(of: PlatformExport, direction: float = 1.0) -> Element:
-    """Links and joints.
-
-    Parameters
-    ----------
-    of
-        The platform.
-    direction
-        -1 where its wheels' joints are to turn the other way round.
-
-    Returns
-    -------
-    Element
-        ``robot``, without transmissions.
-
-    Raises
-    ------
-    InputError
-        When no limit of torque or of speed of the drive is known.
-    """
+    """Links and joints."""
     root = Element("robot", name=identifier(of.name))
     remark(root, *head(of), *_rolling(of))
     SubElement(root, "link", name=FOOTPRINT)

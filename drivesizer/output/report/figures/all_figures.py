@@ -40,25 +40,7 @@ STILL = (  # what the page shows as the PDF does
 def report_drawings(
     result: SizingResult, validation: Validation | None, does: Behaviour | None = None
 ) -> dict[str, Drawing]:
-    """Every figure of a report, in the order in which it shows them.
-
-    Parameters
-    ----------
-    result
-        The sizing.
-    validation
-        The closed loop, where it was simulated.
-    does
-        The reported drive over the load cycles, where that is at hand.
-
-    Returns
-    -------
-    dict
-        Functions that draw, by name: ``way``, the path of a platform, ``profile``, ``cycle``; of a drive ``margins``,
-        ``field``, ``fields`` (each load case alone), ``efficiency``, ``demand``, ``heat``, ``energy``, ``permitted``
-        (speeds of a platform), ``followed`` (its path) and ``battery``, as far as its figures are known;
-        ``front``; ``tornado``; ``diagram``, ``loop``, ``bode`` and ``step``.
-    """
+    """Every figure of a report, in the order in which it shows them."""
     best = result.shown
     cycles = [(case.name, case.cycle) for case in result.problem.cases]
     made: dict[str, Drawing] = {}

@@ -35,20 +35,7 @@ class Layer(NamedTuple):
 
 
 def layers(power: MachinePower, course: Course) -> list[Layer]:
-    """Power of the axes as layers: of many axes those of the largest peaks, and the sum of the others.
-
-    Parameters
-    ----------
-    power
-        All axes.
-    course
-        Its powers over time; of an axis whose power is unknown NaN.
-
-    Returns
-    -------
-    list of Layer
-        In the order of the machine.
-    """
+    """Power of the axes as layers: of many axes those of the largest peaks, and the sum of the others."""
     known = [n for n in range(len(power.axes)) if not np.isnan(course.drawn[n]).any()]
     largest = sorted(known, key=lambda n: -float(course.drawn[n].max(initial=0.0)))[:_MOST]
     kept = known if len(known) <= _MOST + 1 else sorted(largest)
@@ -65,18 +52,7 @@ def power_unit(largest: float) -> str:
 
 
 def axes_power(power: MachinePower, form: Form = "svg") -> bytes:
-    """Power of all axes over time.
-
-    Parameters
-    ----------
-    power
-        All axes.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Power of all axes over time."""
     course = power.course(_PIECES)
     found = layers(power, course)
     unit = power_unit(max((float(one.drawn.max(initial=0.0)) for one in found), default=0.0))

@@ -34,18 +34,7 @@ def shown_until(budget: EnergyBudget) -> float:
 
 
 def battery(budget: EnergyBudget, form: Form = "svg") -> bytes:
-    """Mean power of each consumer at the left, the charge that is left over time at the right.
-
-    Parameters
-    ----------
-    budget
-        With known powers and run time.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Mean power of each consumer at the left, the charge that is left over time at the right."""
     rows = [(one.name, one.mean) for one in budget.consumers if one.mean]
 
     def draw(figure: Figure) -> None:

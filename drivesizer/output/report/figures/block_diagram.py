@@ -31,22 +31,7 @@ class _Block(NamedTuple):
 
 
 def block_diagram(validation: Validation, run: LinearRun, form: Form = "svg") -> bytes:
-    """The chosen drive's loop with its gains, motor, gears and encoder.
-
-    Parameters
-    ----------
-    validation
-        The closed loop.
-    run
-        Its linear model.
-    form
-        ``svg``, ``png`` or ``typeset``.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """The chosen drive's loop with its gains, motor, gears and encoder."""
     blocks = _blocks(validation, run.train)
 
     def draw(figure: Figure) -> None:

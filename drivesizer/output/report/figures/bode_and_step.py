@@ -74,18 +74,7 @@ def _turning(loop: Loop) -> float:
 
 
 def bode(loops: Sequence[Loop], form: Form = "svg") -> bytes:
-    """Open loop in magnitude and phase, closed loop in magnitude, over the frequency.
-
-    Parameters
-    ----------
-    loops
-        The loops of a validation, one at least; each is drawn up to its own Nyquist frequency.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Open loop in magnitude and phase, closed loop in magnitude, over the frequency."""
 
     def draw(figure: Figure) -> None:
         above = _ABOVE + 0.16 * len(loops)
@@ -180,18 +169,7 @@ def _within(
 
 
 def step(loops: Sequence[Loop], form: Form = "svg") -> bytes:
-    """The answer of each loop to a step of its reference, over its own time.
-
-    Parameters
-    ----------
-    loops
-        The loops of a validation, one at least; an unstable one has no answer that ends, and says so.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """The answer of each loop to a step of its reference, over its own time."""
 
     def draw(figure: Figure) -> None:
         (grid,) = placed(figure, 1, len(loops), top=0.22, gaps=(0.0, 0.4), shared=False)

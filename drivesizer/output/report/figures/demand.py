@@ -21,20 +21,7 @@ Limits = Sequence[tuple[str, float]]  # name and figure [SI]
 def current_and_voltage(
     cases: Sequence[tuple[str, SetCycle]], currents: Limits, voltages: Limits, form: Form = "svg"
 ) -> bytes:
-    """Current and voltage of each moment by the drive model, with the winding as warm as it then is.
-
-    Parameters
-    ----------
-    cases
-        Load cases by name, the set over each; the first few are drawn, more than two in diagrams of their own.
-    currents, voltages
-        Limits by name; unknown ones are left out.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Current and voltage of each moment by the drive model, with the winding as warm as it then is."""
     cases = cases[:MOST_WHEELS]
     traces, cycles = [], []
     for name, found in cases:

@@ -41,19 +41,7 @@ class EfficiencyMap(NamedTuple):
 
 
 def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> EfficiencyMap:
-    """The field around the load cycles of a set.
-
-    Parameters
-    ----------
-    cases
-        Load cases by name, the set over each; the winding is as warm as the first makes it.
-    voltage
-        That the controller can give [V].
-
-    Returns
-    -------
-    EfficiencyMap
-    """
+    """The field around the load cycles of a set."""
     traces = tuple((name, *_trace(found)) for name, found in cases)
     demand = max(float(np.abs(torque).max()) for _, torque, _ in traces) or 1.0
     rated = float(cases[0][1].gearhead["continuous_torque"][0])
@@ -79,18 +67,7 @@ def _trace(found: SetCycle) -> tuple[Array, Array]:
 
 
 def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
-    """Lines of equal efficiency, as far as the voltage reaches, and the load cycles.
-
-    Parameters
-    ----------
-    found
-        The field; the first few load cases are drawn.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Lines of equal efficiency, as far as the voltage reaches, and the load cycles."""
     unit = torque_unit(float(np.abs(found.torque).max()))
 
     def draw(figure: Figure) -> None:

@@ -58,18 +58,7 @@ def energy_unit(largest: float) -> str:
 
 
 def energy_bars(flow: EnergyFlow, form: Form = "svg") -> bytes:
-    """The energy of a cycle: each bar begins where the one above it ends, the last one ends at nothing.
-
-    Parameters
-    ----------
-    flow
-        The account, known.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """The energy of a cycle: each bar begins where the one above it ends, the last one ends at nothing."""
     shown = shares(flow)
     unit = energy_unit(max(abs(share.value) for share in shown))
 

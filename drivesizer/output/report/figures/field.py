@@ -31,18 +31,7 @@ __all__ = ["MOST_FIELDS", "conditions", "torque_speed", "torque_speed_panels"]
 
 
 def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
-    """The motor's field, winding hot and cold, with the load cases in it.
-
-    Parameters
-    ----------
-    panels
-        One for each usable voltage and ambient.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """The motor's field, winding hot and cold, with the load cases in it."""
     heights = [_height(panel) for panel in panels]
 
     def draw(figure: Figure) -> None:
@@ -74,18 +63,7 @@ _SMALL = 1.75  # in, of a small diagram
 
 
 def torque_speed_panels(panels: Sequence[Panel], form: Form = "svg") -> bytes:
-    """The motor's field once for each load case, as small diagrams with one legend.
-
-    Parameters
-    ----------
-    panels
-        Of one load case each; the first few are drawn.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """The motor's field once for each load case, as small diagrams with one legend."""
     shown = panels[:MOST_FIELDS]
     rows = -(-len(shown) // _ABREAST)
     several = len({conditions(panel) for panel in shown}) > 1

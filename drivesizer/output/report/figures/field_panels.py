@@ -39,21 +39,7 @@ class Panel:
 
 
 def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> list[Panel]:
-    """The field of a set's motor with the load cases in it; the paper's points too, where its method is used.
-
-    Parameters
-    ----------
-    problem
-        The machine with its load cases.
-    drive_set
-        The set.
-    requirements
-        Of the sizing.
-
-    Returns
-    -------
-    list[Panel]
-    """
+    """The field of a set's motor with the load cases in it; the paper's points too, where its method is used."""
     alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
     for number, case in enumerate(problem.cases):
         found = field(case.spec, drive_set)
@@ -77,19 +63,7 @@ def alone(found: Sequence[Panel]) -> list[Panel]:
 
 
 def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> tuple[OperatingPoint, ...]:
-    """The operating points of the paper's cycle, every torque brought to the motor as in (18).
-
-    Parameters
-    ----------
-    drive_set
-        The set.
-    requirements
-        The paper's (1)-(16).
-
-    Returns
-    -------
-    tuple[OperatingPoint, ...]
-    """
+    """The operating points of the paper's cycle, every torque brought to the motor as in (18)."""
     of = {r.name: float(r.value) for r in requirements}
     wheels = of["maximum_torque"] / of["maximum_torque_per_motor"]
     torques = {

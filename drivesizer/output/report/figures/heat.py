@@ -35,22 +35,7 @@ def time_unit(longest: float) -> str:
 
 
 def temperatures(found: WarmUp, ambient: float, permitted: float, form: Form = "svg") -> bytes:
-    """Two diagrams: the way from cold, and one cycle of those that repeat.
-
-    Parameters
-    ----------
-    found
-        The temperatures.
-    ambient
-        Temperature around the motor [K].
-    permitted
-        That the winding may have [K]; NaN unknown.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Two diagrams: the way from cold, and one cycle of those that repeat."""
 
     def draw(figure: Figure) -> None:
         ((way, cycle),) = placed(figure, 1, 2, top=0.42, gaps=(0.0, 0.16))

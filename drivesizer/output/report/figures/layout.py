@@ -12,18 +12,7 @@ _KEPT: ContextVar[list[Any] | None] = ContextVar("_KEPT", default=None)  # where
 
 
 def once(draw: Callable[[Any], bytes]) -> Callable[[Any], bytes]:
-    """A drawing that is laid out when it is first printed as SVG, and let go when it is printed as such again.
-
-    Parameters
-    ----------
-    draw
-        Of one figure, by ``style.drawn``.
-
-    Returns
-    -------
-    Callable
-        The same bytes in each form.
-    """
+    """A drawing that is laid out when it is first printed as SVG, and let go when it is printed as such again."""
     kept: list[Any] = []
 
     def printed(form: Any) -> bytes:
@@ -37,24 +26,7 @@ def once(draw: Callable[[Any], bytes]) -> Callable[[Any], bytes]:
 
 
 def laid_out(draw: Callable[[Any], None], size: tuple[float, float], dots: int, canvas: Any) -> Any:
-    """A figure with its axes placed, that of before where a drawing is printed again.
-
-    Parameters
-    ----------
-    draw
-        What draws into it.
-    size
-        Width and height [in].
-    dots
-        Per inch.
-    canvas
-        Class of matplotlib that measures and prints it.
-
-    Returns
-    -------
-    Figure
-        Of matplotlib, on its canvas.
-    """
+    """A figure with its axes placed, that of before where a drawing is printed again."""
     from matplotlib.figure import Figure
 
     kept = _KEPT.get()

@@ -51,18 +51,7 @@ class Row(NamedTuple):
 
 
 def load_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg") -> bytes:
-    """Torque and speed of the driven shaft over the cycle, of one load case or of several.
-
-    Parameters
-    ----------
-    cycles
-        Load cycles with the names of their cases; the first few are drawn.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Torque and speed of the driven shaft over the cycle, of one load case or of several."""
     cycles = cycles[: len(CASES)]
     largest = max(float(np.abs(cycle.torque).max()) for _, cycle in cycles)
     rows = (Row("torque", "torque", torque_unit(largest)), Row("speed", "rotary_speed", "rpm"))
@@ -74,22 +63,7 @@ def load_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg") 
 
 
 def over_time(traces: Sequence[Trace], rows: Sequence[Row], shown: Sequence[Window], form: Form = "svg") -> bytes:
-    """Quantities over time, a row each, in the stretches in which something changes.
-
-    Parameters
-    ----------
-    traces
-        Load cases, no more than have a look of their own.
-    rows
-        The quantities, and the limits that are drawn with them.
-    shown
-        The stretches.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Quantities over time, a row each, in the stretches in which something changes."""
     lines = math.ceil(len(traces) / _ABREAST) if len(traces) > 1 else 0
 
     beside = strip(shown)
@@ -188,20 +162,7 @@ def closed_loop_rows(validation: Validation) -> list[tuple[tuple[str, ...], str]
 
 
 def closed_loop(validation: Validation, form: Form = "svg") -> bytes:
-    """Reference and speed, errors, current, voltage and winding over the moments in which something changes.
-
-    Parameters
-    ----------
-    validation
-        The closed loop.
-    form
-        ``svg``, ``png`` or ``typeset``.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Reference and speed, errors, current, voltage and winding over the moments in which something changes."""
     shown, rows = strip(windows(validation.series)), closed_loop_rows(validation)
     legend = _LINE if validation.linear and len(shown.windows) > 1 else 0.0  # above the titles of the stretches
 

@@ -26,19 +26,7 @@ _LOOKS: dict[str, dict[str, Any]] = {  # distinct in grey as well: plain, hatche
 
 
 def margins(checks: Sequence[Check], form: Form = "svg") -> bytes:
-    """Every check with the used share of its limit; a line where the required margin begins.
-
-    Parameters
-    ----------
-    checks
-        At least one. What passes without a margin, as a condition without figures does, has no bar; what fails without
-        one has the longest, and what is unknown an empty one.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Every check with the used share of its limit; a line where the required margin begins."""
     shown = list(reversed(checks))  # the first one on top
 
     def draw(figure: Figure) -> None:

@@ -27,18 +27,6 @@ def speed_profile(spec: RobotSpec, form: Form = "svg") -> bytes:
     """The speed of the spec over one cycle: a trapezoid by its phases, any other motion to scale.
 
     Of a platform on a path it is that of the platform.
-
-    Parameters
-    ----------
-    spec
-        The machine.
-    form
-        ``svg``, ``png`` or ``typeset``.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
     """
     motion = spec.motion
     if isinstance(spec.motion, Track | Waypoints):

@@ -33,17 +33,7 @@ class Box(NamedTuple):
 
 
 def overlap(a: Box, b: Box) -> bool:
-    """Whether two rectangles share more than an edge.
-
-    Parameters
-    ----------
-    a, b
-        The rectangles.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether two rectangles share more than an edge."""
     return a.left < b.right and b.left < a.right and a.low < b.high and b.low < a.high
 
 
@@ -55,23 +45,7 @@ def trade_off(
     heads: Sequence[str],
     form: Form = "svg",
 ) -> bytes:
-    """Sets of a Pareto front by two of their objectives, with numbers as in the table, and names.
-
-    Parameters
-    ----------
-    numbers, names
-        Of each drive. A name is printed where it has room, else the number alone; where even that has none, nothing,
-        and the table has the names.
-    across, up
-        Two figures of each drive as they are shown; NaN is not drawn.
-    heads
-        What the two axes are called, units included.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Sets of a Pareto front by two of their objectives, with numbers as in the table, and names."""
     known = [n for n, (x, y) in enumerate(zip(across, up, strict=True)) if isfinite(x + y)]
 
     def draw(figure: Figure) -> None:

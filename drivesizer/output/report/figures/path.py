@@ -35,25 +35,7 @@ _GAP, _TITLE = 0.12, 0.25  # in, between them, and above each
 
 
 def path_and_errors(runs: Mapping[str, Followed], form: Form = "svg") -> bytes:
-    """The desired path and what was driven, to scale; distance and heading error over the way.
-
-    Parameters
-    ----------
-    runs
-        At most four along the same trajectory, by name.
-    form
-        Drawing, picture, or drawing for a typesetter.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-
-    Raises
-    ------
-    InputError
-        When there are none, or more than have a look of their own.
-    """
+    """The desired path and what was driven, to scale; distance and heading error over the way."""
     if not 1 <= len(runs) <= len(_LOOKS):
         raise InputError(f"figure of a path: expected 1 to {len(_LOOKS)} runs, got {len(runs)}")
 
@@ -107,20 +89,7 @@ def _over_way(axes: Axes, runs: Mapping[str, Followed], column: str, title: str)
 
 
 def speed_by_direction(found: PermittedSpeeds, form: Form = "svg") -> bytes:
-    """Highest steady speed in each direction, with all motors and without each of the first few.
-
-    Parameters
-    ----------
-    found
-        Of a drive.
-    form
-        Drawing, picture, or drawing for a typesetter.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Highest steady speed in each direction, with all motors and without each of the first few."""
     turn, required = np.radians(np.append(found.direction, 360)), found.required
     failed = [wheel for wheel in found.speed if wheel][:_MOST] or [0]
     rows, columns = ceil(len(failed) / _ACROSS), min(len(failed), _ACROSS)

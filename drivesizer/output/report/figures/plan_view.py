@@ -58,20 +58,7 @@ def passages_of(spec: RobotSpec) -> list[Passage]:
 
 
 def plan_view(spec: RobotSpec, form: Form = "svg") -> bytes:
-    """The way to scale, seen from above.
-
-    Parameters
-    ----------
-    spec
-        Whose motion is a trajectory; of several load cases the first few are drawn.
-    form
-        Drawing, picture, or drawing for a typesetter.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """The way to scale, seen from above."""
     ways, passages = ways_of(spec)[: len(CASES)], passages_of(spec)
     platform = spec.platform
     size = platform.size.record if platform and platform.size else None

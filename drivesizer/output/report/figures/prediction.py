@@ -19,20 +19,7 @@ _LOOKS = {"cold": ("blue", "solid"), "warm": ("vermillion", (0, (5, 2)))}
 
 
 def bench(found: Prediction, form: Form = "svg") -> bytes:
-    """Three diagrams: speed over torque; temperatures over time while running at the load, and while holding at rest.
-
-    Parameters
-    ----------
-    found
-        The prediction.
-    form
-        Drawing or picture.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Three diagrams: speed over torque; temperatures over time while running at the load."""
 
     def draw(figure: Figure) -> None:
         ((line, work, hold),) = placed(figure, 1, 3, top=0.42, gaps=(0.0, 0.7), shared=False)

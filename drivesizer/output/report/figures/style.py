@@ -68,22 +68,7 @@ _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None, "Creator": None}, "
 
 
 def drawn(draw: Any, height: float, form: Form = "svg") -> bytes:
-    """A figure in the house style.
-
-    Parameters
-    ----------
-    draw
-        What draws into a matplotlib figure.
-    height
-        Of the figure [in].
-    form
-        Drawing, picture of 200 dots per inch, or drawing for a typesetter.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """A figure in the house style."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -120,27 +105,7 @@ def placed(
     heights: Sequence[float] | None = None,
     shared: bool = True,
 ) -> list[list[Axes]]:
-    """Axes at fixed places: rows over each other, and their labels in line at the edges of the figure.
-
-    Parameters
-    ----------
-    figure
-        Where to.
-    rows, columns
-        How many axes.
-    left, right, top, bottom
-        Room around all of them [in].
-    gaps
-        Between rows, and between columns [in].
-    heights
-        Of the rows, in proportion.
-    shared
-        Whether a column has one axis across and a row one up.
-
-    Returns
-    -------
-    list[list[Axes]]
-    """
+    """Axes at fixed places: rows over each other, and their labels in line at the edges of the figure."""
     figure.set_layout_engine("none")
     width, height = figure.get_size_inches()
     across = (width - left - right - gaps[1] * (columns - 1)) / columns
@@ -168,36 +133,12 @@ def outside(axes: Axes) -> None:
 
 
 def heading(figure: Figure, handles: Any, names: Any, columns: int) -> None:
-    """A legend above all axes, at the left.
-
-    Parameters
-    ----------
-    figure
-        Where to.
-    handles, names
-        Lines and their names.
-    columns
-        Names beside each other.
-    """
+    """A legend above all axes, at the left."""
     figure.legend(handles, names, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
 
 
 def limit(axes: Axes, value: float, name: str, look: int = 0, *, below: bool = False) -> None:
-    """A limit as a line across, named at its right end, above it or below.
-
-    Parameters
-    ----------
-    axes
-        Where to.
-    value
-        The limit, in the unit of the axis.
-    name
-        Of the limit.
-    look
-        Which of the dashes.
-    below
-        Whether the name is below the line.
-    """
+    """A limit as a line across, named at its right end, above it or below."""
     axes.axhline(value, color="black", linewidth=0.7, linestyle=_LIMITS[look % len(_LIMITS)], zorder=2)
     axes.annotate(name, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, -1.5 if below else 1.5),
                   textcoords="offset points", ha="right", va="top" if below else "bottom", fontsize=6.5,
@@ -217,17 +158,6 @@ def named(name: str, room: float = 118.0) -> str:
     """A name as it stands in a legend, cut to the room for it [pt].
 
     One that begins with an underscore matplotlib would leave out.
-
-    Parameters
-    ----------
-    name
-        The name.
-    room
-        Width that is free [pt].
-
-    Returns
-    -------
-    str
     """
     shown = short(clean(name).replace("\u200b", ""), 28)
     while len(shown) > 1 and width(shown) > room:
@@ -236,20 +166,7 @@ def named(name: str, room: float = 118.0) -> str:
 
 
 def width(text: str, size: float = 7.0) -> float:
-    """About how wide a text of a size is [pt]: letters of East Asia as wide as high, capitals wider than the rest.
-
-    Parameters
-    ----------
-    text
-        The text.
-    size
-        Of its letters [pt].
-
-    Returns
-    -------
-    float
-        [pt].
-    """
+    """About how wide a text of a size is [pt]: letters of East Asia as wide as high, capitals wider than the rest."""
     wide = sum(unicodedata.east_asian_width(letter) in "WF" for letter in text)
     large = sum(letter.isupper() or letter in "mw@%—…" for letter in text)
     return size * (wide + 0.85 * large + 0.6 * (len(text) - wide - large))

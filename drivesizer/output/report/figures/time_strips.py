@@ -32,13 +32,7 @@ class Window(NamedTuple):
 
 
 def windows(series: Mapping[str, NDArray[np.float64]]) -> list[Window]:
-    """The first and the last stretch in which the reference changes; all of it where it changes most of the time.
-
-    Parameters
-    ----------
-    series
-        Columns of a record, ``time`` and ``speed_reference`` among them.
-    """
+    """The first and the last stretch in which the reference changes; all of it where it changes most of the time."""
     time, reference = series["time"], series["speed_reference"]
     whole = Window("whole cycle", float(time[0]), float(time[-1]))
     changing = np.flatnonzero(np.abs(np.diff(reference)) > 1e-6 * np.abs(reference).max(initial=0.0))
@@ -62,18 +56,6 @@ def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Wind
 
     The neighbours outside the window are among them, and both ends of every step in time that can be seen: where
     nothing changes a record may have few samples.
-
-    Parameters
-    ----------
-    time, values
-        The record, shape (samples,), time in [s].
-    window
-        The stretch.
-
-    Returns
-    -------
-    NDArray
-        Indices of samples, ascending.
     """
     first, last = np.searchsorted(time, [window.start, window.end])
     start, end = max(first - 1, 0), min(last + 1, len(time))
@@ -111,20 +93,7 @@ def strip(windows: Sequence[Window]) -> Strip:
 def within(
     time: NDArray[np.float64], values: NDArray[np.float64], window: Window
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A record in a stretch, thinned, from its very start to its very end.
-
-    Parameters
-    ----------
-    time, values
-        The record, shape (samples,), time in [s].
-    window
-        The stretch.
-
-    Returns
-    -------
-    tuple of NDArray
-        Time [s] and values.
-    """
+    """A record in a stretch, thinned, from its very start to its very end."""
     rows = thinned(time, values, window)
     t, v = time[rows], values[rows]
     inside = (t >= window.start) & (t <= window.end)
@@ -136,17 +105,7 @@ def within(
 
 
 def across(axes: Axes, shown: Strip, *, titled: bool = False) -> None:
-    """Ticks of each stretch by its own times, a gap with marks between them, and their titles.
-
-    Parameters
-    ----------
-    axes
-        Where to.
-    shown
-        The stretches beside each other.
-    titled
-        Whether their titles are above.
-    """
+    """Ticks of each stretch by its own times, a gap with marks between them, and their titles."""
     places: list[float] = []
     names: list[str] = []
     for number, window in enumerate(shown.windows):

@@ -43,18 +43,7 @@ def _swing(one: Driver) -> float:
 
 
 def tornado(drivers: Sequence[Driver], form: Form = "svg") -> bytes:
-    """Smallest margin with one assumption at its 5 % and at its 95 % quantile, all others nominal.
-
-    Parameters
-    ----------
-    drivers
-        At least one of ``swings``.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Smallest margin with one assumption at its 5 % and at its 95 % quantile, all others nominal."""
     shown = list(reversed(swings(drivers)))
 
     def draw(figure: Figure) -> None:

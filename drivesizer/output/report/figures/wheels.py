@@ -28,20 +28,7 @@ _IN_SIGHT = 2.0  # times what is drawn: a limit beyond is not drawn
 
 
 def wheels_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg") -> bytes:
-    """Torque at the left and speed at the right, of each wheel or of several of equal demand.
-
-    Parameters
-    ----------
-    cycles
-        Load cycles with the names of their wheels; the first few are drawn. All have one scale.
-    form
-        Drawing, picture, or drawing for a typesetter.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Torque at the left and speed at the right, of each wheel or of several of equal demand."""
     shown = cycles[:MOST_WHEELS]
     unit = torque_unit(max(float(np.abs(cycle.torque).max()) for _, cycle in shown))
     rows = (Row("torque", "torque", unit), Row("speed", "rotary_speed", "rpm"))
@@ -53,24 +40,7 @@ def wheels_over_time(cycles: Sequence[tuple[str, LoadCycle]], form: Form = "svg"
 
 
 def each_over_time(traces: Sequence[Trace], sides: Sequence[Row], shown: Sequence[Window], form: Form = "svg") -> bytes:
-    """Two quantities of each load case, beside each other.
-
-    Parameters
-    ----------
-    traces
-        Load cases; the first few are drawn. All have one scale.
-    sides
-        The quantity at the left and the one at the right, with the limits that are drawn with them.
-    shown
-        The stretches of time.
-    form
-        Drawing, picture, or drawing for a typesetter.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """Two quantities of each load case, beside each other."""
     traces, beside = traces[:MOST_WHEELS], strip(shown)
     ranges = [_ends(traces, side) for side in sides]
     names = _LINE if any(limits for *_, limits in ranges) else 0.0

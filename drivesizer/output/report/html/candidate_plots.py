@@ -23,21 +23,7 @@ _FEW = 10  # numbers beside more points than these would cover one another
 
 
 def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | None:
-    """The drives of the table by their mass and another figure; None where fewer than two can be drawn.
-
-    Parameters
-    ----------
-    rows
-        Drives as the table has them: their texts, and under ``exact`` the numbers.
-    up
-        Which number goes up.
-    title
-        What the axis is called, unit included.
-
-    Returns
-    -------
-    Plot | None
-    """
+    """The drives of the table by their mass and another figure; None where fewer than two can be drawn."""
     known = [row for row in rows if row["exact"]["mass"] is not None and row["exact"][up] is not None]
     if len(known) < 2:
         return None
@@ -63,18 +49,6 @@ def _names(rows: Sequence[dict[str, Any]], up: str) -> dict[str, str]:
 
 def apart(points: Sequence[tuple[float, float]], names: Sequence[str]) -> list[str]:
     """Side of each point at which its label covers neither another label nor a point; empty where there is none.
-
-    Parameters
-    ----------
-    points
-        Places in the units of the axes.
-    names
-        Their labels.
-
-    Returns
-    -------
-    list of str
-        As plotly names the sides.
 
     Examples
     --------

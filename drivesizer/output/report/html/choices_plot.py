@@ -16,18 +16,7 @@ _SCALE = [[0.0, "#2c7fb8"], [0.5, "#a1dab4"], [1.0, "#fdae61"]]  # of the energy
 
 
 def choices_plot(chosen: Choices | None) -> Plot | None:
-    """The drives by mass and price, coloured by the energy of a cycle.
-
-    Parameters
-    ----------
-    chosen
-        Drives to choose from.
-
-    Returns
-    -------
-    Plot or None
-        None where fewer than two have a price and a mass; drives of unknown energy are grey.
-    """
+    """The drives by mass and price, coloured by the energy of a cycle."""
     every = chosen.drives if chosen else ()
     drives = [one for one in every if isfinite(one.figures["mass"]) and isfinite(one.figures["price"])]
     if len(drives) < 2:
@@ -37,17 +26,7 @@ def choices_plot(chosen: Choices | None) -> Plot | None:
 
 
 def unbeaten(drives: list[Choice]) -> list[bool]:
-    """Whether a drive is on the front: no other is as good in mass, price and energy and better in one of them.
-
-    Parameters
-    ----------
-    drives
-        Those of which mass and price are known; an unknown energy beats none and is beaten by mass and price alone.
-
-    Returns
-    -------
-    list of bool
-    """
+    """Whether a drive is on the front: no other is as good in mass, price and energy and better in one of them."""
     figures = [tuple(one.figures.get(name, float("nan")) for name in _AXES) for one in drives]
     known = [tuple(value for value in each if isfinite(value)) for each in figures]
 

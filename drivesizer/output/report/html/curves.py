@@ -25,17 +25,6 @@ Plot = dict[str, Any]
 def numbers(values: Iterable[float], digits: int = 6) -> list[float | None]:
     """Values as JSON has them: to so many digits, None where unknown.
 
-    Parameters
-    ----------
-    values
-        Numbers; NaN is unknown.
-    digits
-        Significant digits.
-
-    Returns
-    -------
-    list of float or None
-
     Examples
     --------
     >>> numbers([1.23456789, float("nan")])
@@ -70,46 +59,14 @@ def whole(time: NDArray[np.float64]) -> Window:
 def sampled(
     time: NDArray[np.float64], columns: Sequence[NDArray[np.float64]], stretches: Sequence[Window]
 ) -> NDArray[np.int64]:
-    """Rows of a record to draw: peaks and troughs of all of it, and finer in the stretches to be looked at.
-
-    Parameters
-    ----------
-    time
-        Shape (samples,) [s].
-    columns
-        Values over time, of the same shape.
-    stretches
-        Where a reader may zoom in.
-
-    Returns
-    -------
-    NDArray
-        Indices of samples, ascending.
-    """
+    """Rows of a record to draw: peaks and troughs of all of it, and finer in the stretches to be looked at."""
     kept = [thinned(time, column, window) for column in columns for window in (whole(time), *stretches)]
     found: NDArray[np.int64] = np.unique(np.concatenate(kept))
     return found
 
 
 def line(x: Iterable[float], y: Iterable[float], label: str, colour: str, dash: str = "solid", **more: Any) -> Plot:
-    """A trace.
-
-    Parameters
-    ----------
-    x, y
-        In the units of the axes.
-    label
-        In the legend; traces of one label are shown and hidden together.
-    colour, dash
-        A name of ``style.COLOURS``, and dashes.
-    more
-        Other arguments of plotly, such as ``yaxis`` or ``hovertemplate``.
-
-    Returns
-    -------
-    Plot
-        Traces and layout for plotly.
-    """
+    """A trace."""
     return {
         "type": "scatter",
         "mode": "lines",
@@ -122,20 +79,7 @@ def line(x: Iterable[float], y: Iterable[float], label: str, colour: str, dash: 
 
 
 def rows(titles: Sequence[str], height: float = 150.0) -> Plot:
-    """A layout of diagrams below one another over one axis, each with its title above it.
-
-    Parameters
-    ----------
-    titles
-        From the uppermost on, units included.
-    height
-        Of one diagram [px].
-
-    Returns
-    -------
-    Plot
-        Traces and layout for plotly.
-    """
+    """A layout of diagrams below one another over one axis, each with its title above it."""
     count, room = len(titles), 26.0
     total = count * (height + room)
     layout: Plot = {
@@ -157,41 +101,13 @@ _BELOW = 46  # px: numbers and title of the lowest axis
 
 
 def above(text: str, height: float = 1) -> Plot:
-    """The title of an upright axis, above its upper end.
-
-    Parameters
-    ----------
-    text
-        The title, as HTML.
-    height
-        The axis's upper end, as a share of the figure's height.
-
-    Returns
-    -------
-    dict
-        An annotation.
-    """
+    """The title of an upright axis, above its upper end."""
     return {"text": text, "x": 0, "y": height, "xref": "paper", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
             "showarrow": False}  # fmt: skip
 
 
 def figure(data: Sequence[Plot], layout: Plot, views: Sequence[Window] = ()) -> Plot:
-    """A figure with its legend and, where there are several, the stretches that it can be looked at in.
-
-    Parameters
-    ----------
-    data
-        Traces; one with ``showlegend`` False is not in the legend.
-    layout
-        With the range of the x axis, where there are stretches.
-    views
-        Stretches of the x axis.
-
-    Returns
-    -------
-    Plot
-        Traces and layout for plotly.
-    """
+    """A figure with its legend and, where there are several, the stretches that it can be looked at in."""
     entries: dict[str, Plot] = {}
     for number, trace in enumerate(data):
         if trace.get("showlegend") is False:

@@ -26,20 +26,7 @@ _PAPER = (("triangle-up-open", "vermillion"), ("square-open", "grey"), ("triangl
 
 
 def field_plot(panel: Panel, times: Sequence[Array]) -> Plot:
-    """The field of a motor and the load cases of one usable voltage and ambient.
-
-    Parameters
-    ----------
-    panel
-        The cases that share the motor's lines; of more than two the first is shown, the others when selected.
-    times
-        Times at both ends of each segment of the cycle of each load case of the spec [s].
-
-    Returns
-    -------
-    Plot
-        Traces and layout for plotly.
-    """
+    """The field of a motor and the load cases of one usable voltage and ambient."""
     first, reach = panel.cases[0][-1], reach_of(panel)
     unit = torque_unit(reach)
     data = [*_regions(first, unit), *_voltage_lines(first, unit, reach)]

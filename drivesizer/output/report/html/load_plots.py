@@ -55,13 +55,7 @@ def _turned(unit: str) -> str:
 
 
 def cycle_plot(cycles: Sequence[tuple[str, LoadCycle]]) -> Plot:
-    """Torque and speed of the driven shaft, of one drive, in every load case.
-
-    Parameters
-    ----------
-    cycles
-        The load cycle of each case by the case's name; no name where there is but one.
-    """
+    """Torque and speed of the driven shaft, of one drive, in every load case."""
     views = stretches(cycles)
     unit = torque_unit(max(float(np.abs(cycle.torque).max()) for _, cycle in cycles))
     data = [trace for n, (name, cycle) in enumerate(cycles) for trace in _over_time(n, name, cycle, unit, views)]

@@ -63,13 +63,7 @@ def _over_time(validation: Validation, names: tuple[str, ...], place: int) -> li
 
 
 def bode_plot(loops: Sequence[Loop]) -> Plot:
-    """Open loop in magnitude and phase, closed loop in magnitude, each loop up to its own Nyquist frequency.
-
-    Parameters
-    ----------
-    loops
-        The loops of a validation, one at least.
-    """
+    """Open loop in magnitude and phase, closed loop in magnitude, each loop up to its own Nyquist frequency."""
     left, right = span(loops)
     data = [trace for loop in loops for trace in (*_curves(loop, left), *_marks(loop))]
     layout = rows(["open loop, magnitude (dB)", "open loop, phase (°)", "closed loop, magnitude (dB)"])

@@ -12,16 +12,6 @@ __all__ = ["mathml"]
 def mathml(sources: Iterable[str]) -> Mapping[str, str]:
     """MathML of pieces of typst mathematics, in one run of typst.
 
-    Parameters
-    ----------
-    sources
-        Typst mathematics of our own declarations and of numbers, such as ``step`` of the derivation gives.
-
-    Returns
-    -------
-    Mapping[str, str]
-        A ``<math>`` element for each piece.
-
     Examples
     --------
     >>> mathml(["V / t"])["V / t"]

@@ -37,55 +37,17 @@ _MOST_PANELS = 6  # of the motor's field that can be moved
 
 
 def render(content: Content, path: Path, *, date: str | None = None) -> dict[Path, bytes]:
-    """The file of an HTML report; see :func:`report_html`.
-
-    Parameters
-    ----------
-    content, date
-        As there.
-    path
-        Where to.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The file of an HTML report; see :func:`report_html`."""
     return {path: report_html(content, date=date)}
 
 
 def report_html(content: Content, *, date: str | None = None) -> bytes:
-    """The report as one HTML file.
-
-    Parameters
-    ----------
-    content
-        What the report is about; without a drive that passes, the closest rejected ones are reported.
-    date
-        Printed as it is given; without it there is none.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """The report as one HTML file."""
     return filled_page(*page_parts(content, date))
 
 
 def page_parts(content: Content, date: str | None = None) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
-    """The document of a report, its figures that can be moved, and those that cannot, by name.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    date
-        Printed as it is given; without it there is none.
-
-    Returns
-    -------
-    tuple
-        As :func:`filled_page` takes them.
-    """
+    """The document of a report, its figures that can be moved, and those that cannot, by name."""
     still = {name: content.drawings[name] for name in STILL if name in content.drawings}
     filled = document(content, date)
     return filled | {"sections": [*_with_weights(filled, content)]}, movable(content), still
@@ -105,22 +67,7 @@ def _with_weights(filled: dict[str, Any], content: Content) -> Iterator[dict[str
 
 
 def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: Mapping[str, Drawing]) -> bytes:
-    """A document with its figures as an HTML file.
-
-    Parameters
-    ----------
-    filled
-        Of :func:`drivesizer.output.report.sections.document.document`.
-    figures
-        Those that can be moved, by name.
-    pictures
-        Those that cannot.
-
-    Returns
-    -------
-    bytes
-        The file in that form.
-    """
+    """A document with its figures as an HTML file."""
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 

@@ -36,18 +36,7 @@ _DASHES = ("solid", dashes((0, (5, 2))), dashes((0, (1, 1.5))), dashes((0, (6, 2
 
 
 def part_plots(hit: Hit) -> dict[str, Plot]:
-    """Curves of a part that its figures give, by a name, each with the ``title`` that it has.
-
-    Parameters
-    ----------
-    hit
-        The part.
-
-    Returns
-    -------
-    dict
-        Nothing where no figure gives a curve.
-    """
+    """Curves of a part that its figures give, by a name, each with the ``title`` that it has."""
     made = _OF.get(hit.section, lambda _: iter(()))(hit)
     return {name: plot | {"title": title} for name, title, plot in made}
 

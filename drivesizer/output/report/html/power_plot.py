@@ -19,18 +19,7 @@ _SHAPES = {"////": "/", "....": ".", "\\\\\\\\": "\\", "xxxx": "x", "----": "-",
 
 
 def power_plot(power: MachinePower) -> Plot | None:
-    """Layers of the axes over each other; one that is hidden leaves the others where they add up without it.
-
-    Parameters
-    ----------
-    power
-        All axes.
-
-    Returns
-    -------
-    Plot or None
-        None where the power of every axis is unknown.
-    """
+    """Layers of the axes over each other; one that is hidden leaves the others where they add up without it."""
     course = power.course(_PIECES)
     found = layers(power, course)
     if not found:

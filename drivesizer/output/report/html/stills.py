@@ -25,32 +25,12 @@ _COLOUR = re.compile(r"(?<=: )#[0-9a-f]{6}\b")
 
 
 def image(svg: bytes) -> str:
-    """A drawing as the address of an image that follows the scheme.
-
-    Parameters
-    ----------
-    svg
-        The drawing.
-
-    Returns
-    -------
-    str
-    """
+    """A drawing as the address of an image that follows the scheme."""
     return f"data:image/svg+xml;base64,{base64.b64encode(both_schemes(svg.decode()).encode()).decode()}"
 
 
 def both_schemes(svg: str) -> str:
-    """A drawing with each colour as a variable, and their values for light and for dark.
-
-    Parameters
-    ----------
-    svg
-        The drawing, with colours as six digits.
-
-    Returns
-    -------
-    str
-    """
+    """A drawing with each colour as a variable, and their values for light and for dark."""
     styled = _GROUND.sub(r'\1style="fill: \2"', svg)
     named = _COLOUR.sub(lambda found: f"var(--{found[0][1:]})", styled)
     used = sorted({_BLACK, *_COLOUR.findall(styled)})

@@ -33,18 +33,7 @@ def digest(script: str) -> str:
 
 
 def environment(math: Mapping[str, str]) -> Environment:
-    """The templates with their filters; a name that a document does not have is an error, not an empty place.
-
-    Parameters
-    ----------
-    math
-        MathML of each piece of mathematics in the document.
-
-    Returns
-    -------
-    jinja2.Environment
-        Whatever its templates print is escaped.
-    """
+    """The templates with their filters; a name that a document does not have is an error, not an empty place."""
     import jinja2
     from markupsafe import Markup
 
@@ -93,22 +82,7 @@ def mathematics(value: Any) -> Iterator[str]:
 
 
 def section_html(sections: list[dict[str, Any]], figures: Mapping[str, Any], pictures: Mapping[str, str]) -> list[str]:
-    """Sections of a document, each as HTML of its own.
-
-    Parameters
-    ----------
-    sections
-        As :func:`drivesizer.output.report.sections.document.document` has them.
-    figures
-        Figures that can be moved, by name.
-    pictures
-        Addresses of the still ones.
-
-    Returns
-    -------
-    list[str]
-        Without a head, every text escaped.
-    """
+    """Sections of a document, each as HTML of its own."""
     whole = unbroken(sections)
     parts: Any = environment(mathml(mathematics(whole))).get_template("blocks.html").module
     page = {"figures": figures, "pictures": pictures}

@@ -58,18 +58,7 @@ class Criterion(NamedTuple):
 
 
 def weights_section(content: Content) -> dict[str, Any] | None:
-    """The section as plain data for the page's template.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-
-    Returns
-    -------
-    dict or None
-        None where there are no drives to choose from, or nothing in which they differ.
-    """
+    """The section as plain data for the page's template."""
     chosen = content.result.choices
     every = [*_criteria(chosen.drives)] if chosen else []
     offered = [one for one in every if len({*one.figures}) > 1]

@@ -45,20 +45,7 @@ def sampling_rows(result: SizingResult) -> Iterator[Row]:
 
 
 def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, DriveSet]]:
-    """Every drive of the report with the list that it is on; those of the front have ranks of their own.
-
-    Parameters
-    ----------
-    result
-        The sizing.
-    front
-        Whether those of the Pareto front are wanted.
-
-    Returns
-    -------
-    list of tuple
-        ``set``, ``unsure``, ``miss`` or ``front``, and the drive.
-    """
+    """Every drive of the report with the list that it is on; those of the front have ranks of their own."""
     lists = {"set": result.sets, "unsure": result.unsure, "miss": result.misses}
     return [(name, one) for name, some in (lists | {"front": result.front if front else ()}).items() for one in some]
 
@@ -121,19 +108,7 @@ def _percentiles(spread: FigureSpread) -> Iterator[Row]:
 
 
 def method_of(spread: Spread, one: DriveSet) -> str:
-    """The method of a check: ``physics``, or ``budget`` of the machine.
-
-    Parameters
-    ----------
-    spread
-        The check over the samples.
-    one
-        The drive.
-
-    Returns
-    -------
-    str
-    """
+    """The method of a check: ``physics``, or ``budget`` of the machine."""
     budget = {check.name for check in one.budget}
     return "budget" if spread.name in budget else "physics"
 
@@ -173,20 +148,7 @@ def chance_columns(sets: Iterable[DriveSet]) -> tuple[str, ...]:
 
 
 def chances(one: DriveSet, heads: Sequence[str]) -> list[Any]:
-    """The probabilities of a drive, a cell for each head.
-
-    Parameters
-    ----------
-    one
-        The drive.
-    heads
-        Of :func:`chance_columns`.
-
-    Returns
-    -------
-    list
-        Cells; empty where the drive was not sampled or has no such check.
-    """
+    """The probabilities of a drive, a cell for each head."""
     cells = _cells(one.reliability) if one.reliability else {}
     return [cells.get(head, "") for head in heads]
 

@@ -37,20 +37,7 @@ COLUMNS = (
 
 
 def row(section: str, name: str, title: str, **more: Any) -> Row:
-    """A row of a section.
-
-    Parameters
-    ----------
-    section, name, title
-        The columns that every row has.
-    more
-        Its further columns.
-
-    Returns
-    -------
-    dict
-        By column.
-    """
+    """A row of a section."""
     return {"section": section, "name": name, "title": title} | more
 
 
@@ -60,37 +47,12 @@ def _figure(section: str, name: str, title: str, value: float, kind: str, unit: 
 
 
 def plain_row(section: str, name: str, title: str, value: float, unit: str) -> Row:
-    """A figure whose unit is the same in SI.
-
-    Parameters
-    ----------
-    section, name, title
-        The columns that every row has.
-    value, unit
-        The figure.
-
-    Returns
-    -------
-    dict
-        By column.
-    """
+    """A figure whose unit is the same in SI."""
     return row(section, name, title, value=value, unit=unit, si_value=value, si_unit=unit)
 
 
 def figure_row(section: str, f: Figure) -> Row:
-    """A figure that has no limit of its own.
-
-    Parameters
-    ----------
-    section
-        The section of the table.
-    f
-        The figure.
-
-    Returns
-    -------
-    dict
-    """
+    """A figure that has no limit of its own."""
     at_time = "" if f.at_time is None else f.at_time
     return _figure(section, f.name, f.title, f.value, f.kind, f.unit) | {"at_time_s": at_time}
 
@@ -102,19 +64,7 @@ def requirement_row(r: Requirement) -> Row:
 
 
 def check_row(section: str, c: Check) -> Row:
-    """A check: its demand as value, its limit, margin and status.
-
-    Parameters
-    ----------
-    section
-        The section of the table.
-    c
-        The check.
-
-    Returns
-    -------
-    dict
-    """
+    """A check: its demand as value, its limit, margin and status."""
     return _figure(section, c.name, c.title, c.demand, c.kind, c.unit) | {
         "method": c.method,
         "case": c.case,
@@ -185,19 +135,7 @@ def count_rows(result: SizingResult) -> Iterator[Row]:
 
 
 def front_rows(s: DriveSet, objectives: Iterable[str]) -> Iterator[Row]:
-    """A drive of the Pareto front by its objectives.
-
-    Parameters
-    ----------
-    s
-        The drive.
-    objectives
-        Their names.
-
-    Returns
-    -------
-    Iterator of rows
-    """
+    """A drive of the Pareto front by its objectives."""
     yield from _names("front", {"motor": s.motor, "gearhead": s.gearhead})
     yield _figure("front", "total_ratio", "Total ratio", s.total_ratio, "dimensionless", "1")
     yield from (figure_row("front", objective_figure(s, name)) for name in objectives)
@@ -210,19 +148,7 @@ def _names(section: str, parts: dict[str, Any]) -> Iterator[Row]:
 
 
 def set_rows(s: DriveSet, objective: str) -> Iterator[Row]:
-    """A drive: its parts, ratios, mass, price, objective and verdict.
-
-    Parameters
-    ----------
-    s
-        The drive.
-    objective
-        The title of the objective.
-
-    Returns
-    -------
-    Iterator of rows
-    """
+    """A drive: its parts, ratios, mass, price, objective and verdict."""
     yield from _names("set", {name: getattr(s, name) for name in ("motor", "gearhead", "encoder", "controller")})
     if s.brake:
         yield from _names("set", {"brake": s.brake})

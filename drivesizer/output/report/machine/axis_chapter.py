@@ -25,17 +25,7 @@ _ELSEWHERE = {  # sections of the report of one axis that the machine prints onc
 
 
 def opening(axis: AxisContent) -> Iterator[Block]:
-    """The answer of an axis.
-
-    Parameters
-    ----------
-    axis
-        The axis.
-
-    Returns
-    -------
-    Iterator of blocks
-    """
+    """The answer of an axis."""
     content = axis.content
     yield Verdict(bool(content.result.sets), [*outcome_texts(content)])
     if axis.sizing.carried:
@@ -53,17 +43,7 @@ def opening(axis: AxisContent) -> Iterator[Block]:
 
 
 def axis_sections(axis: AxisContent) -> Iterator[tuple[str, list[Block]]]:
-    """Titles and blocks of its sections that have any.
-
-    Parameters
-    ----------
-    axis
-        The axis.
-
-    Returns
-    -------
-    Iterator of pairs
-    """
+    """Titles and blocks of its sections that have any."""
     left = _ELSEWHERE | (set() if axis.own_supply else {"braking"})
     left |= {"derivation"} if axis.content.result.method == "paper" else set()
     for section in (*(one for one in SECTIONS if one.name not in left), _UNKNOWN):

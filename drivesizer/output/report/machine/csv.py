@@ -14,20 +14,7 @@ __all__ = ["axes_csv", "render_machine"]
 
 
 def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
-    """The files of a CSV report.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Of the table of axes; the parts list has its name with ``-parts``, the power over time with ``-power``, the
-        closed loops as of :func:`loop_files`.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The files of a CSV report."""
     files = {path: axes_csv(content)}
     files[path.with_name(f"{path.stem}-parts{path.suffix}")] = shared_parts_csv(content.bought)
     power = content.sizing.power

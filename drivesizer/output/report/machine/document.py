@@ -18,20 +18,7 @@ _NAMED = ("picture", "table", "facts", "checks", "tablelink")  # blocks and mark
 
 
 def document(content: MachineContent, date: str | None = None) -> dict[str, Any]:
-    """Everything that a report prints but its figures.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    date
-        Printed where it is given.
-
-    Returns
-    -------
-    dict
-        As of :func:`drivesizer.output.report.sections.document.document`.
-    """
+    """Everything that a report prints but its figures."""
     sizing = content.sizing
     sections = [*_chapters(content, FRONT), *(part for one in content.axes for part in _axis(one))]
     sections += _chapters(content, BACK)
@@ -40,17 +27,7 @@ def document(content: MachineContent, date: str | None = None) -> dict[str, Any]
 
 
 def shown(sections: Any) -> Iterator[str]:
-    """Names of the figures that sections have a place for.
-
-    Parameters
-    ----------
-    sections
-        As plain data, or any part of them.
-
-    Returns
-    -------
-    Iterator of str
-    """
+    """Names of the figures that sections have a place for."""
     if isinstance(sections, dict):
         if sections.get("kind") == "picture":
             yield sections["name"]

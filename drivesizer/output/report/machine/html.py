@@ -17,39 +17,14 @@ __all__ = ["machine_parts", "render_machine"]
 
 
 def render_machine(content: MachineContent, path: Path, *, date: str | None = None) -> dict[Path, bytes]:
-    """The file of an HTML report.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Where to.
-    date
-        Printed as it is given; without it there is none.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The file of an HTML report."""
     return {path: filled_page(*machine_parts(content, date))}
 
 
 def machine_parts(
     content: MachineContent, date: str | None = None
 ) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
-    """The document of a machine's report, its figures that can be moved, and those that cannot, by name.
-
-    Parameters
-    ----------
-    content, date
-        As of :func:`render_machine`.
-
-    Returns
-    -------
-    tuple
-        As :func:`drivesizer.output.report.html.page.filled_page` takes them.
-    """
+    """The document of a machine's report, its figures that can be moved, and those that cannot, by name."""
     filled = document(content, date)
     wanted, drawings = set(shown(filled["sections"])), content.drawings
     still = [*content.loads, *(f"{one.key}{name}" for one in content.axes for name in STILL)]

@@ -12,17 +12,5 @@ __all__ = ["render_machine"]
 
 
 def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
-    """The file of a JSON report.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Where to.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The file of a JSON report."""
     return {path: f"{as_text(machine_document(content.sizing, content.proofs))}\n".encode("utf-8", "backslashreplace")}

@@ -22,18 +22,7 @@ __all__ = ["loop_blocks", "loop_files", "loop_sheet", "loop_summary", "time_seri
 
 
 def loop_blocks(content: MachineContent) -> Iterator[Block]:
-    """A row for each axis with a drive: what it was simulated over, and its tightest check.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-
-    Returns
-    -------
-    Iterator of blocks
-        None where nothing was simulated.
-    """
+    """A row for each axis with a drive: what it was simulated over, and its tightest check."""
     if not content.proofs:
         return
     columns = (Column("axis", "name", 0.7), Column("simulated in", width=1.0), Column("tightest check", "small", 1.0),
@@ -82,19 +71,7 @@ def _rows(content: MachineContent) -> Iterator[Row]:
 
 
 def time_series_sheets(content: MachineContent, names: dict[str, str]) -> Iterator[Sheet]:
-    """A sheet of time series for each axis, all together as long as that of a single axis.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    names
-        Of the sheets, by the name of the axis.
-
-    Returns
-    -------
-    Iterator of sheets
-    """
+    """A sheet of time series for each axis, all together as long as that of a single axis."""
     for name, v in content.proofs.items():
         yield time_series(v, names[name], len(content.proofs))
 
@@ -103,21 +80,7 @@ def time_series_sheets(content: MachineContent, names: dict[str, str]) -> Iterat
 
 
 def loop_files(content: MachineContent, path: Path) -> dict[Path, bytes]:
-    """Files beside the table of axes: one of all closed loops, and for each axis one of its time series.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Of the table of axes; the others have its name with ``-loops`` and, by the number of the axis,
-        ``-axis1-timeseries``.
-
-    Returns
-    -------
-    dict[Path, bytes]
-        Empty where nothing was simulated.
-    """
+    """Files beside the table of axes: one of all closed loops, and for each axis one of its time series."""
     if not content.proofs:
         return {}
     rows = ([row["axis"], *(row.get(column, "") for column in COLUMNS)] for row in _rows(content))

@@ -14,23 +14,7 @@ __all__ = ["render_machine"]
 def render_machine(
     content: MachineContent, path: Path, *, paper: str = "a4", date: str | None = None
 ) -> dict[Path, bytes]:
-    """The file of a PDF report.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Where to.
-    paper
-        Format of the sheets: ``a4`` or ``us-letter``.
-    date
-        Printed on every page as it is given; without it there is none.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The file of a PDF report."""
     filled = document(content, date)
     drawings = content.drawings
     wanted = {name: drawings[name] for name in shown(filled["sections"]) if name in drawings}

@@ -13,18 +13,7 @@ _PIECES = 2000  # finer than a screen
 
 
 def power_columns(power: MachinePower) -> dict[str, tuple[NDArray[np.float64], str, str]]:
-    """Mean powers, each from its time to that of the next row; the last row repeats them at the end.
-
-    Parameters
-    ----------
-    power
-        All axes.
-
-    Returns
-    -------
-    dict
-        Values by name, each with its kind and unit.
-    """
+    """Mean powers, each from its time to that of the next row; the last row repeats them at the end."""
     course = power.course(_PIECES)
     rows = {f"{name} drawn": values for name, values in zip(power.axes, course.drawn, strict=True)}
     rows |= {f"{name} returned": values for name, values in zip(power.axes, course.returned, strict=True)}

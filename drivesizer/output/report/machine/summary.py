@@ -23,17 +23,7 @@ __all__ = ["drive_name", "notes", "summary_blocks", "verdict_text"]
 
 
 def summary_blocks(content: MachineContent) -> Iterator[Block]:
-    """The answer.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-
-    Returns
-    -------
-    Iterator of blocks
-    """
+    """The answer."""
     sizing = content.sizing
     yield Verdict(sizing.status != "fail", [(Status(content.status), " ", *verdict_text(content))])
     yield _axes_table(content)

@@ -29,34 +29,12 @@ __all__ = ["render_machine", "sheets"]
 
 
 def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
-    """The file of an XLSX report.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Where to.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The file of an XLSX report."""
     return {path: written(sheets(content))}
 
 
 def sheets(content: MachineContent) -> list[Sheet]:
-    """The sheets of a report in their order, as plain data.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-
-    Returns
-    -------
-    list[Sheet]
-    """
+    """The sheets of a report in their order, as plain data."""
     machine = content.sizing.machine
     file = file_sheet(content.file, machine.text, machine.entered)
     own = [_machine(content), _axes(content), _parts(content), *_power(content), *loop_sheet(content)]
@@ -73,18 +51,6 @@ _LONGEST = 31  # letters of a sheet's name
 
 def sheet_names(names: Iterable[str], taken: Iterable[str]) -> list[str]:
     """Names of sheets, of which a workbook has each once whatever its capitals, and that it cuts.
-
-    Parameters
-    ----------
-    names
-        Of axes.
-    taken
-        Names of other sheets.
-
-    Returns
-    -------
-    list of str
-        In the same order.
 
     Examples
     --------

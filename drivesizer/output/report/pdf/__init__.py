@@ -31,45 +31,12 @@ _SOURCE = ("page", "fragments", "blocks", "report")  # files of one source, in o
 
 
 def render(content: Content, path: Path, *, paper: str = "a4", date: str | None = None) -> dict[Path, bytes]:
-    """The file of a PDF report; see :func:`report_pdf`.
-
-    Parameters
-    ----------
-    content, paper, date
-        As there.
-    path
-        Where to.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The file of a PDF report; see :func:`report_pdf`."""
     return {path: report_pdf(content, paper=paper, date=date)}
 
 
 def report_pdf(content: Content, *, paper: str = "a4", date: str | None = None) -> bytes:
-    """The report as a PDF file.
-
-    Parameters
-    ----------
-    content
-        What the report is about; without a drive that passes, the closest rejected ones are reported.
-    paper
-        Format of the sheets: ``a4`` or ``us-letter``.
-    date
-        Printed on every page as it is given; without it there is none.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    InputError
-        When the format of the sheets is not known.
-    ReportError
-        When the typesetter refuses.
-    """
+    """The report as a PDF file."""
     _refuse(paper)
     drawings = {name: draw for name, draw in content.drawings.items() if name not in IN_TABLES}
     return typeset(document(content, date), drawings, paper)
@@ -81,28 +48,7 @@ def _refuse(paper: str) -> None:
 
 
 def typeset(filled: dict[str, Any], drawings: Mapping[str, Drawing], paper: str) -> bytes:
-    """A document with its figures as a PDF file.
-
-    Parameters
-    ----------
-    filled
-        Of :func:`drivesizer.output.report.sections.document.document`.
-    drawings
-        Figures that it shows, by name.
-    paper
-        Format of the sheets.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    InputError
-        When the format of the sheets is not known.
-    ReportError
-        When the typesetter refuses.
-    """
+    """A document with its figures as a PDF file."""
     _refuse(paper)
     figures = {name: {"svg": draw("typeset").decode()} for name, draw in drawings.items()}
     return _set(json.dumps(filled | {"sheet": paper, "figures": figures}, ensure_ascii=False, allow_nan=False))

@@ -27,21 +27,7 @@ def _repeat(content: Content) -> Iterator[Block]:
 
 
 def repeat_blocks(catalogs: Mapping[str, str], method: str, objective: str, file: str, text: str) -> Iterator[Block]:
-    """Versions, digests and the file that a result came from.
-
-    Parameters
-    ----------
-    catalogs
-        Digests by the name of a catalogue.
-    method, objective
-        Of the sizing.
-    file, text
-        Name and lines of the spec.
-
-    Returns
-    -------
-    Iterator of blocks
-    """
+    """Versions, digests and the file that a result came from."""
     digests = [*catalogs.items()]
     rows = [Row(("drivesizer", __version__)), Row(("method", method)), Row(("objective", objective.replace("_", " ")))]
     few = digests if len(digests) <= _FEW else []
@@ -68,19 +54,7 @@ def _sheet(content: Content) -> list[Sheet]:
 
 
 def file_sheet(file: str, text: str, entered: Mapping[str, Any]) -> Sheet:
-    """The spec file line by line, comments included; without a file the fields as they were entered.
-
-    Parameters
-    ----------
-    file, text
-        Its name and its lines.
-    entered
-        The fields.
-
-    Returns
-    -------
-    Sheet
-    """
+    """The spec file line by line, comments included; without a file the fields as they were entered."""
     import yaml
 
     written = text or yaml.safe_dump(entered, allow_unicode=True, sort_keys=False)
@@ -107,39 +81,13 @@ _MEANING = (
 
 
 def about(content: Content, sheets: Sequence[Sheet]) -> Sheet:
-    """The last sheet of a workbook: versions, digests, the meaning of its words, and notes on the other sheets.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    sheets
-        The others.
-
-    Returns
-    -------
-    Sheet
-    """
+    """The last sheet of a workbook: versions, digests, the meaning of its words, and notes on the other sheets."""
     result = content.result
     return about_sheet(result.catalog.digests, result.method, result.objective, sheets)
 
 
 def about_sheet(catalogs: Mapping[str, str], method: str, objective: str, sheets: Sequence[Sheet]) -> Sheet:
-    """The last sheet of a workbook; see :func:`about`.
-
-    Parameters
-    ----------
-    catalogs
-        Digests by the name of a catalogue.
-    method, objective
-        Of the sizing.
-    sheets
-        The others.
-
-    Returns
-    -------
-    Sheet
-    """
+    """The last sheet of a workbook; see :func:`about`."""
     rows = [{"title": "drivesizer", "note": __version__}]
     rows += [{"title": f"catalogue {name}, digest", "note": digest} for name, digest in catalogs.items()]
     rows += [{"title": "method", "note": method}, {"title": "objective", "note": objective}]

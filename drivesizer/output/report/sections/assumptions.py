@@ -24,18 +24,7 @@ def _blocks(content: Content) -> Iterator[Block]:
 
 
 def unknown_blocks(content: Content) -> Iterator[Block]:
-    """Checks that are unknown, and figures behind checks that are from no document.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-
-    Returns
-    -------
-    Iterator of blocks
-        None without a drive.
-    """
+    """Checks that are unknown, and figures behind checks that are from no document."""
     result, best = content.result, content.drive
     if best is None:
         return

@@ -133,19 +133,7 @@ def _first(titles: list[str]) -> str:
 
 
 def gearhead_words(one: DriveParts, *, belt: bool = True) -> str:
-    """The gearhead with its part number, and the belt where it is wanted.
-
-    Parameters
-    ----------
-    one
-        The drive.
-    belt
-        Whether the belt is added.
-
-    Returns
-    -------
-    str
-    """
+    """The gearhead with its part number, and the belt where it is wanted."""
     driven = f" + belt {one.belt_name}" if belt and one.belt_name else ""
     part = one.gearhead.part if "gearhead" in one.parts and one.gearhead.part != one.gearhead_name else ""
     return " ".join(f"{one.gearhead_name} {part}{driven}".split())

@@ -14,19 +14,7 @@ __all__ = ["CHANGES", "changes_table"]
 
 
 def changes_table(caption: str, changes: Sequence[Relaxation]) -> Table:
-    """Fields of the spec as they are and as they would have to be.
-
-    Parameters
-    ----------
-    caption
-        Of the table.
-    changes
-        Each enough by itself.
-
-    Returns
-    -------
-    Table
-    """
+    """Fields of the spec as they are and as they would have to be."""
     if any(one.status != "pass" for one in changes):
         caption = caption.replace(" passes,", " passes or fails no check,", 1)
     columns = (

@@ -21,18 +21,7 @@ __all__ = ["confidence_table"]
 
 
 def confidence_table(content: Content) -> Table:
-    """Grounds of the verdict.
-
-    Parameters
-    ----------
-    content
-        With a drive.
-
-    Returns
-    -------
-    Table
-        A row for each ground, with its status where it has one.
-    """
+    """Grounds of the verdict."""
     best = content.drive
     assert best is not None
     rows = [Row(("checks", _status_counts(best))), *_estimated(best), *_marked(content, best)]

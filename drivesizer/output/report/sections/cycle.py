@@ -85,17 +85,7 @@ def _cycle(content: Content) -> Iterator[Block]:
 
 
 def field_picture(content: Content) -> Picture:
-    """The motor's torque-speed field with the load cycle in it.
-
-    Parameters
-    ----------
-    content
-        With a drive.
-
-    Returns
-    -------
-    Picture
-    """
+    """The motor's torque-speed field with the load cycle in it."""
     more = ""
     if content.drive is not None and content.drive.steps:
         return Picture("field", _PULL_OUT, "torque-speed field of the stepper with the load cycle")

@@ -29,20 +29,7 @@ def _header(name: str, block: Sequence[tuple[str, str]]) -> str:
 
 
 def document(content: Content, date: str | None = None) -> dict[str, Any]:
-    """Everything that a report prints but its figures.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    date
-        Printed where it is given.
-
-    Returns
-    -------
-    dict
-        Lists, dicts and texts; ``sections`` in their order, those without blocks left out.
-    """
+    """Everything that a report prints but its figures."""
     result = content.result
     printed = [(section, [*section.blocks(content)]) for section in SECTIONS]
     sections = [
@@ -62,26 +49,7 @@ def assembled(
     *,
     found: bool,
 ) -> dict[str, Any]:
-    """The document of a report out of its sections.
-
-    Parameters
-    ----------
-    name, machine
-        The machine's name, and what it is in words.
-    block
-        Rows of the title block.
-    sections
-        As plain data.
-    date
-        Printed where it is given.
-    found
-        Whether there is a drive.
-
-    Returns
-    -------
-    dict
-        For the templates of PDF and HTML.
-    """
+    """The document of a report out of its sections."""
     made: dict[str, Any] = cleaned({
         "name": name, "header": short(_header(name, block)), "block": block, "machine": machine,
         "version": __version__, "date": short(date or "", 40), "found": found, "sections": sections,

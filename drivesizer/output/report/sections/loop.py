@@ -102,21 +102,7 @@ def _sheets(content: Content) -> Iterator[Sheet]:
 
 
 def time_series(v: Validation, name: str = "Time series", sheets: int = 1) -> Sheet:
-    """The closed loop over time; of a longer record samples evenly, with the peaks of every column.
-
-    Parameters
-    ----------
-    v
-        The closed loop.
-    name
-        Of the sheet.
-    sheets
-        Of time series in the workbook, which have as many samples in all as a single one has.
-
-    Returns
-    -------
-    Sheet
-    """
+    """The closed loop over time; of a longer record samples evenly, with the peaks of every column."""
     units = v.series_units
     columns = {name: from_si(x, units[name][1], units[name][0]) for name, x in v.series.items()}
     count = len(columns["time"])

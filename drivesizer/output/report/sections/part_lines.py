@@ -14,41 +14,13 @@ __all__ = ["parts_table", "shared_parts_table", "total_of"]
 
 
 def parts_table(lines: Sequence[PartLine], motors: int, outcome: str) -> Table:
-    """Parts to order for the whole machine, with the totals of mass and price.
-
-    Parameters
-    ----------
-    lines
-        Of :func:`drivesizer.output.parts.machine_parts`.
-    motors
-        How many drives the machine has.
-    outcome
-        The drive in words.
-
-    Returns
-    -------
-    Table
-    """
+    """Parts to order for the whole machine, with the totals of mass and price."""
     drives = "the one drive" if motors == 1 else f"all {motors} drives"
     return _table(f"Parts of {drives}: {outcome}", [(line, "") for line in lines], totals(lines))
 
 
 def shared_parts_table(lines: Sequence[SharedLine], every: Sequence[Total], whole: str) -> Table:
-    """Parts to order for a machine of several axes, each with the axes that need it.
-
-    Parameters
-    ----------
-    lines
-        Of :func:`drivesizer.output.parts.machine_parts_of_axes`.
-    every
-        Their totals.
-    whole
-        Drives and axes in words.
-
-    Returns
-    -------
-    Table
-    """
+    """Parts to order for a machine of several axes, each with the axes that need it."""
     return _table(f"Parts of {whole}", [(one.line, ", ".join(one.axes)) for one in lines], every)
 
 

@@ -78,17 +78,7 @@ def _datasheets(content: Content) -> Iterator[Block]:
 
 
 def sheet_blocks(sheets: Sequence[dict[str, Any]]) -> Iterator[Block]:
-    """Data sheets of parts, below the meaning of their marks.
-
-    Parameters
-    ----------
-    sheets
-        Of :func:`drivesizer.output.part.datasheet.datasheets`.
-
-    Returns
-    -------
-    Iterator of blocks
-    """
+    """Data sheets of parts, below the meaning of their marks."""
     yield Words((
         "Figures without a mark are quoted from the maker's own document. Marked ones are not: ", Mark("secondary"),
         " copied by others, ", Mark("derived"), " computed or inferred, ", Mark("recalled"),

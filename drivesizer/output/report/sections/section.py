@@ -55,20 +55,7 @@ class Section:
 
 
 def sheets_of(section: Section, content: Content) -> list[Sheet]:
-    """Sheets of a workbook.
-
-    Parameters
-    ----------
-    section
-        The section.
-    content
-        What the report is about.
-
-    Returns
-    -------
-    list[Sheet]
-        Those that the section gives; else one for each of its tables, with the paragraphs below the first.
-    """
+    """Sheets of a workbook."""
     if section.sheets or not section.tabled:
         return [*section.sheets(content)] if section.sheets else []
     blocks = [*_flat(section.blocks(content))]
@@ -101,20 +88,7 @@ def _columns(table: Table, rows: list[Row]) -> tuple[SheetColumn, ...]:
 
 
 def rows_of(section: Section, content: Content) -> CsvRows:
-    """Rows of the CSV.
-
-    Parameters
-    ----------
-    section
-        The section.
-    content
-        What the report is about.
-
-    Returns
-    -------
-    CsvRows
-        Those that the section gives; else one for each number in its tables, after the rows of the drives.
-    """
+    """Rows of the CSV."""
     if section.csv or not section.tabled:
         return section.csv or CsvRows()
     tables = [block for block in _flat(section.blocks(content)) if isinstance(block, Table)]

@@ -46,16 +46,6 @@ class Sheet:
 def headed(title: str, unit: str) -> str:
     """The head of a column with its unit.
 
-    Parameters
-    ----------
-    title, unit
-        What the column holds, and the unit as a spec spells it.
-
-    Returns
-    -------
-    str
-        Both; the title alone of a pure number.
-
     Examples
     --------
     >>> headed("Energy per cycle", "J"), headed("Teeth", "1")

@@ -28,18 +28,6 @@ LIMITS = (
 
 
 def ranked(content: Content, rows: Callable[[DriveSet], Iterable[Row]]) -> Iterator[Row]:
-    """Rows of every drive, with its rank.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    rows
-        Rows of one drive.
-
-    Returns
-    -------
-    Iterator of rows
-    """
+    """Rows of every drive, with its rank."""
     for _, drive in every_list(content.result, front=False):
         yield from (row | {"set_rank": drive.rank} for row in rows(drive))

@@ -115,20 +115,7 @@ def _missed(content: Content) -> Iterator[Text]:
 
 
 def tiles(content: Content, lines: Sequence[PartLine]) -> list[tuple[str, str, str]]:
-    """The figures that a reader wants first.
-
-    Parameters
-    ----------
-    content
-        With a drive.
-    lines
-        Its parts list.
-
-    Returns
-    -------
-    list of tuple of str
-        Head, value and note of each.
-    """
+    """The figures that a reader wants first."""
     behaviour, best = content.behaviour, content.drive
     assert behaviour is not None and best is not None
     several = ", as specified" if len(content.result.problem.cases) > 1 else ""
@@ -145,22 +132,7 @@ def tiles(content: Content, lines: Sequence[PartLine]) -> list[tuple[str, str, s
 
 
 def summed_tile(every: Sequence[Total], name: str, drives: str) -> tuple[str, str, str]:
-    """A total of the parts list: its name, its value, and the parts that it leaves out or estimates.
-
-    Parameters
-    ----------
-    every
-        All totals of the list.
-    name
-        Of the wanted ones, one for each currency.
-    drives
-        That the list is of.
-
-    Returns
-    -------
-    tuple of str
-        Head, value and note.
-    """
+    """A total of the parts list: its name, its value, and the parts that it leaves out or estimates."""
     found = [total for total in every if total.name == name]
     lacks = [role for role in found[0].lacks if all(role in t.lacks for t in found)] if found else []
     least = ", at least" if lacks else ""
@@ -211,19 +183,7 @@ def _part(title: str) -> table.Row:
 
 
 def texts(title: str, lines: Sequence[str]) -> Iterator[table.Row]:
-    """Rows of a sheet with a text each, below a title.
-
-    Parameters
-    ----------
-    title
-        Of the part.
-    lines
-        The texts; without any there is no title either.
-
-    Returns
-    -------
-    Iterator of rows
-    """
+    """Rows of a sheet with a text each, below a title."""
     if lines:
         yield _part(title)
         yield from ({"across": line} for line in lines)

@@ -71,20 +71,6 @@ class Number:
 def quantity(value: float, unit: str, kind: str) -> Number:
     """A cell with a physical quantity.
 
-    Parameters
-    ----------
-    value
-        In SI; NaN is unknown.
-    unit
-        The unit in which it is printed.
-    kind
-        The kind of quantity, such as ``torque``.
-
-    Returns
-    -------
-    Number
-        With its text, its value in ``unit`` and in SI.
-
     Examples
     --------
     >>> quantity(0.25, "mN*m", "torque").text

@@ -35,19 +35,7 @@ __all__ = [
 
 
 def render(content: Content, path: Path) -> dict[Path, bytes]:
-    """The files of a CSV report: the table, and beside it the parts list and the time series when there are such.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Of the table; the others have its name with ``-parts`` and ``-timeseries``.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The files of a CSV report: the table, and beside it the parts list and the time series when there are such."""
     files = {path: report_csv(content)}
     if content.result.sets:
         files[path.with_name(f"{path.stem}-parts{path.suffix}")] = parts_csv(content.bought)
@@ -60,15 +48,6 @@ def report_csv(content: Content) -> bytes:
     """Requirements, sets, what they do, checks, changes, the Pareto front, the parts list, the closed loop.
 
     One figure in a row.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-
-    Returns
-    -------
-    bytes
     """
     columns = COLUMNS if content.result.uncertainty is None else (*COLUMNS, *QUANTILES)
     return encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(content)))
@@ -136,20 +115,7 @@ def sets_csv(result: SizingResult) -> bytes:
 
 
 def set_columns(sets: Sequence[DriveSet], objective: str) -> tuple[list[str], list[list[Any]]]:
-    """Drives in rows, with all that they are, do and hold.
-
-    Parameters
-    ----------
-    sets
-        The drives.
-    objective
-        That ranked them.
-
-    Returns
-    -------
-    tuple
-        Heads of the columns, and a row for each drive.
-    """
+    """Drives in rows, with all that they are, do and hold."""
     checks = list(dict.fromkeys(c.name for s in sets for c in s.own_checks))
     figures = {f.name: f.kind for s in sets for f in s.figures}
     heads = [*_SET_HEADS, "price_of", f"objective_{_slug(objective)}_si", "smallest_margin", "smallest_margin_check"]
@@ -202,19 +168,7 @@ def _belt(s: DriveSet) -> list[Any]:
 
 
 def encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
-    """A table as the bytes of a file.
-
-    Parameters
-    ----------
-    heads
-        Of the columns.
-    rows
-        Their cells.
-
-    Returns
-    -------
-    bytes
-    """
+    """A table as the bytes of a file."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(heads)

@@ -18,34 +18,11 @@ __all__ = ["render", "sheets"]
 
 
 def render(content: Content, path: Path) -> dict[Path, bytes]:
-    """The file of an XLSX report.
-
-    Parameters
-    ----------
-    content
-        What the report is about.
-    path
-        Where to.
-
-    Returns
-    -------
-    dict[Path, bytes]
-    """
+    """The file of an XLSX report."""
     return {path: written(sheets(content))}
 
 
 def sheets(content: Content) -> list[Sheet]:
-    """The sheets of a report in their order, as plain data.
-
-    Parameters
-    ----------
-    content
-        What the report is about; without a drive that passes the parts list is empty, and the closest rejected drive
-        is reported.
-
-    Returns
-    -------
-    list[Sheet]
-    """
+    """The sheets of a report in their order, as plain data."""
     found = [sheet for section in SECTIONS for sheet in sheets_of(section, content)]
     return [*found, about(content, found)]

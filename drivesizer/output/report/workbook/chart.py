@@ -13,17 +13,7 @@ _INKS = (COLOURS["grey"], COLOURS["blue"], COLOURS["vermillion"])
 
 
 def draw(book: Any, page: Any, sheet: Sheet, count: int) -> None:
-    """Draw what a sheet names beside its rows; a column in another unit than the first has its own axis.
-
-    Parameters
-    ----------
-    book, page
-        The workbook and its sheet, as xlsxwriter has them.
-    sheet
-        What was written there.
-    count
-        Rows below its head.
-    """
+    """Draw what a sheet names beside its rows; a column in another unit than the first has its own axis."""
     drawing, places = book.add_chart(_SCATTER), {column.key: place for place, column in enumerate(sheet.columns)}
     units = [_unit(sheet.columns[places[key]]) for key in sheet.drawn]
     for ink, key, unit in zip(_INKS, sheet.drawn, units, strict=True):

@@ -29,20 +29,7 @@ def sampled(sheet: Sheet) -> bool:
 
 
 def filled(book: bytes, tables: Mapping[int, Sequence[Row]]) -> bytes:
-    """A workbook with the rest of its long tables.
-
-    Parameters
-    ----------
-    book
-        The file, with the head and the first row of each such table.
-    tables
-        All rows of each, without text, by the number of their sheet, from 1.
-
-    Returns
-    -------
-    bytes
-        The file; what is unknown is left empty.
-    """
+    """A workbook with the rest of its long tables."""
     if not tables:
         return book
     stream, names = io.BytesIO(), {f"xl/worksheets/sheet{number}.xml": rows for number, rows in tables.items()}

@@ -86,17 +86,6 @@ _NUMBERS = {  # form -> how a spreadsheet shows it; [Red] is a colour of every s
 def shown(value: float, digits: int = 4) -> str:
     """The number format that shows a value with so many digits; General for what is very small or large.
 
-    Parameters
-    ----------
-    value
-        The number.
-    digits
-        Significant digits.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> shown(26.304), shown(5.0), shown(12345.6), shown(2.3e-7)
