@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 from goals import line
 
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate, simulate_many
-from drivesizer.control.validation import Gains
+from drivesizer.control.validation import Cascade, Gains
 
 PERIOD = 1e-3
 SAW = Task(time=tuple(0.5 * n for n in range(21)), speed=tuple(40.0 * (n % 2) + 5.0 for n in range(21)))

@@ -33,8 +33,8 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
-from drivesizer.search.estimated import estimated
-from drivesizer.search.order.sifting import sifted
+from drivesizer.search.open_checks import estimated
+from drivesizer.search.ranking import sifted
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 

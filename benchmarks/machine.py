@@ -18,7 +18,7 @@ from second_start import second_start
 
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.sizing import size
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 ARM = Path(__file__).resolve().parent.parent / "examples" / "six_joint_arm.yaml"
 SIZE = [sys.executable, "-m", "drivesizer", "size"]

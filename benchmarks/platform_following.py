@@ -19,7 +19,7 @@ from drivesizer import load_spec
 from drivesizer.control.path_following import following, kernel_loop
 from drivesizer.control.path_following.following import Followed, Model
 from drivesizer.control.path_following.runs import FollowingRun, follow_case
-from drivesizer.load_cases.platform_drive import Driving, driving, with_trajectory
+from drivesizer.load_cases.platform import Driving, driving, with_trajectory
 from drivesizer.platform.trajectory import Trajectory
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "sps_following.yaml"

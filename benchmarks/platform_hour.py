@@ -13,8 +13,7 @@ import time
 import numpy as np
 from goals import line
 
-from drivesizer.platform.contact_loads import Ground
-from drivesizer.platform.dynamics import Dynamics, dynamics, wheel_torques
+from drivesizer.platform.dynamics import Dynamics, Ground, dynamics, wheel_torques
 from drivesizer.platform.kinematics import to_robot, wheel_speeds
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Platform, table_wheel

@@ -12,11 +12,9 @@ import numpy as np
 from measured_data import CELSIUS
 from numpy.typing import NDArray
 
-from drivesizer.catalog.lookup import find
-from drivesizer.catalog.query import Hit, open_catalogs
+from drivesizer.catalog.query import Hit, find, open_catalogs
 from drivesizer.prediction.predict import completed, predict
-from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts
-from drivesizer.prediction.set_at_voltage import SetAtVoltage, set_at_voltage
+from drivesizer.prediction.set_at_voltage import SampledParts, SetAtVoltage, sampled_parts, set_at_voltage
 from drivesizer.results.prediction import Band, Conditions
 
 __all__ = ["OWN_PARTS", "ROOM", "Axis", "Comparison", "against", "banded", "part", "predicted", "sampled"]

@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from drivesizer.results.sizing import SizingResult
     from drivesizer.simulate import validate
     from drivesizer.sizing import explain, size
+    from drivesizer.spec.machine import load_machine
     from drivesizer.spec.robot import RobotSpec, load_spec
-    from drivesizer.spec.several_axes.machine_file import load_machine
 
 _HOME = {
     "CatalogError": "errors",
@@ -55,7 +55,7 @@ _HOME = {
     "SizingResult": "results.sizing",
     "explain": "sizing",
     "load_catalog": "catalog:load",
-    "load_machine": "spec.several_axes.machine_file",
+    "load_machine": "spec.machine",
     "load_spec": "spec.robot",
     "size": "sizing",
     "size_machine": "multi_axis.sizing",

@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivesizer.commands.ends import ended
-from drivesizer.commands.usage import parsed, with_values
+from drivesizer.commands.ends import ended, parsed, with_values
 from drivesizer.errors import InputError, printable
 from drivesizer.version import __version__
 
@@ -38,7 +37,7 @@ _COMMANDS = {
                 "explain examples/sps_robot.yaml --motor 118743 --gearhead 406764"),
     "validate": ("commands.validate", "Simulate a drive over its profile in closed loop.",
                  "validate examples/sps_robot.yaml --profile trapezoid"),
-    "drive": ("commands.drive", "Drive a platform along a trajectory, wheel by wheel.",
+    "drive": ("commands.validate", "Drive a platform along a trajectory, wheel by wheel.",
               "drive examples/sps_platform.yaml examples/sps_way.csv"),
     "report": ("commands.sizing", "Write the report: PDF, HTML, XLSX, CSV or JSON.",
                "report examples/sps_robot.yaml -o report.pdf"),

@@ -3,7 +3,7 @@
 Reference speed - error at the motor shaft - sampled controller - limited voltage - motor - gearhead, belt, load.
 
 PID and DC motor in python-control are ``control.loop_models``: ``dc_motor`` (states i, w), ``pid``, and the loops that
-they make. ``control.loop_analysis`` has their poles, margins and steps, and ``linear_run`` simulates the profile with
+they make. ``control.loop_design`` has their poles, margins and steps, and ``linear_run`` simulates the profile with
 them; its figures stand beside those of the program's own engine, which adds limits, friction, heat and counts.
 ``loads.profile`` gives the reference motion, ``control.drive_train`` the plant, ``control.closed_loop`` simulation,
 checks and figures. This module makes the record, with assumptions and warnings.
@@ -18,33 +18,25 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.control.cascade import Cascade, ControllerGain, controller_gains
-from drivesizer.control.closed_loop.checks import checks
-from drivesizer.control.closed_loop.figures import figures, series, series_units
+from drivesizer.control.closed_loop.checks import checks, figures, other_gains, rounded_ramps, series, series_units
 from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.closed_loop.run import ClosedLoop, run
-from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning
-from drivesizer.control.remedies import other_gains, rounded_ramps
-from drivesizer.control.validation import Gains, Remedy, Validation
-from drivesizer.control.voltage_loop_design import COMPUTING
+from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
+from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Validation, controller_gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.at_shaft import motion_of
-from drivesizer.load_cases.of_machine import load_cases
+from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on
+from drivesizer.load_cases.platform import WheelLoad, motion_of
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.load_cases.profile import profile as named
-from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
-from drivesizer.load_cases.wheel import WheelLoad
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.course import Profile
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.pull_out import torque_of_drive
+from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.results.check import GRAVEST
-from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.losses import loss_assumptions
-from drivesizer.results.problem import SHIFT
-from drivesizer.results.screws import for_drive
+from drivesizer.results.drive_set import DriveSet, loss_assumptions
+from drivesizer.results.problem import SHIFT, for_drive
 from drivesizer.results.sizing import Check, SizingResult, verdict, worst
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
@@ -178,7 +170,8 @@ def _motion(spec: RobotSpec, profile: str | Profile | None) -> Profile:
 
 def _open_loop(spec: RobotSpec, drive_set: DriveSet, motion: Profile, name: str) -> Validation:
     """A stepper behind its pulses, on the lowest supply voltage."""
-    from drivesizer.control.open_loop import record, run
+    from drivesizer.control.open_loop import run
+    from drivesizer.control.open_loop import run as record
 
     lowest = spec.supply.lowest
     case = run.run(spec, drive_set, motion, lambda speed: torque_of_drive(drive_set, speed, lowest))

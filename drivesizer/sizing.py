@@ -8,31 +8,26 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.load_cases.requirements import requirements
-from drivesizer.load_cases.screw_requirements import screw_requirements
+from drivesizer.load_cases.requirements import requirements, screw_requirements
 from drivesizer.machine.budgets import check_battery, machine_requirements
-from drivesizer.results.drive_set import DriveParts, DriveSet
+from drivesizer.results.check import Reliability, Uncertainty
+from drivesizer.results.drive_set import DriveParts, DriveSet, Requirement
 from drivesizer.results.problem import Problem
-from drivesizer.results.reliability import Reliability, Uncertainty
-from drivesizer.results.requirement import Requirement
 from drivesizer.results.sizing import Check, Explanation, SizingResult, verdict
-from drivesizer.search.both_methods import other_checks
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
+from drivesizer.search.columns.paper import vehicle
+from drivesizer.search.in_order import SearchResult
 from drivesizer.search.machine_filter import best_in_machine, weighing
-from drivesizer.search.order.found import SearchResult
-from drivesizer.search.order.ranking import Ranking, title_of
-from drivesizer.search.order.sifting import Progress
-from drivesizer.search.own_mass import problem_with_drive_mass
-from drivesizer.search.paper.derivation import vehicle
-from drivesizer.search.parts_offered import load_parts, pair_of
+from drivesizer.search.ranking import Progress, Ranking, title_of
 from drivesizer.search.relaxations import changes_for, relaxations, tried
 from drivesizer.search.remarks import assumptions, nearest_figures, not_returning, warnings
+from drivesizer.search.search import other_checks
 from drivesizer.search.set_record import drive_parts, drive_set
-from drivesizer.search.shortlist import Shortlist, shortlist
+from drivesizer.search.shortlist import Shortlist, load_parts, pair_of, problem_with_drive_mass, shortlist
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
+from drivesizer.spec.drive import Choice, ControllerChoice, EncoderChoice, MotorChoice
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import Choice, ControllerChoice, EncoderChoice, MotorChoice
 
 __all__ = ["explain", "explained", "load_parts", "size"]
 

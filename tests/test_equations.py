@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from drivesizer import equations as eq
 from drivesizer.errors import InputError
-from drivesizer.output import formula
+from drivesizer.output import derivation
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
 from drivesizer.units import registry
 
@@ -256,13 +256,13 @@ def test_the_computed_form_has_the_declared_unit(declared):
 
 @pytest.mark.parametrize("number", sorted(EQUATIONS))
 def test_printed_forms_pass_the_unit_check_but_10_and_20(number):
-    failure = formula.printed_failure(EQUATIONS[number])
+    failure = derivation.printed_failure(EQUATIONS[number])
     assert (failure is not None) == (number in (10, 20))
 
 
 def test_what_fails_says_why():
-    assert "N·m times m" in formula.printed_failure(EQUATIONS[10])
-    assert "cannot be added" in formula.printed_failure(EQUATIONS[20])
+    assert "N·m times m" in derivation.printed_failure(EQUATIONS[10])
+    assert "cannot be added" in derivation.printed_failure(EQUATIONS[20])
 
 
 @pytest.mark.parametrize("number", [n for n in EQUATIONS if n not in (1, 3, 7, 10, 11, 15, 16, 17, 18, 20)])
@@ -279,16 +279,16 @@ def test_all_twenty_are_there_with_their_paper_numbers():
 
 
 def test_formulas_as_text_and_typst():
-    assert formula.text(EQUATIONS[1].printed, paper=True) == "60 V_nom / (π d η)"
-    assert formula.text(formula.computed(EQUATIONS[1])) == "2 V_nom / (d η_speed)".replace("speed", "v")
-    assert formula.typst("a / (b + c)") == "(a) / (b + c)"
-    assert formula.text("a - (b - c)") == "a − (b − c)"
-    assert formula.text("(a / b)**2") == "(a / b)²"
-    assert formula.text("a / (b * c)") == "a / (b c)"
-    assert formula.typst("a * b", values={"a": "2", "b": "3"}) == "2 dot 3"
-    assert formula.find("(10)") is EQUATIONS[10]
-    assert formula.find("rms_torque") is EQUATIONS[13]
-    assert formula.find("99") is None
+    assert derivation.text(EQUATIONS[1].printed, paper=True) == "60 V_nom / (π d η)"
+    assert derivation.text(derivation.computed(EQUATIONS[1])) == "2 V_nom / (d η_speed)".replace("speed", "v")
+    assert derivation.typst("a / (b + c)") == "(a) / (b + c)"
+    assert derivation.text("a - (b - c)") == "a − (b − c)"
+    assert derivation.text("(a / b)**2") == "(a / b)²"
+    assert derivation.text("a / (b * c)") == "a / (b c)"
+    assert derivation.typst("a * b", values={"a": "2", "b": "3"}) == "2 dot 3"
+    assert derivation.find("(10)") is EQUATIONS[10]
+    assert derivation.find("rms_torque") is EQUATIONS[13]
+    assert derivation.find("99") is None
 
 
 @pytest.mark.parametrize(

@@ -9,12 +9,12 @@ import pytest
 from by_hand import friction
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.output.export import FORMATS, export_of, files
 from drivesizer.sizing import size
+from drivesizer.spec.any_spec import load_any
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import load_spec
-from drivesizer.spec.several_axes.any_spec import load_any
-from drivesizer.spec.several_axes.machine import MachineSpec
 
 ROOT = Path(__file__).resolve().parent.parent
 STARTERS = sorted(

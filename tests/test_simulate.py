@@ -15,9 +15,9 @@ from specs import HEAT
 
 from drivesizer.control.closed_loop import linear_run
 from drivesizer.control.drive_train import DriveTrain, Regime, drive_train, modes
-from drivesizer.control.loop_analysis import analyse
+from drivesizer.control.gains import design, effective_delay
+from drivesizer.control.loop_design import analyse
 from drivesizer.control.loop_models import from_error, voltage_open_loop
-from drivesizer.control.voltage_loop_design import design, effective_delay
 from drivesizer.errors import InputError
 from drivesizer.loads.course import Profile
 from drivesizer.simulate import validate

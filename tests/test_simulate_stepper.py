@@ -20,12 +20,12 @@ from drivesizer import load_spec, size
 from drivesizer.cli import app
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
-from drivesizer.machine.pull_out import torque_of_drive, torque_of_part
+from drivesizer.machine.part_curves import torque_of_drive, torque_of_part
 from drivesizer.output.export import Export, export_of, fmu, json_document, mjcf, ros2_control, sdf, urdf
 from drivesizer.output.json.documents import as_text, validation
-from drivesizer.output.report.figures.load_and_loop import closed_loop_rows
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.table.csv import report_csv
+from drivesizer.output.report.csv import report_csv
+from drivesizer.output.report.figures.cycle import closed_loop_rows
+from drivesizer.output.report.sections.section import Content
 from drivesizer.output.report.workbook import sheets
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate, validate_all

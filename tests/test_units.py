@@ -13,7 +13,7 @@ from rows import hold
 from drivesizer import units
 from drivesizer.errors import InputError
 from drivesizer.units import KINDS, from_si, label, scale, show, to_si
-from drivesizer.units.ranges import outside
+from drivesizer.units.kinds import outside
 
 PINT = pint.UnitRegistry()  # pint's full definitions: the authority for our short ones
 NOT_IN_PINT = {"EUR", "CHF", "krpm", "V/krpm", "PS", "%", "1"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from latex import displayed, expression, inline, symbol
 
 import drivesizer.equations
-from drivesizer.output import formula
+from drivesizer.output import derivation
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.units import label
 
@@ -37,11 +37,11 @@ def _equation(e: Equation) -> str:
 
 def _forms(e: Equation) -> list[str]:
     """The printed form, the result of the unit check, and the computed form."""
-    left, computed = symbol(e.symbol), formula.computed(e)
+    left, computed = symbol(e.symbol), derivation.computed(e)
     used = f"{left} = {expression(computed)}" if expression(computed) != left else left
     if not e.printed:
         return ["Not in the paper; as computed:", displayed(used)]
-    failure = formula.printed_failure(e)
+    failure = derivation.printed_failure(e)
     finding = f'<span class="fails">Fails the unit check:</span> {escaped(failure)}.' if failure else "Units agree."
     printed = displayed(f"{left} = {expression(e.printed, paper=True)}")
     if expression(e.printed) == expression(computed):
@@ -55,7 +55,7 @@ def _terms(e: Equation) -> str:
     si = label(e.result.unit)
     unit = f"{si}, shown in {shown}" if shown and shown != si else si
     rows = [(inline(symbol(e.symbol)), e.result.meaning, unit)]
-    rows += [(inline(symbol(formula.symbol_text(t.name))), t.meaning, label(t.unit)) for t in e.terms]
+    rows += [(inline(symbol(derivation.symbol_text(t.name))), t.meaning, label(t.unit)) for t in e.terms]
     table = "\n".join(f"| {s} | {escaped(meaning)} | {unit or '1'} |" for s, meaning, unit in rows)
     return f"| | | unit |\n|---|---|---|\n{table}"
 

@@ -20,9 +20,9 @@ from drivesizer.catalog.query import Hit
 from drivesizer.control.path_following.runs import FollowingRun
 from drivesizer.control.path_following.runs import drawn as drawn_runs
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.permitted_speed import permitted_speeds
+from drivesizer.machine.platform_budget import permitted_speeds
 from drivesizer.output.report.figures.all_figures import Drawing, report_drawings
-from drivesizer.output.report.figures.path import path_and_errors, speed_by_direction
+from drivesizer.output.report.figures.machine import path_and_errors, speed_by_direction
 from drivesizer.output.report.figures.prediction import bench
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.results.prediction import Conditions

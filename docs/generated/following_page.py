@@ -8,11 +8,10 @@ from functools import cache
 from pathlib import Path
 
 from drivesizer import explain, load_spec
-from drivesizer.control.path_following.deviation import extremes
-from drivesizer.control.path_following.following import Followed
+from drivesizer.control.path_following.following import Followed, extremes
 from drivesizer.control.path_following.runs import FollowingRun, follow_case
-from drivesizer.load_cases.platform_drive import Driving, driving, with_trajectory
-from drivesizer.platform.misjudged import EXACT, Misjudged
+from drivesizer.load_cases.platform import Driving, driving, with_trajectory
+from drivesizer.platform.wheels import EXACT, Misjudged
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.units import show
 

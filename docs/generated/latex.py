@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from drivesizer.output import formula
+from drivesizer.output import derivation
 
 __all__ = ["displayed", "expression", "inline", "symbol"]
 
@@ -83,7 +83,7 @@ def _factor(node: ast.expr, paper: bool, *, alone: bool = False) -> str:
         case ast.Constant(value=value):
             return f"{value:g}"
         case ast.Name(id=name):
-            return symbol(formula.symbol_text(name, paper=paper))
+            return symbol(derivation.symbol_text(name, paper=paper))
         case ast.UnaryOp(op=ast.USub(), operand=inside):
             return f"-{_factor(inside, paper)}"
         case ast.Call(func=ast.Name(id="sqrt"), args=[inside]):

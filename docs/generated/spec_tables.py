@@ -6,8 +6,8 @@ import json
 import re
 from typing import Any
 
+from drivesizer.spec.machine import machine_schema
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.several_axes.machine_schema import machine_schema
 
 __all__ = ["SCHEMA", "fields_of", "machine_sections", "sections"]
 

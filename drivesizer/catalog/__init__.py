@@ -15,9 +15,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from drivesizer.catalog.compiled import recall, store
 from drivesizer.catalog.identities import DERIVED, IDENTITIES
-from drivesizer.catalog.joining import joined
 from drivesizer.catalog.more_parts import (
     Actuator,
     Battery,
@@ -41,12 +39,11 @@ from drivesizer.catalog.parts import (
     lines,
     singular,
 )
-from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table
+from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joined, recall, store
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
-from drivesizer.files.shipped import shipped_folder
-from drivesizer.files.text import decoded, is_handed, read_bytes
-from drivesizer.units.ranges import AT_MOST, MAY_BE_ZERO, RANGES
+from drivesizer.files.text import decoded, is_handed, read_bytes, shipped_folder
+from drivesizer.units.kinds import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.version import __version__
 
 __all__ = [

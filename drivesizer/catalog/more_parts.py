@@ -1,18 +1,139 @@
-"""Records of the catalogue's further kinds of parts, beside motor, gearhead, encoder and controller.
-
-An actuator or gearmotor is sold as one part; ``search_view`` splits it for the search. Belts, pulleys, screws, brakes,
-steppers and batteries are parts of their own.
-"""
+"""Records of further kinds of parts, and the tables of batteries and steppers: discharges, pull-out torque."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from math import nan
+from typing import Any, NamedTuple
 
-from drivesizer.catalog.columns import PartRecord, figure, text
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.physics.belt import pitch_diameter
 
 __all__ = [
-    "Actuator", "Battery", "Belt", "Brake", "BrakeResistor", "PowerSupply", "Pulley", "Screw", "Stepper",
+    "DATA", "DISCHARGES", "HELD", "INTEGERS", "NO_DISCHARGES", "NO_PULL_OUTS", "PULL_OUTS", "TABLE", "Actuator",
+    "Battery", "Belt", "BeltDrive", "Brake", "BrakeResistor", "Column", "Discharges", "PartRecord", "PowerSupply",
+    "PullOuts", "Pulley", "Screw", "Stepper", "columns", "figure", "point_columns", "text",
 ]  # fmt: skip
+
+
+# -- Declaration of a part's figures in a record: each field with its kind of quantity and its datasheet unit.
+
+
+DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
+
+
+class PartRecord:
+    """A record of a part, whose figures laws read by name (``physics.figures``)."""
+
+    __slots__ = ()
+    part: str
+    family: str
+    manufacturer: str
+    price: float
+
+    def __getitem__(self, name: str) -> Any:
+        return getattr(self, name)
+
+
+class Column(NamedTuple):
+    """One field of a part: name, kind of quantity (or ``text``), datasheet unit, smallest allowed value."""
+
+    name: str
+    kind: str
+    unit: str
+    least: float
+
+
+def figure(kind: str, unit: str, *, least: float = 0.0) -> Any:
+    """A field of a part that holds a figure in SI."""
+    return field(default=nan, metadata={"kind": kind, "unit": unit, "least": least})
+
+
+def text() -> Any:
+    """A field of a part that holds text; empty unless given."""
+    return field(default="", metadata={"kind": "text", "unit": ""})
+
+
+def columns(record: Any) -> dict[str, Column]:
+    """The columns of a record, in the order of its fields."""
+    return {
+        f.name: Column(f.name, f.metadata["kind"], f.metadata["unit"], f.metadata.get("least", 0.0))
+        for f in fields(record)
+    }
+
+
+# -- Discharge tables of batteries in memory: at which current or power, to which end voltage, how long.
+#
+# Every printed figure is one entry of columns that belong to a row of the batteries' table; tables of current leave
+# the power unknown, and the other way round.
+
+
+DISCHARGES = "discharges"  # the section of a catalogue file, and the name for all of a battery's in a note
+HELD = {"current": "A", "power": "W"}  # what is held while a battery empties
+TABLE = ("battery", "source", "held", "cells", "columns", "rows")
+
+
+class Discharges(NamedTuple):
+    """Printed discharges of all batteries: columns, in the order of the file."""
+
+    battery: NDArray[np.int32]  # row of the batteries' table
+    source: NDArray[np.int32]  # index into Catalog.sources
+    cutoff_voltage: NDArray[np.float64]  # V, at which it ends, of the part
+    time: NDArray[np.float64]  # s
+    current: NDArray[np.float64]  # A; NaN where power is held
+    power: NDArray[np.float64]  # W of the part; NaN where current is held
+
+    def on(self, rows: Any) -> Discharges:
+        """Some of the entries."""
+        return Discharges(*(column[rows] for column in self))
+
+
+INTEGERS = ("battery", "source")
+NO_DISCHARGES = Discharges(*(np.zeros(0, np.int32 if n in INTEGERS else float) for n in Discharges._fields))
+
+
+# -- Printed pull-out torque of steppers over speed, in memory: each curve at a supply voltage, with a driver.
+#
+# Every printed point is one entry of columns that belong to a row of the steppers' table.
+
+
+PULL_OUTS = "pull_outs"  # the section of a catalogue file, and the name for all of a stepper's in a note
+
+
+class PullOuts(NamedTuple):
+    """Printed points of all curves: columns, in the order of the file."""
+
+    stepper: NDArray[np.int32]  # row of the steppers' table
+    source: NDArray[np.int32]  # index into Catalog.sources
+    curve: NDArray[np.int32]  # number of the curve
+    voltage: NDArray[np.float64]  # V, of the driver's supply
+    current: NDArray[np.float64]  # A, amplitude of a phase's current that the driver was set to; NaN unknown
+    speed: NDArray[np.float64]  # rad/s, rising along a curve
+    torque: NDArray[np.float64]  # N*m
+    driver: NDArray[np.str_]  # as printed; empty where it is not
+
+    def on(self, rows: Any) -> PullOuts:
+        """Some of the entries."""
+        return PullOuts(*(column[rows] for column in self))
+
+
+_TYPES = {"stepper": np.int32, "source": np.int32, "curve": np.int32, "driver": np.str_}
+NO_PULL_OUTS = PullOuts(*(np.zeros(0, _TYPES.get(name, np.float64)) for name in PullOuts._fields))
+
+
+def point_columns(points: Sequence[tuple[Any, ...]]) -> PullOuts:
+    """Columns of points, each with the fields of ``PullOuts`` in their order."""
+    columns = zip(PullOuts._fields, zip(*points, strict=True), strict=True)
+    return PullOuts(*(np.array(values, _TYPES.get(name, np.float64)) for name, values in columns))
+
+
+# -- Records of the catalogue's further kinds of parts, beside motor, gearhead, encoder and controller.
+#
+# An actuator or gearmotor is sold as one part; ``search_view`` splits it for the search. Belts, pulleys, screws,
+# brakes, steppers and batteries are parts of their own.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -297,3 +418,37 @@ class PowerSupply(PartRecord):
     price: float = figure("price", "EUR")
     foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
     currency: str = text()  # of it, such as USD
+
+
+# -- A toothed belt and its pair of pulleys as catalogue parts, with the geometry between them.
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BeltDrive:
+    """A belt and two pulleys out of a catalogue."""
+
+    driving: Pulley  # on the shaft of the gearhead, or of the motor where there is none
+    driven: Pulley  # on the load's shaft
+    belt: Belt
+    centre_distance: float  # m
+    teeth_in_mesh: float  # on the small pulley
+
+    @property
+    def ratio(self) -> float:
+        """Turns of the driving pulley per turn of the driven one; below 1 it is a step up."""
+        return self.driven.teeth / self.driving.teeth
+
+    @property
+    def name(self) -> str:
+        """The ratio by its teeth, as 36:24."""
+        return f"{self.driven.teeth:.0f}:{self.driving.teeth:.0f}"
+
+    @property
+    def driven_diameter(self) -> float:
+        """Pitch diameter of the load's pulley [m]."""
+        return float(pitch_diameter(self.driven.teeth, self.driven.pitch))
+
+    @property
+    def parts(self) -> dict[str, Belt | Pulley]:
+        """Parts of the belt drive, by role."""
+        return {"driving pulley": self.driving, "belt": self.belt, "driven pulley": self.driven}

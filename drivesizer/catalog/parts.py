@@ -18,17 +18,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.columns import Column, PartRecord, columns, figure, text
 from drivesizer.catalog.more_parts import (
     Actuator,
     Battery,
     Belt,
     Brake,
     BrakeResistor,
+    Column,
+    PartRecord,
     PowerSupply,
     Pulley,
     Screw,
     Stepper,
+    columns,
+    figure,
+    text,
 )
 from drivesizer.physics.figures import Figures
 

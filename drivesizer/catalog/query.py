@@ -1,13 +1,10 @@
-"""Queries of catalogues: parts that meet conditions.
-
-Catalogues are searched one by one and not joined, so that every part keeps the name of its catalogue. An unknown
-figure neither meets a condition nor fails it; such parts are counted separately.
-"""
+"""Queries of catalogues: parts that meet conditions, parts by number and side by side, coverage."""
 
 from __future__ import annotations
 
 import math
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -15,12 +12,25 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import DIRECT, PARTS, Catalog, Table, columns_of, load, path_of, shipped
-from drivesizer.catalog.conditions import Condition, column_name
-from drivesizer.catalog.tables import spelling
+from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, Source, Table, columns_of, load, path_of, shipped
+from drivesizer.catalog.conditions import OPTIONS, Condition, column_name
+from drivesizer.catalog.more_parts import Column
+from drivesizer.catalog.parts import printed
+from drivesizer.catalog.tables import CONFIDENCE, OTHER_NAMES, spelling
+from drivesizer.catalog.tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.errors import InputError, nearest, quoted
 
-__all__ = ["Hit", "Selection", "Shelf", "contains", "every", "open_catalogs", "select"]
+__all__ = [
+    "Coverage", "Hit", "Row", "Selection", "coverage", "every", "families", "find", "look", "open_catalogs", "origins",
+    "pairs_of", "partners", "select", "side_by_side", "tolerances",
+]  # fmt: skip
+
+
+# -- Queries of catalogues: parts that meet conditions.
+#
+# Catalogues are searched one by one and not joined, so that every part keeps the name of its catalogue. An unknown
+# figure neither meets a condition nor fails it; such parts are counted separately.
+
 
 Shelf = Mapping[str, Catalog]  # catalogues by name
 
@@ -127,3 +137,182 @@ def _sorted(hits: list[Hit], section: str, name: str) -> list[Hit]:
 
 def _missing(value: Any) -> bool:
     return value == "" if isinstance(value, str) else math.isnan(value)
+
+
+# -- A part by its number, a text anywhere in numbers and names, and the sources of one part's figures.
+
+
+def find(shelf: Shelf, part: str) -> list[Hit]:
+    """The parts with a number or another name, in whatever section or catalogue."""
+    exact, other = (
+        [
+            Hit(name, catalog, section, row)
+            for name, catalog in shelf.items()
+            for section in PARTS
+            for row in rows(catalog.table(section))
+        ]
+        for rows in (lambda table: [table.rows[part]] if part in table.rows else [], lambda table: table.called(part))
+    )
+    if part != DIRECT and (exact or other):
+        return exact or other
+    for section, names in families(shelf).items():
+        if part in names:
+            raise InputError(
+                f"{quoted(part)} is a family of {section}; `drivesizer catalog list {section} --family '{part}'` "
+                "lists its parts"
+            )
+    raise InputError(f"{quoted(part)} is in no catalogue{nearest(part, (hit.part for hit in every(shelf)))}")
+
+
+def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list[Hit]]:
+    """Families whose name or kind contains a text, by section, and parts whose number does."""
+
+    def hits(section: str, *names: str) -> list[Hit]:
+        return select(shelf, section, [], excluded=True, piece=(text, names)).hits
+
+    called = {
+        section: {hit["family"] for hit in hits(section, "family", OPTIONS["kind"][section])} for section in PARTS
+    }
+    groups = {
+        section: {name: members for name, members in names.items() if name in called[section]}
+        for section, names in families(shelf).items()
+    }
+    return groups, [hit for section in PARTS for hit in hits(section, "part", *OTHER_NAMES)]
+
+
+def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:
+    """The parts of each family, by section and name."""
+    found: dict[str, dict[str, list[Hit]]] = {section: {} for section in PARTS}
+    for hit in every(shelf):
+        found[hit.section].setdefault(hit["family"], []).append(hit)
+    return found
+
+
+def partners(hit: Hit) -> dict[str, dict[str, int]]:
+    """Number of parts of each family that go with a part, by the sections that its catalogue pairs it with."""
+    found: dict[str, dict[str, int]] = {}
+    for relation, right in RELATIONS.items():
+        pairs = getattr(hit.catalog, relation)
+        if hit.section not in ("motors", right) or not len(pairs.left):
+            continue
+        other = right if hit.section == "motors" else "motors"
+        own, others = (pairs.left, pairs.right) if hit.section == "motors" else (pairs.right, pairs.left)
+        names = hit.catalog.table(other)["family"][others[own == hit.row]]
+        found[other] = dict(Counter(sorted(names.tolist())))
+    return found
+
+
+def origins(hit: Hit) -> dict[str, Source]:
+    """Source of each known figure of a part: that of its table, or of a note on it."""
+    base = hit.catalog.sources[hit.table.source[hit.row]]
+    confidence = hit.catalog.confidence(hit.section, hit.row)
+    by_document = {source.document: source for source in hit.catalog.sources}
+    found = dict.fromkeys(confidence, base)
+    for note in hit.catalog.notes_on(hit.section, hit.part):
+        if note.source:
+            found |= {
+                name: by_document.get(note.source, base) for name in (note.fields or confidence) if name in confidence
+            }
+    return {name: source._replace(confidence=confidence[name]) for name, source in found.items()}
+
+
+_TOLERANCED = {"motors": ("motor",), "gearheads": ("gearhead",), "actuators": ("motor", "gearhead")}
+
+
+def tolerances(hit: Hit) -> list[MakerTolerance]:
+    """Tolerances that the maker states for a part's figures; for an actuator those of its motor and its gear."""
+    stated, owner = hit.catalog.tolerances, (hit["manufacturer"], hit["family"])
+    return [
+        one for part in _TOLERANCED.get(hit.section, ()) for one in maker_tolerances_of(stated, part, *owner).values()
+    ]
+
+
+# -- Parts side by side: every figure that one of them has, and whether they differ in it.
+
+
+class Row(NamedTuple):
+    """A column of the catalogue with the value of each part; NaN or an empty text where it is unknown."""
+
+    column: Column
+    values: tuple[Any, ...]
+    differs: bool | None  # None: those that are known are the same, and some are not known
+
+
+def side_by_side(hits: Sequence[Hit]) -> list[Row]:
+    """The columns in which at least one part has something."""
+    sections = list(dict.fromkeys(hit.section for hit in hits))
+    if len(sections) > 1:
+        kinds = ", ".join(f"{hit.part} of {hit.section}" for hit in hits)
+        raise InputError(f"parts of one kind can be compared; found {kinds}")
+    rows = (_row(column, tuple(hit[name] for hit in hits)) for name, column in columns_of(sections[0]).items())
+    return [row for row in rows if row is not None and row.column.name != "part"]
+
+
+def _row(column: Column, values: tuple[Any, ...]) -> Row | None:
+    known = [value for value in values if _known(value)]
+    if not known:
+        return None
+    differs = any(not _same_text(value, known[0]) for value in known)
+    return Row(column, values, True if differs else None if len(known) < len(values) else False)
+
+
+def _known(value: Any) -> bool:
+    return value != "" if isinstance(value, str) else not math.isnan(value)
+
+
+def _same_text(one: Any, other: Any) -> bool:
+    return one == other if isinstance(one, str) else math.isclose(one, other, rel_tol=1e-9)
+
+
+# -- Coverage of catalogues: parts, pairs, number of known figures of each column, and their confidence.
+
+
+class Coverage(NamedTuple):
+    """Coverage of one kind of part in a catalogue."""
+
+    parts: int
+    families: int
+    excluded: int
+    known: dict[str, int]  # parts of which the figure is known, by column
+    sure: dict[str, int]  # known figures (texts are not counted) by confidence
+
+
+def coverage(catalog: Catalog, section: str) -> Coverage:
+    """Coverage of a section of a catalogue."""
+    table = catalog.table(section)
+    real = table["part"] != DIRECT
+    known = {name: (table[name] != "" if c.kind == "text" else ~np.isnan(table[name])) & real
+             for name, c in printed(section).items()}  # fmt: skip
+    figures = [name for name, column in printed(section).items() if column.kind != "text"]
+    there = np.array([known[name] for name in figures])
+    level = _levels(catalog, section, figures)
+    return Coverage(
+        parts=int(real.sum()),
+        families=len(np.unique(table["family"][real])),
+        excluded=int((table.excluded & real).sum()),
+        known={name: int(mask.sum()) for name, mask in known.items()},
+        sure={name: int((there & (level == place)).sum()) for place, name in enumerate(CONFIDENCE)},
+    )
+
+
+def _levels(catalog: Catalog, section: str, figures: list[str]) -> NDArray[Any]:
+    """The confidence of each figure as its place in CONFIDENCE: as Catalog.confidence, for all rows at once."""
+    table = catalog.table(section)
+    of_source = np.array([CONFIDENCE.index(source.confidence) for source in catalog.sources])
+    level = np.tile(of_source[table.source], (len(figures), 1))
+    for note in catalog.notes:
+        if note.section == section and note.confidence:
+            rows = [table.rows[part] for part in note.parts if part in table.rows]
+            columns = [place for place, name in enumerate(figures) if not note.fields or name in note.fields]
+            level[np.ix_(columns, rows)] = CONFIDENCE.index(note.confidence)
+    return level
+
+
+def pairs_of(catalog: Catalog) -> dict[str, int]:
+    """Number of pairs that a catalogue states."""
+    direct = catalog.gearheads["part"][catalog.motor_gearhead.right] == DIRECT
+    return {
+        "motor and gearhead": int((~direct).sum()),
+        "motor without gearhead": int(direct.sum()),
+        "motor and encoder": len(catalog.motor_encoder.left),
+    }

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivesizer.catalog.columns import DATA, Column
-from drivesizer.catalog.discharges import DISCHARGES, HELD, TABLE
-from drivesizer.catalog.maker_tolerances import TOLERANCES
-from drivesizer.catalog.maker_tolerances_reading import FIGURES
+from drivesizer.catalog.more_parts import DATA, DISCHARGES, HELD, PULL_OUTS, TABLE, Column
 from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
-from drivesizer.catalog.pull_out_reading import COLUMNS, CURVE
-from drivesizer.catalog.pull_outs import PULL_OUTS
+from drivesizer.catalog.section_readers import COLUMNS, CURVE, FIGURES
 from drivesizer.catalog.tables import CONFIDENCE
+from drivesizer.catalog.tolerances import TOLERANCES
 from drivesizer.units import KINDS, noun
 
 __all__ = ["catalog_schema"]

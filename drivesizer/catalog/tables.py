@@ -1,46 +1,58 @@
-"""A catalogue in memory: parts as columns for the search, as records for people."""
+"""A catalogue in memory, as columns for the search and as records for people; compiled; several as one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+import io
+import json
+import warnings
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.discharges import NO_DISCHARGES, Discharges
-from drivesizer.catalog.maker_tolerances import MakerTolerance
 from drivesizer.catalog.more_parts import (
+    NO_DISCHARGES,
+    NO_PULL_OUTS,
     Actuator,
     Battery,
     Belt,
     Brake,
     BrakeResistor,
+    Discharges,
     PowerSupply,
     Pulley,
+    PullOuts,
     Screw,
     Stepper,
 )
-from drivesizer.catalog.parts import PARTS, Controller, Encoder, Gearhead, Motor, columns_of
-from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
+from drivesizer.catalog.parts import (
+    DIRECT,
+    NO_GEARHEAD,
+    PARTS,
+    RELATIONS,
+    Controller,
+    Encoder,
+    Gearhead,
+    Motor,
+    columns_of,
+    singular,
+)
+from drivesizer.catalog.tolerances import MakerTolerance, join_maker_tolerances
+from drivesizer.errors import CatalogError, nearest, quoted, reason_of
+from drivesizer.files.cache import CacheWarning, arrays_kept, keep
 
 __all__ = [
-    "CONFIDENCE",
-    "ESTIMATED",
-    "OTHER_NAMES",
-    "Across",
-    "Catalog",
-    "Estimates",
-    "Note",
-    "Pairs",
-    "Source",
-    "Table",
-    "empty",
-    "spelling",
-    "unique_pairs",
-]
+    "CONFIDENCE", "ESTIMATED", "NO_GEARHEAD_SOURCE", "OTHER_NAMES", "Across", "Catalog", "Estimates", "Note", "Pairs",
+    "Source", "Table", "empty", "joined", "recall", "spelling", "store", "unique_pairs", "with_no_gearhead",
+]  # fmt: skip
+
+
+# -- A catalogue in memory: parts as columns for the search, as records for people.
+
 
 _KEPT = 256  # results of a catalogue for specs of late
 _BETWEEN = str.maketrans("", "", " \t-_")
@@ -325,3 +337,283 @@ def unique_pairs(left: NDArray[Any], right: NDArray[Any], source: NDArray[Any]) 
     """Pairs of rows, each once with the first source that states it, sorted."""
     _, first = np.unique(left.astype(np.int64) << 32 | right.astype(np.int64), return_index=True)
     return Pairs(*(side[first].astype(np.int32) for side in (left, right, source)))
+
+
+# -- Direct drive as a row of the gearheads: no mass, no loss and no limits.
+
+
+NO_GEARHEAD_SOURCE = Source("no gearhead: the motor drives the load itself", "quoted")
+
+
+def with_no_gearhead(gearheads: Table[Gearhead], source: int) -> Table[Gearhead]:
+    """A table of gearheads with the row of direct drive, which weighs nothing and has no limits, as its last."""
+    columns = {name: np.append(gearheads[name], getattr(NO_GEARHEAD, name)) for name in gearheads.columns}
+    sources = np.append(gearheads.source, source).astype(np.int32)
+    return Table(gearheads.section, columns, sources, np.append(gearheads.excluded, False))
+
+
+# -- Compiled catalogues: the columns of a catalogue file as plain bytes in the user's cache folder.
+#
+# A compiled file is named by the digest of what it was made from (this package's version, the schema, the YAML's
+# bytes), so an old compilation is never used for a changed catalogue. It starts with the digest of its own
+# contents and is discarded when that differs. Numbers are npy arrays read without pickle, texts are
+# JSON. Writing goes to a private file that then takes the name at once, so two processes cannot disturb each
+# other; when the folder cannot be written, the program works without it.
+
+
+_NONE = np.zeros((3, 0), np.int32)
+
+
+def recall(path: Path) -> Catalog | None:
+    """The compiled catalogue at a path, or None when there is none or it is damaged."""
+    arrays = arrays_kept(path)
+    try:
+        return None if arrays is None else _unpacked(arrays)
+    except (ValueError, KeyError, TypeError, IndexError):
+        return None  # an intact file of another layout: compiled again
+
+
+def store(path: Path, catalog: Catalog) -> None:
+    """Keep a compiled catalogue; older compilations of the same file are removed."""
+    buffer = io.BytesIO()
+    np.savez(buffer, **_packed(catalog))  # type: ignore[arg-type]  # its allow_pickle is no array
+    try:
+        keep(path, buffer.getvalue())
+    except OSError as error:
+        reason = reason_of(error)
+        warnings.warn(f"the compiled catalogue is not kept in {path.parent} ({reason})", CacheWarning, stacklevel=2)
+
+
+def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
+    arrays: dict[str, NDArray[Any]] = {}
+    texts: dict[str, Any] = {"sources": catalog.sources, "notes": catalog.notes, "digests": dict(catalog.digests)}
+    texts |= {"overrides": catalog.overrides, "across": catalog.across, "replaced": catalog.replaced}
+    texts |= {"tolerances": catalog.tolerances}
+    for section in PARTS:
+        table, schema = catalog.table(section), columns_of(section)
+        if not len(table):
+            continue
+        figures = [name for name, column in schema.items() if column.kind != "text"]
+        arrays[f"{section}.figures"] = np.array([table[name] for name in figures])
+        arrays[f"{section}.source"] = table.source
+        arrays[f"{section}.excluded"] = table.excluded
+        texts[section] = {name: table[name].tolist() for name in schema if name not in figures}
+    for relation in RELATIONS:
+        if len(getattr(catalog, relation).left):
+            arrays[relation] = np.array(getattr(catalog, relation))
+    if len(catalog.discharges.time):
+        arrays |= {f"discharges.{name}": column for name, column in catalog.discharges._asdict().items()}
+    if len(catalog.pull_outs.speed):
+        arrays |= {f"pull_outs.{name}": column for name, column in catalog.pull_outs._asdict().items()}
+    arrays["texts"] = np.frombuffer(json.dumps(texts).encode(), np.uint8)
+    return arrays
+
+
+def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
+    texts = json.loads(arrays["texts"].tobytes())
+    tables: dict[str, Any] = {}
+    for section in PARTS:
+        if section not in texts:
+            tables[section] = empty(section)
+            continue
+        schema = columns_of(section)
+        figures = [name for name, column in schema.items() if column.kind != "text"]
+        columns: dict[str, NDArray[Any]] = dict(zip(figures, arrays[f"{section}.figures"], strict=True))
+        columns |= {name: np.array(values, str) for name, values in texts[section].items()}
+        tables[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
+    pairs: dict[str, Any] = {relation: Pairs(*arrays.get(relation, _NONE)) for relation in RELATIONS}
+    printed = NO_DISCHARGES._asdict().items()
+    discharges: Any = (arrays.get(f"discharges.{name}", none) for name, none in printed)
+    curves: Any = (arrays.get(f"pull_outs.{name}", none) for name, none in NO_PULL_OUTS._asdict().items())
+    return Catalog(
+        **tables,
+        **pairs,
+        discharges=Discharges(*discharges),
+        pull_outs=PullOuts(*curves),
+        sources=tuple(Source(*s) for s in texts["sources"]),
+        notes=tuple(Note(n[0], tuple(n[1]), tuple(n[2]), *n[3:]) for n in texts["notes"]),
+        digests=texts["digests"],
+        overrides=texts["overrides"],
+        replaced=tuple(texts["replaced"]),
+        tolerances=tuple(MakerTolerance(s[0], s[1], s[2], s[3], tuple(s[4]), s[5], s[6]) for s in texts["tolerances"]),
+        across=tuple(Across(a[0], _names(a[1]), _names(a[2]), a[3]) for a in texts["across"]),
+    )
+
+
+def _names(given: list[list[str]]) -> tuple[tuple[str, str], ...]:
+    return tuple((catalogue, name) for catalogue, name in given)
+
+
+# -- Several catalogues as one: rows concatenated, pairs renumbered, overridden parts left out.
+
+
+def joined(catalogs: Sequence[Catalog]) -> Catalog:
+    """Several catalogues as one."""
+    if len(catalogs) == 1 and not catalogs[0].across:
+        return catalogs[0]
+    replaced = (*_replaced(catalogs), *_not_loaded(catalogs))
+    first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
+    tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
+    places = {name: _places(table) for name, table in tables.items()}
+    pairs: dict[str, Any] = {}
+    for relation, right in RELATIONS.items():
+        listed = _joined_pairs(catalogs, relation, first_source)
+        pairs[relation] = _moved(listed, places["motors"], places[right])
+    tolerances, instead = join_maker_tolerances([(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs],
+                                  first_source.tolist())  # fmt: skip
+    left: dict[str, Any] = {name: _last_rows(table, places[name]) for name, table in tables.items()}
+    return Catalog(
+        **left,
+        **pairs,
+        discharges=_printed(catalogs, "discharges", "batteries", places, first_source),
+        pull_outs=_printed(catalogs, "pull_outs", "steppers", places, first_source),
+        sources=tuple(source for c in catalogs for source in c.sources),
+        notes=tuple(note for c in catalogs for note in c.notes),
+        digests={name: digest for c in catalogs for name, digest in c.digests.items()},
+        replaced=(*replaced, *instead),
+        tolerances=tolerances,
+    )
+
+
+def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
+    """Parts that are in two catalogues; refused where the later one does not mean to replace them."""
+    owner: dict[tuple[str, str], str] = {}
+    said = []
+    for catalog in catalogs:
+        name = ", ".join(catalog.digests)
+        for section in PARTS:
+            for part in catalog.table(section).rows:
+                first = owner.setdefault((section, part), name)
+                if first == name or part == DIRECT:
+                    continue
+                if not catalog.overrides:
+                    raise CatalogError(
+                        f"part {quoted(part)} is in two catalogues: {first} and {name}; "
+                        "`overrides: true` in the second makes its row count"
+                    )
+                said.append(f"{singular(section)} {part}: {name} in place of {first}")
+    return tuple(said)
+
+
+def _not_loaded(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
+    """Catalogues that others name for parts that go together, and that are not among them."""
+    loaded = {name for c in catalogs for name in c.digests}
+    said: dict[str, None] = {}
+    for catalog in catalogs:
+        for given in catalog.across:
+            for other, part in (*given.motors, *given.others):
+                if other and other not in loaded:
+                    own = ", ".join(catalog.digests)
+                    said[f"{own} lists {part} of {other}, which is not among the catalogues: left out"] = None
+    return tuple(said)
+
+
+def _places(table: Table[Any]) -> NDArray[np.int32]:
+    """New place of each row when of rows with the same part number the last is left."""
+    _, last = np.unique(table["part"][::-1], return_index=True)
+    keep = np.zeros(len(table), bool)
+    keep[len(table) - 1 - last] = True
+    if keep.all():
+        return np.arange(len(table), dtype=np.int32)
+    place = np.cumsum(keep, dtype=np.int32) - 1
+    of_part = {str(table["part"][row]): place[row] for row in np.flatnonzero(keep)}
+    again = np.flatnonzero(~keep)
+    place[again] = [of_part[str(table["part"][row])] for row in again]
+    return place
+
+
+def _last_rows(table: Table[Any], place: NDArray[np.int32]) -> Table[Any]:
+    """The rows that are left: of those that go to one place, the last."""
+    if not len(place) or place[-1] == len(place) - 1:
+        return table
+    rows = np.empty(place.max() + 1, np.int64)
+    rows[place] = np.arange(len(place))  # the last assignment counts
+    return table.taken(rows)
+
+
+def _moved(pairs: Pairs, left: NDArray[np.int32], right: NDArray[np.int32]) -> Pairs:
+    """Pairs by the rows that are left, each once with the first source that states it."""
+    moved = left[pairs.left], right[pairs.right]
+    return unique_pairs(*moved, pairs.source)
+
+
+def _joined_tables(tables: Sequence[Table[Any]], first_source: NDArray[Any]) -> Table[Any]:
+    columns = {name: np.concatenate([t[name] for t in tables]) for name in tables[0].columns}
+    source = np.concatenate([t.source + first for t, first in zip(tables, first_source, strict=True)])
+    return Table(tables[0].section, columns, source, np.concatenate([t.excluded for t in tables]))
+
+
+def _printed(
+    catalogs: Sequence[Catalog],
+    name: str,
+    section: str,
+    places: Mapping[str, NDArray[np.int32]],
+    first_source: NDArray[Any],
+) -> Any:
+    """Printed entries of a section's parts, each with its row first; of a replaced part only those of the last file."""
+    place, number = places[section], 0
+    last = np.zeros(int(place.max(initial=-1)) + 1, np.int64)
+    last[place] = np.arange(len(place))  # the last assignment counts
+    found = []
+    for own, start, first in zip(
+        (getattr(c, name) for c in catalogs), _starts(catalogs, section), first_source, strict=False
+    ):
+        rows = own[0] + start
+        moved = own._replace(**{own._fields[0]: place[rows], "source": (own.source + first).astype(np.int32)})
+        if "curve" in own._fields:  # numbered through all files
+            moved = moved._replace(curve=own.curve + number)
+            number += int(own.curve.max(initial=-1)) + 1
+        found.append(moved.on(last[place[rows]] == rows))
+    return type(found[0])(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+
+
+def _joined_pairs(catalogs: Sequence[Catalog], relation: str, first_source: NDArray[Any]) -> Pairs:
+    """All pairs of a relation, by the rows of the tables under each other."""
+    starts = {section: _starts(catalogs, section) for section in ("motors", RELATIONS[relation])}
+    none: NDArray[Any] = np.zeros(0, np.int32)
+    left, right, source = [none], [none], [none]
+    for place, catalog in enumerate(catalogs):
+        own: Pairs = getattr(catalog, relation)
+        groups: list[tuple[NDArray[Any], ...]] = [
+            (own.left + starts["motors"][place], own.right + starts[RELATIONS[relation]][place], own.source)
+        ]
+        groups += [_across(catalogs, place, given, starts) for given in catalog.across if given.relation == relation]
+        for motors, others, whence in groups:
+            left.append(motors)
+            right.append(others)
+            source.append(whence + first_source[place])
+    return Pairs(*(np.concatenate(side) for side in (left, right, source)))
+
+
+def _starts(catalogs: Sequence[Catalog], section: str) -> list[int]:
+    """The first row of each catalogue in a section's table of all."""
+    counts = np.cumsum([0, *(len(c.table(section)) for c in catalogs)])
+    return [int(count) for count in counts]
+
+
+def _across(
+    catalogs: Sequence[Catalog], own: int, given: Across, starts: Mapping[str, list[int]]
+) -> tuple[NDArray[Any], ...]:
+    """Pairs that a catalogue lists with parts of others, where those are loaded too."""
+    motors, others = (
+        np.concatenate([np.zeros(0, np.int64), *_named(catalogs, own, section, names, starts[section])])
+        for section, names in (("motors", given.motors), (RELATIONS[given.relation], given.others))
+    )
+    left, right = np.repeat(motors, len(others)), np.tile(others, len(motors))
+    return left, right, np.full(len(left), given.source)
+
+
+def _named(
+    catalogs: Sequence[Catalog], own: int, section: str, names: Any, starts: list[int]
+) -> Iterator[NDArray[Any]]:
+    """Rows, in the table of all, of families and parts by name; of a catalogue that is not loaded there are none."""
+    places = {name: place for place, c in enumerate(catalogs) for name in c.digests}
+    for other, name in names:
+        place = places.get(other) if other else own
+        if place is None:
+            continue
+        members = catalogs[place].table(section).members
+        if name not in members:
+            said = f"{', '.join(catalogs[own].digests)}, compatibility: {quoted(name)} is no family or part of {other}"
+            raise CatalogError(f"{said}{nearest(name, members, 1)}")
+        yield members[name] + starts[place]

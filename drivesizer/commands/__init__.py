@@ -1,4 +1,4 @@
-"""The commands of the terminal, one file each: options in, functions called, results printed.
+"""The commands of the terminal: options in, functions called, results printed.
 
 May import: everything but cli.
 """

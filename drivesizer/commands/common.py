@@ -1,4 +1,4 @@
-"""Shared by the commands: options, reading the spec, progress and notes."""
+"""Shared by the commands: options, reading the spec, progress, notes, drives in closed loop."""
 
 from __future__ import annotations
 
@@ -7,18 +7,107 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
+from functools import partial
+from math import inf
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.options import file_argument, whole_option
-from drivesizer.errors import DrivesizerError, InputError, UnknownCatalogError
+from drivesizer.errors import DrivesizerError, InputError, NoLoopError, UnknownCatalogError, quoted
 
 __all__ = [
-    "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "load",
-    "load_whole", "print_notes", "progress", "simulating", "working",
+    "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "file_argument",
+    "file_option", "load", "load_whole", "number_option", "print_notes", "progress", "proven", "proven_axes",
+    "simulating", "whole_option", "working",
 ]  # fmt: skip
+
+
+# -- Options and arguments of which typer would refuse a value in words of its own: numbers, and files.
+#
+# What is wrong with a number is said with its option, its range and an example; what is wrong with a file where it
+# is read or written.
+
+
+# typer looks whether a file may be read, also where it is one to write
+file_option = partial(typer.Option, readable=False)
+file_argument = partial(typer.Argument, readable=False)
+
+
+class NumberError(DrivesizerError):
+    """A number that an option does not take; no ValueError, which typer would say in words of its own."""
+
+
+def whole_option(
+    option: str, example: int, low: float = -inf, high: float = inf, *, meaning: str, metavar: str = "<int>"
+) -> Any:
+    """An option that takes a whole number, as typer has it.
+
+    Parameters
+    ----------
+    option, meaning, metavar
+        Its name, ``--top``, its line of the help, and what stands there for the number.
+    example
+        A number that it takes.
+    low, high
+        Smallest and largest that it takes; infinite where there is none, or where what computes with it knows them.
+
+    Returns
+    -------
+    typer.Option
+        For the annotation of a command's parameter.
+    """
+    return typer.Option(option, parser=_whole(option, example, low, high), metavar=metavar, help=meaning)
+
+
+def number_option(option: str, example: float, *, meaning: str) -> Any:
+    """An option that takes a number, of which what computes with it knows the range.
+
+    Parameters
+    ----------
+    option, example, meaning
+        As of :func:`whole_option`.
+
+    Returns
+    -------
+    typer.Option
+        For the annotation of a command's parameter.
+    """
+
+    def read(text: object) -> float:
+        try:
+            return float(str(text))
+        except ValueError:
+            raise NumberError(f"{option}: {quoted(text)} is not a number; expected e.g. {example:g}") from None
+
+    return typer.Option(option, parser=read, metavar="<float>", help=meaning)
+
+
+def _whole(option: str, example: int, low: float, high: float) -> Callable[[object], int]:
+    """Reader of the number, also of a default.
+
+    >>> _whole("--top", 3, 1, 1000)("x")
+    Traceback (most recent call last):
+    drivesizer.commands.common.NumberError: --top: "x" is not a whole number; expected 1 to 1000, e.g. 3
+    """
+    limits = f"{low:.0f} or more, " if high == inf else f"{low:.0f} to {high:.0f}, "
+    expected = f"expected {limits if low > -inf else ''}e.g. {example}"
+
+    def read(text: object) -> int:
+        try:
+            value = int(str(text))
+        except ValueError:
+            raise NumberError(f"{option}: {quoted(text)} is not a whole number; {expected}") from None
+        if not low <= value <= high:
+            raise NumberError(f"{option}: {quoted(text)} is out of range; {expected}")
+        return value
+
+    return read
+
+
+# -- Shared by the commands: options, reading the spec, progress and notes.
+
 
 Spec = Annotated[Path, file_argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
@@ -97,7 +186,7 @@ def load_whole(path: Path, more: list[str] | None = None, axis: str | None = Non
 
 def _read(path: Path, more: list[str] | None) -> Any:
     """The file, and further catalogues in all its axes."""
-    from drivesizer.spec.several_axes.any_spec import load_any
+    from drivesizer.spec.any_spec import load_any
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")
@@ -199,3 +288,70 @@ def working(on: str) -> Iterator[None]:
         late.cancel()
         late.join()
         line.stop()
+
+
+# -- The recommended drives of a sizing in closed loop, each in its hardest load case, or why they cannot be.
+
+
+def proven(result: Any, profile: str | None = None, axis: str = "") -> tuple[Any, Any]:
+    """A sizing and its best drive in closed loop; a note and a warning of the sizing where it cannot be simulated.
+
+    Parameters
+    ----------
+    result
+        The sizing.
+    profile
+        As of ``drivesizer validate``.
+    axis
+        Name of the axis in its machine, for the note.
+
+    Returns
+    -------
+    tuple
+        The sizing, and the Validation; None where no drive passes or a figure is unknown that the simulation needs.
+    """
+    from drivesizer.simulate import hardest_case, validate, with_remedies
+
+    if not result.sets:
+        return result, None
+    best = result.sets[0]
+    try:
+        proof = validate(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
+        return result, with_remedies(proof, result.spec, result.sets, profile=profile)
+    except NoLoopError as error:
+        reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
+        print_notes((f"{axis}: {reason}" if axis else str(error),))
+        return replace(result, warnings=(*result.warnings, reason)), None
+
+
+def proven_axes(sizing: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]]:
+    """A machine and the best drive of every axis in closed loop, with the drives that ride on it in its load.
+
+    Parameters
+    ----------
+    sizing
+        The machine.
+    profile
+        As of :func:`proven`, for every axis.
+
+    Returns
+    -------
+    tuple
+        The MachineSizing, and the Validation of each axis that has one, by the axis' name.
+
+    Raises
+    ------
+    InputError
+        As ``validate``, with the name of the axis.
+    """
+    axes, proofs = [], {}
+    for one in sizing.axes:
+        with simulating(f"simulating {one.name} in closed loop"):
+            try:
+                result, proof = proven(one.result, profile, one.name)
+            except InputError as error:
+                raise InputError(f"{one.name}: {error}") from None
+        axes.append(replace(one, result=result))
+        if proof is not None:
+            proofs[one.name] = proof
+    return replace(sizing, axes=tuple(axes)), proofs

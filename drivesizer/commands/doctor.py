@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drivesizer.errors import DrivesizerError, reason_of
-from drivesizer.output.counted import number_of
+from drivesizer.output.words import number_of
 from drivesizer.version import __version__
 
 __all__ = ["Finding", "examined", "print_findings"]

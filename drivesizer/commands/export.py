@@ -14,12 +14,13 @@ from drivesizer.commands.common import (
     NothingFitsError,
     OfAxis,
     Spec,
+    file_option,
     load_whole,
     print_notes,
+    whole_option,
     working,
 )  # fmt: skip
 from drivesizer.commands.machine import refuse_axis_options, sized_machine
-from drivesizer.commands.options import file_option, whole_option
 from drivesizer.commands.validate import pick
 
 __all__ = ["export"]

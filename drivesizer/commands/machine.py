@@ -8,8 +8,7 @@ from typing import Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, working
-from drivesizer.commands.proving import proven_axes
+from drivesizer.commands.common import DEFAULT, NothingFitsError, print_notes, progress, proven_axes, working
 from drivesizer.errors import InputError
 
 __all__ = [
@@ -67,8 +66,7 @@ def size_machine_axes(
         with working("writing the report"):
             write_machine(*simulated, [pdf])
     if json:
-        from drivesizer.output.json.documents import as_text
-        from drivesizer.output.json.machine import machine_document
+        from drivesizer.output.json.documents import as_text, machine_document
 
         typer.echo(as_text(machine_document(result)))
     else:
@@ -246,7 +244,7 @@ def sized_machine(machine: Any, top: int, objective: str | None, sampling: tuple
         With the best drives of every axis.
     """
     from drivesizer.multi_axis.sizing import size_machine
-    from drivesizer.search.order.ranking import objective_of
+    from drivesizer.search.ranking import objective_of
     from drivesizer.search.uncertainty.options import sampling_of
 
     rank = None if objective is None else objective_of(objective)

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivesizer.commands.catalog_files import Names, open_named
-from drivesizer.commands.common import Json, print_notes, working
-from drivesizer.commands.options import file_option, number_option
+from drivesizer.commands.catalog import Names, open_named
+from drivesizer.commands.common import Json, file_option, number_option, print_notes, working
 from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
@@ -97,8 +96,8 @@ def _drawn(found: Prediction, figure: Path | None, form: Any) -> dict[Path, byte
 
 def _say(found: Prediction, json: bool) -> None:
     if json:
+        from drivesizer.output.json import behaviour as json_prediction
         from drivesizer.output.json import documents as json_documents
-        from drivesizer.output.json import prediction as json_prediction
 
         typer.echo(json_documents.as_text(json_prediction.prediction(found)))
         return
@@ -166,7 +165,7 @@ def _set(
 
 
 def _part_found(shelf: dict[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> Hit:
-    from drivesizer.catalog.lookup import find
+    from drivesizer.catalog.query import find
 
     hits = find(shelf, part)
     for hit in hits:

@@ -16,16 +16,17 @@ from drivesizer.commands.common import (
     Profile,
     Spec,
     Top,
+    file_option,
     load_whole,
+    number_option,
     print_notes,
     progress,
+    proven,
     simulating,
+    whole_option,
     working,
 )
-from drivesizer.commands.options import file_option, number_option, whole_option
-from drivesizer.commands.proving import proven
-from drivesizer.commands.setup import start_by_questions
-from drivesizer.commands.starting import interactive
+from drivesizer.commands.setup import interactive, start_by_questions
 from drivesizer.errors import InputError, quoted
 
 __all__ = ["explain", "report", "size"]
@@ -118,7 +119,7 @@ def _sized(
     robot: Any, top: int, objective: str | None, pareto: str | None, sampling: tuple[Any, ...], choices: int = 0
 ) -> Any:
     """The sizing by the options of ``size`` and ``report``; ``sampling`` are those of the samples."""
-    from drivesizer.search.order.ranking import objective_of
+    from drivesizer.search.ranking import objective_of
     from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import size as sized
 
@@ -132,7 +133,7 @@ def _sized(
 
 def _pareto(text: str | None) -> tuple[str, ...]:
     """The objectives of a Pareto front."""
-    from drivesizer.spec.select import OBJECTIVES
+    from drivesizer.spec.drive import OBJECTIVES
 
     names = tuple(name.strip() for name in text.split(",")) if text else ()
     wrong = [name for name in names if name not in OBJECTIVES]

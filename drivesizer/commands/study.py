@@ -10,10 +10,9 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import print_notes
+from drivesizer.commands.common import file_argument, file_option, print_notes, whole_option
 from drivesizer.commands.ends import STOPPED
-from drivesizer.commands.options import file_argument, file_option, whole_option
-from drivesizer.output.counted import number_of
+from drivesizer.output.words import number_of
 
 __all__ = ["study"]
 
@@ -39,7 +38,7 @@ def study(
     maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,
 ) -> None:
     """Size every variant of a spec: tables and maps; the same command resumes after an interruption."""
-    from drivesizer.study.threads import one_thread_each
+    from drivesizer.study.local import one_thread_each
 
     target = Path(path.stem) if folder is None else folder
     names = tuple(name.strip() for name in over.split(",")) if over else ()

@@ -28,11 +28,10 @@ from typing import Any
 import control
 import numpy as np
 
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, Mode, matrices
-from drivesizer.control.validation import Gains
-from drivesizer.control.voltage_loop_design import COMPUTING
-from drivesizer.physics.elements.belt import resonance as two_masses
+from drivesizer.control.gains import COMPUTING
+from drivesizer.control.validation import Cascade, Gains
+from drivesizer.physics.belt import resonance as two_masses
 
 __all__ = [
     "OUTPUTS",

@@ -1,7 +1,4 @@
-"""Reader of a user's text file: bounded size, UTF-8, every error one line.
-
-Files that were read are remembered by name for as long as the process lives: no output may replace an input.
-"""
+"""Reader of a user's text file: bounded size, UTF-8, every error one line; folders of data that ship."""
 
 from __future__ import annotations
 
@@ -14,17 +11,25 @@ from pathlib import Path
 from drivesizer.errors import InputError, reason_of
 
 __all__ = [
-    "decoded",
-    "hand_over",
-    "is_handed",
-    "missing",
-    "read_bytes",
-    "read_text",
-    "restrict_reading",
-    "state_of",
-    "states",
-    "was_read",
+    "decoded", "hand_over", "is_handed", "missing", "read_bytes", "read_text", "restrict_reading", "shipped_folder",
+    "state_of", "states", "was_read",
 ]  # fmt: skip
+
+
+# -- Folders of data that come with drivesizer.
+
+
+def shipped_folder(name: str) -> Path:
+    """A folder of the distribution: in an installed package it is inside, in a checkout beside it."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / name
+    return inside if inside.is_dir() else package.parent / name
+
+
+# -- Reader of a user's text file: bounded size, UTF-8, every error one line.
+#
+# Files that were read are remembered by name for as long as the process lives: no output may replace an input.
+
 
 _PATIENCE = 2.0  # s to wait for a writer on a named pipe
 _PIECE = 1 << 20  # bytes read at once

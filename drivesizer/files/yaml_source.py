@@ -1,10 +1,4 @@
-"""YAML text to plain data, strictly, and back from a field's path to its line.
-
-YAML 1.2 core scalars only (``on`` is text, ``27:1`` is text), unique keys, no anchors, aliases, tags or second
-documents, no terminal control characters, bounded size, depth and number of keys: a hostile or careless file causes no
-more than a one-line error. libyaml parses; the data is built here, because PyYAML's constructor keeps neither positions
-nor strictness.
-"""
+"""YAML text to plain data, strictly, and back from a field's path to its line; several documents over one another."""
 
 from __future__ import annotations
 
@@ -19,7 +13,16 @@ import yaml
 from drivesizer.errors import InputError, printable, quoted
 from drivesizer.files.text import read_text
 
-__all__ = ["LOADER", "Path_", "YamlSource", "read", "written"]
+__all__ = ["LOADER", "Path_", "YamlSource", "overlay", "read", "written"]
+
+
+# -- YAML text to plain data, strictly, and back from a field's path to its line.
+#
+# YAML 1.2 core scalars only (``on`` is text, ``27:1`` is text), unique keys, no anchors, aliases, tags or second
+# documents, no terminal control characters, bounded size, depth and number of keys: a hostile or careless file
+# causes no more than a one-line error. libyaml parses; the data is built here, because PyYAML's constructor keeps
+# neither positions nor strictness.
+
 
 Path_ = tuple[str | int, ...]  # keys and indices from the top of the document to a field
 
@@ -252,3 +255,50 @@ class _Builder:
             self.keys[-1] = None
         self.note(path, event.start_mark.line + 1)
         return path
+
+
+# -- Part of a YAML document over defaults from the top of it, read as a document of its own.
+#
+# A field keeps the line at which it stands: in the part where that has it, else among the defaults.
+
+
+class YamlOverlay(YamlSource):
+    """A part of a document with the defaults under it."""
+
+    def __init__(self, whole: YamlSource, at: Path_, data: dict[str, Any]) -> None:
+        self.whole, self.at = whole, at
+        self.text, self.name, self.numbered = whole.text, whole.name, whole.numbered
+        self.data = data
+
+    def line(self, path: Path_) -> int | None:
+        """Line of the field at a path."""
+        return self.whole.line(self._placed(path))
+
+    def where(self, path: Path_) -> str:
+        """``file:line: field.path``, the path as it is in the whole document."""
+        return self.whole.where(self._placed(path))
+
+    def _placed(self, path: Path_) -> Path_:
+        """Path of a field in the whole document; one that is missing is of the part, unless only defaults are there."""
+        own, shared = (_depth(self.whole.data, at + path) - len(at) for at in (self.at, ()))
+        return path if shared > max(own, 0) else self.at + path
+
+
+def _depth(data: Any, path: Path_) -> int:
+    """Number of steps of a path that the data have."""
+    for count, step in enumerate(path):
+        try:
+            data = data[step]
+        except (TypeError, KeyError, IndexError):
+            return count
+    return len(path)
+
+
+def overlay(whole: YamlSource, at: Path_, shared: dict[str, Any], own: dict[str, Any]) -> YamlOverlay:
+    """Fields of a part over shared ones: groups of fields field by field, anything else as a whole."""
+    data = dict(shared)
+    for name, value in own.items():
+        default = shared.get(name)
+        merged = isinstance(value, dict) and isinstance(default, dict) and not {"kind", "profile"} & set(value)
+        data[name] = {**default, **value} if merged and default is not None else value
+    return YamlOverlay(whole, at, data)

@@ -17,16 +17,47 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.joints.record import Array
-from drivesizer.spec.description.record import Robot, placed
-from drivesizer.units.ranges import RANGES
+from drivesizer.physics.load_cycle import end_times
+from drivesizer.spec.description_record import Robot, placed
+from drivesizer.units.kinds import RANGES
 
-__all__ = ["Attached", "Torques", "torques_of"]
+__all__ = ["Array", "Attached", "JointMotion", "Torques", "torques_of"]
+
+
+# -- Record of joints over time: segments with both ends of each, as a load cycle has them.
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class JointMotion:
+    """Positions, speeds and accelerations of joints over one cycle."""
+
+    joints: tuple[str, ...]
+    duration: Array  # s, of each segment, shape (segments,)
+    position: Array  # rad or m, at both ends, shape (segments, 2, joints)
+    speed: Array  # rad/s or m/s
+    acceleration: Array  # rad/s^2 or m/s^2
+
+    @property
+    def time(self) -> Array:
+        """Time at both ends of each segment [s], shape (segments, 2)."""
+        return end_times(self.duration)
+
+    @property
+    def returns(self) -> bool:
+        """Whether all joints end where they start."""
+        first, last = self.position[0, 0], self.position[-1, 1]
+        return bool((np.abs(last - first) <= 1e-6 * (1.0 + np.abs(first))).all())
+
 
 _OLDEST = (3, 3, 1)  # MuJoCo; before, the rate of a Jacobian (mj_jacDot) was wrong
 _MOST_LINKS, _MOST_LENGTH = 500, 1e4  # m

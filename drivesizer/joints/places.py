@@ -1,18 +1,122 @@
-"""Places of drives and payload on the links, and who carries whom."""
+"""Joints that move and joints that are held, places of their drives and payload, belts that pass other joints."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
 
 import numpy as np
 
-from drivesizer.errors import FieldError, nearest, quoted
-from drivesizer.joints.inverse_dynamics import Attached
-from drivesizer.spec.description.record import Robot
-from drivesizer.spec.robot_section import DrivePlace, RobotSection
+from drivesizer.errors import FieldError, InputError, nearest, quoted
+from drivesizer.files.text import missing
+from drivesizer.joints.inverse_dynamics import Array, Attached
+from drivesizer.spec.description_record import Joint, Robot, placed
+from drivesizer.spec.robot_section import DrivePlace, JointFigure, RobotSection
 
-__all__ = ["carried_by", "drive_places", "outermost_first", "payload_place"]
+__all__ = [
+    "SLACK", "Field", "carried_by", "coupling", "drive_places", "figure_of", "file_of", "fixed_positions", "joint_of",
+    "outermost_first", "payload_place", "unit_of", "within",
+]  # fmt: skip
+
+
+# -- Joints that a machine moves and those that it holds, out of a description.
+
+
+Field = tuple[str | int, ...]
+SLACK = 1e-6  # of a limit, by which rounding may leave it
+_ROTARY = ("angle", "rotary_speed", "angular_acceleration", "angular_jerk")
+
+
+def joint_of(robot: Robot, name: str, field: Field) -> Joint:
+    """A joint that is moved."""
+    joint = robot.joints.get(name)
+    if joint is None:
+        raise FieldError(field, f"{quoted(name)} is no joint of {robot.file}{nearest(name, robot.joints)}")
+    where = f"joint {quoted(name)} ({robot.file}:{joint.line})"
+    if not joint.moves:
+        raise FieldError(field, f"{where} is {quoted(joint.kind)}; expected one that turns or slides")
+    if joint.mimic:
+        raise FieldError(field, f"{where} follows {quoted(joint.mimic)}; expected a joint with a drive of its own")
+    if joint.kind != "continuous" and not joint.lower <= joint.upper:
+        raise FieldError(field, f"{where} has no limits of position; expected lower and upper")
+    return joint
+
+
+def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
+    """SI value of a figure of a joint."""
+    if (figure.kind in _ROTARY) != joint.turns:
+        found = "a figure of a joint that turns" if figure.kind in _ROTARY else "a figure of a joint that slides"
+        verb = "turns" if joint.turns else "slides"
+        raise FieldError(
+            field, f"{found}, and {quoted(joint.name)} {verb}; expected e.g. {'10 deg' if joint.turns else '10 mm'}"
+        )
+    return figure.value
+
+
+def file_of(spec_file: str, name: str, field: Field, expected: tuple[str, str]) -> Path:
+    """Path of a file that a section names."""
+    path = Path(spec_file).parent / name if spec_file else Path(name)
+    if reason := missing(path):
+        text = f"expected {expected[0]}, its path from the spec's folder, e.g. {expected[1]}"
+        raise FieldError(field, f"{quoted(name)} cannot be read ({reason}); {text}")
+    return path
+
+
+def unit_of(joint: Joint) -> str:
+    """SI unit of a joint's position."""
+    return "rad" if joint.turns else "m"
+
+
+def within(joint: Joint, position: float) -> bool:
+    """Whether a position is inside the limits of a joint, up to rounding."""
+    if joint.kind == "continuous" or not joint.lower <= joint.upper:
+        return True
+    slack = SLACK * max(abs(joint.lower), abs(joint.upper))
+    return joint.lower - slack <= position <= joint.upper + slack
+
+
+def fixed_positions(section: RobotSection, robot: Robot, moved: Collection[str]) -> dict[str, float]:
+    """Positions of all joints that do not move."""
+    for name in section.held:
+        if name in moved:
+            raise FieldError(("robot", "held", name), f"{quoted(name)} is moved by the trajectory; leave it out")
+        joint_of(robot, name, ("robot", "held", name))
+    others = {name: joint for name, joint in robot.joints.items() if name not in moved and joint.kind != "fixed"}
+    found = {name: _fixed_position(section, robot, joint) for name, joint in others.items() if not joint.mimic}
+    for joint in others.values():
+        if joint.mimic:
+            found[joint.name] = joint.factor * _followed(robot, joint, found) + joint.offset
+    return found
+
+
+def _fixed_position(section: RobotSection, robot: Robot, joint: Joint) -> float:
+    """Position of a joint that is held."""
+    where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)}"
+    if not joint.moves:
+        raise InputError(f"{where} is {quoted(joint.kind)}; expected joints that are fixed, turn or slide")
+    given, field = section.held.get(joint.name), ("robot", "held", joint.name)
+    position = 0.0 if given is None else figure_of(given, joint, field)
+    if not within(joint, position):
+        unit = unit_of(joint)
+        found = f"{position:.4g} {unit}; expected {joint.lower:.4g} to {joint.upper:.4g} {unit}, its limits"
+        raise FieldError(
+            field, f"joint {quoted(joint.name)} ({robot.file}:{joint.line}) does not move and is held at {found}"
+        )
+    return position
+
+
+def _followed(robot: Robot, joint: Joint, held: dict[str, float]) -> float:
+    """Position of the joint that one follows, which must be held."""
+    position = held.get(joint.mimic, math.nan)
+    if math.isnan(position) or robot.joints[joint.mimic].mimic:
+        where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)}"
+        raise InputError(f"{where} follows {quoted(joint.mimic)}; expected it to follow a joint that is held, or none")
+    return position
+
+
+# -- Places of drives and payload on the links, and who carries whom.
 
 
 def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> dict[str, Attached]:
@@ -88,3 +192,60 @@ def outermost_first(carried: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     except CycleError as error:
         round_ = ", ".join(error.args[1])
         raise FieldError(("robot", "drives"), f"joints carry each other's drives in a circle: {round_}") from None
+
+
+# -- Drives mounted before other joints, their belts passing over the axes of those: coupled angles.
+#
+# The pulleys over the passed axes turn freely, 1:1, so that the shaft of drive k keeps its angle against its own
+# link, whatever the joints between do. With parallel axes, s = 1 or -1 by their direction:
+#
+# .. math:: \theta_k = q_k + \sum_{j\,passed} s_{jk} q_j, \quad \theta = C q, \quad T = C^{-T} \tau,
+#           \quad J_k = d_k^T M d_k
+#
+# d_k is column k of the inverse of C: the joints' motion when drive k turns alone. So a passed joint's own drive has
+# less to do than its joint: the belt carries part of its torque.
+#
+# Source: M. W. Spong, S. Hutchinson, M. Vidyasagar, Robot Modeling and Control, Wiley, 2006, section 7.4, planar
+# elbow manipulator with remotely driven link.
+
+
+_PARALLEL = 1e-6  # rad
+
+
+def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joints: Sequence[str]) -> Array:
+    """Angles of drives per angle of joints."""
+    found = np.eye(len(joints))
+    for row, name in enumerate(joints):
+        place, field = section.drives.get(name, DrivePlace()), ("robot", "drives", name, "belt_passes")
+        if place.belt_passes:
+            for other in _passed(robot, place, robot.joints[name], joints, field):
+                found[row, joints.index(other.name)] = _direction(robot, held, robot.joints[name], other, field)
+    return found
+
+
+def _passed(robot: Robot, place: DrivePlace, joint: Joint, joints: Sequence[str], field: Field) -> list[Joint]:
+    """Joints that move between the link of a drive and its own joint."""
+    before = {one.name for one in robot.chain(place.link)} if place.link else set()
+    found = [one for one in robot.chain(joint.parent) if one.name in joints and one.name not in before]
+    if not found:
+        raise FieldError(field, f"no joint moves between the drive of {quoted(joint.name)} and its joint; leave it out")
+    return found
+
+
+def _direction(robot: Robot, held: Mapping[str, float], joint: Joint, other: Joint, field: Field) -> float:
+    """1 of a joint that turns in the same direction about a parallel axis, or -1."""
+    along = float(_axis(robot, held, joint) @ _axis(robot, held, other))
+    if not (joint.turns and other.turns) or 1.0 - abs(along) > _PARALLEL**2 / 2.0 + 1e-15:
+        message = (
+            f"the belt of {quoted(joint.name)} passes joint {quoted(other.name)}; expected one about a parallel axis"
+        )
+        raise FieldError(field, message)
+    return 1.0 if along > 0.0 else -1.0
+
+
+def _axis(robot: Robot, held: Mapping[str, float], joint: Joint) -> Array:
+    """Axis of a joint in the frame of the root, the joints that move at their references."""
+    axis = joint.turn @ joint.axis
+    for one in robot.chain(joint.parent):
+        axis = placed(one, held.get(one.name, one.reference))[1] @ axis
+    return axis

@@ -10,8 +10,8 @@ from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed
-from drivesizer.physics.stress import Heat
 from drivesizer.physics.thermal import COPPER, resistance_at, two_bodies
+from drivesizer.physics.winding import Heat
 
 __all__ = ["drives_of", "held"]
 

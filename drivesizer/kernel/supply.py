@@ -16,7 +16,7 @@ import math
 from typing import NamedTuple
 
 from drivesizer.kernel.records import Drive
-from drivesizer.physics.elements.quadrature import SIX
+from drivesizer.physics.gear_life import SIX
 
 __all__: list[str] = []  # compiled into ``kernel``
 

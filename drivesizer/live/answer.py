@@ -1,16 +1,103 @@
-"""The answer to a spec: the ranking first, then the sections of its report, then the figures."""
+"""The answer to a spec: ranking, sections and figures; a figure over a range; drives compared; files."""
 
 from __future__ import annotations
 
+import base64
+import io
+import json
+import re
+import tempfile
+import zipfile
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-from drivesizer.errors import InputError
+from drivesizer.errors import DrivesizerError, InputError, quoted
+from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.held import EngineMemory, Piece
-from drivesizer.live.reading import faults, text_of, whole
+from drivesizer.live.held import EngineMemory, Piece, StoppedError
 
-__all__ = ["answer", "ranking", "result_pieces"]
+__all__ = ["named", "whole"]
+
+
+# -- The text of the page as a spec, and its sizing.
+
+
+TOP = 10  # drives of an answer, as in a report
+FRONT = ("mass", "price", "energy")
+_CHOICES = 200  # drives to choose from by weights, as in a report
+
+
+def text_of(held: EngineMemory, request: Piece) -> str:
+    """The text of a request with its edits made."""
+    edits = [Edit(tuple(path), value, bool(text)) for path, value, text in request.get("edits") or []]
+    return edited(str(request["text"]), edits, held.name) if edits else str(request["text"])
+
+
+def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False, brief: bool = False) -> Any:
+    """The sizing of a text, made once."""
+    from drivesizer.spec.any_spec import read_any
+    from drivesizer.spec.machine import MachineSpec
+
+    def sized() -> Any:
+        spec = read_any(YamlSource(text, held.name))
+        if isinstance(spec, MachineSpec):
+            from drivesizer.multi_axis.sizing import size_machine
+
+            return size_machine(spec, top=top, brief=brief, progress=held.go_on)
+        from drivesizer.sizing import size
+
+        more = (_front(spec), _CHOICES) if front else ((), 0)
+        return size(spec, top=top, pareto=more[0], choices=more[1], brief=brief, progress=held.go_on)
+
+    return held.keep(json.dumps([top, front, brief, text]), sized)
+
+
+def named(text: str, file: str) -> list[Path]:
+    """Files that a text may name: each text in it as a path from its folder, whether there is one or not."""
+    try:
+        data = YamlSource(text, file).data
+    except InputError:
+        return []
+    return [Path(file).parent / name for name in _texts(data)]
+
+
+def _texts(data: Any) -> Iterator[str]:
+    if isinstance(data, dict | list):
+        for below in data.values() if isinstance(data, dict) else data:
+            yield from _texts(below)
+    elif isinstance(data, str):
+        yield data
+
+
+def _front(spec: Any) -> tuple[str, ...]:
+    """Objectives of the front; none where each of its drives would be weighed in the whole machine, for minutes."""
+    if spec.platform or spec.battery or spec.budget or spec.limits_the_bus:
+        return ()
+    return FRONT if spec.method == "physics" else tuple(name for name in FRONT if name != "energy")
+
+
+def faults(error: InputError, name: str) -> list[Piece]:
+    """Each line of an error with the place that it names."""
+    return [{"said": line.replace(name, Path(name).name), **_fault(line, name)} for line in error.lines]
+
+
+def _fault(text: str, name: str) -> Piece:
+    found = re.match(rf"{re.escape(name)}:(\d+): (?:([^\s:]+): )?(.*)", text, re.DOTALL)
+    if not found:
+        return {"text": text.removeprefix(f"{name}: "), "line": None, "path": []}
+    line, field, said = found.groups()
+    return {"text": said, "line": int(line), "path": _path(field or "")}
+
+
+def _path(field: str) -> list[str | int]:
+    """Path of a field as messages print it: ``transmission[2].ratio``."""
+    steps = re.findall(r"\[(\d+)\]|([^.\[\]]+)", field)
+    return [int(number) - 1 if number else key for number, key in steps]
+
+
+# -- The answer to a spec: the ranking first, then the sections of its report, then the figures.
+
 
 _LATER = "data:,"  # address of a still figure until it is drawn
 _PAUSE = 0.12  # s without a newer request, after which the whole report is computed
@@ -38,7 +125,7 @@ def answer(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 def result_pieces(held: EngineMemory, result: Any, proofs: Any = None) -> Iterator[Piece]:
     """Pieces of a sizing: sections, figures, still figures."""
     from drivesizer.output.json.documents import plain_data
-    from drivesizer.output.report.html.stills import image
+    from drivesizer.output.report.html.page import image
     from drivesizer.output.report.html.templates import section_html
 
     document, figures, still = _parts(result, proofs)
@@ -64,19 +151,19 @@ def _listed(result: Any) -> list[Piece]:
 def _parts(result: Any, proofs: Any) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Document, figures that can be moved and still ones, as of the HTML report."""
     if hasattr(result, "axes"):
-        from drivesizer.output.report.machine.content import MachineContent
-        from drivesizer.output.report.machine.html import machine_parts
+        from drivesizer.output.report.html.page import machine_parts
+        from drivesizer.output.report.machine import MachineContent
 
         return machine_parts(MachineContent(result, proofs or {}))
     from drivesizer.output.report.html.page import page_parts
-    from drivesizer.output.report.sections.content import Content
+    from drivesizer.output.report.sections.section import Content
 
     return page_parts(Content(result, proofs))
 
 
 def ranking(result: Any, proofs: Any = None) -> Piece:
     """The drives in a few figures, for what the page shows before the report: the best, and what decides."""
-    from drivesizer.output.counted import meeting
+    from drivesizer.output.words import meeting
     from drivesizer.results.check import gravest, worst
 
     found = proofs if isinstance(proofs, dict) else {proofs.loop: proofs} if proofs else {}
@@ -97,9 +184,9 @@ def ranking(result: Any, proofs: Any = None) -> Piece:
 
 
 def _set(one: Any) -> Piece:
-    from drivesizer.output.json.loops import number
+    from drivesizer.output.json.documents import number
     from drivesizer.results.check import worst
-    from drivesizer.results.objectives import objective_figure
+    from drivesizer.results.sizing import objective_figure
 
     return {
         **_named(one), "status": one.status, "mass": number(one.mass), "price": number(one.price),
@@ -114,7 +201,7 @@ def _named(one: Any) -> Piece:
 
 def _figures(one: Any) -> Iterator[tuple[str, str]]:
     """The figures that a reader wants first of a drive; unknown ones are left out."""
-    from drivesizer.results.objectives import objective_figure
+    from drivesizer.results.sizing import objective_figure
     from drivesizer.units import show
 
     energy = objective_figure(one, "energy").value
@@ -127,9 +214,212 @@ def _figures(one: Any) -> Iterator[tuple[str, str]]:
 
 
 def _tight(check: Any) -> Piece | None:
-    from drivesizer.output.json.loops import number
-    from drivesizer.output.text import margin
+    from drivesizer.output.derivation import margin
+    from drivesizer.output.json.documents import number
 
     if check is None:
         return None
     return {"title": check.title, "margin": number(check.margin), "said": margin(check.margin), "status": check.status}
+
+
+# -- A figure of the spec over a range: where the best drive changes, and what rejects the one before it.
+
+
+def sweep(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """A piece ``point`` for each value, in the order of the request."""
+    text, path = text_of(held, request), tuple(request["path"])
+    for number, value in enumerate(request["values"]):
+        held.go_on()
+        yield {
+            "kind": "point",
+            "number": number,
+            "value": value,
+            **_best(held, edited(text, [Edit(path, value)], held.name)),
+        }
+
+
+def _best(held: EngineMemory, text: str) -> Piece:
+    """The best drive of a spec, or why there is none."""
+    from drivesizer.output.json.documents import number
+    from drivesizer.results.check import worst
+
+    try:
+        result = whole(held, text, top=1, brief=True)
+    except StoppedError:
+        raise
+    except DrivesizerError as error:
+        return {"status": "wrong", "said": str(error)}
+    if hasattr(result, "axes"):
+        best = [one.best for one in result.axes]
+        labels = [f"{one.name}: {one.best.label if one.best else 'none'}" for one in result.axes]
+        parts = [[one.motor.part, one.gearhead.part] if one else [] for one in best]
+        return {"status": result.status, "label": "; ".join(labels), "parts": parts}
+    one = result.shown
+    tight = worst(one.deciding) if one else None
+    said = {"tight": tight.title, "margin": number(tight.margin)} if tight else {}
+    found = bool(result.sets)
+    label, parts = (one.label, [one.motor.part, one.gearhead.part]) if one else ("", [])
+    return {"status": one.status if found and one else "fail", "label": label, "parts": parts, **said,
+            "mass": number(one.mass) if one else None, "price": number(one.price) if one else None}  # fmt: skip
+
+
+def rejected(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """A piece ``rejected``: whether a set still passes, and its check of the smallest margin."""
+    from drivesizer.output.derivation import margin
+    from drivesizer.results.check import worst
+    from drivesizer.sizing import explained
+    from drivesizer.spec.robot import read_spec
+
+    spec = read_spec(YamlSource(text_of(held, request), held.name))
+    found = explained(spec, request["motor"], request["gearhead"]).sets
+    tight = worst(found[0].deciding) if found else None
+    yield {"kind": "rejected", "status": found[0].status if found else "fail", "tight": tight.title if tight else "",
+           "said": margin(tight.margin) if tight else ""}  # fmt: skip
+
+
+# -- Two drives side by side: their parts, figures and checks, whether the search lists them or not.
+
+
+def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """A piece ``compared``: rows of texts, a column for each drive."""
+    from drivesizer.sizing import explained, load_parts
+    from drivesizer.spec.robot import read_spec
+
+    spec = read_spec(YamlSource(text_of(held, request), held.name))
+    catalog, found = load_parts(spec), []
+    for motor, gearhead in request["sets"]:
+        held.go_on()
+        sets = explained(spec, motor, gearhead, catalog=catalog).sets
+        if not sets:
+            raise InputError(f"{motor} with {gearhead}: no belt of the spec goes with it")
+        found.append(min(sets, key=lambda one: one.rank))
+    yield {"kind": "compared", "heads": [one.label for one in found], "status": [one.status for one in found],
+           "rows": [*_parts_beside(found), *_figures_beside(found), *_checks(found)]}  # fmt: skip
+
+
+def _parts_beside(sets: list[Any]) -> Iterator[Piece]:
+    for role in dict.fromkeys(role for one in sets for role in one.parts):
+        parts = [one.parts.get(role) for one in sets]
+        yield {"title": role, "group": "parts", "cells": [_part_name(part) for part in parts]}
+
+
+def _part_name(part: Any) -> str:
+    named = dict.fromkeys((part.manufacturer, part.family, part.part)) if part else ["none"]  # some are named by family
+    return " ".join(filter(None, named))
+
+
+def _figures_beside(sets: list[Any]) -> Iterator[Piece]:
+    from drivesizer.units import show
+
+    yield {"title": "mass of a drive", "group": "figures", "cells": [show(one.mass, "g", "mass") for one in sets]}
+    yield {"title": "price of a drive", "group": "figures", "cells": [one.price_text for one in sets]}
+    named = dict.fromkeys(figure.name for one in sets for figure in one.figures)
+    for name in named:
+        each = [{figure.name: figure for figure in one.figures}.get(name) for one in sets]
+        title = next(figure.title for figure in each if figure)
+        yield {"title": title, "group": "figures", "cells": [figure.text if figure else "" for figure in each]}
+
+
+def _checks(sets: list[Any]) -> Iterator[Piece]:
+    from drivesizer.output.derivation import margin
+
+    for name in dict.fromkeys(check.name for one in sets for check in one.checks):
+        each = [{check.name: check for check in one.checks}.get(name) for one in sets]
+        title = next(check.title for check in each if check)
+        cells, status = zip(*((margin(c.margin), c.status) if c else ("", "") for c in each), strict=True)
+        yield {"title": title, "group": "checks", "cells": cells, "status": status}
+
+
+# -- Jobs that take longer than an answer: the closed loop, reports and exports, as the command line makes them.
+
+
+def document(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """The JSON document of ``drivesizer size --json --top 10 --pareto mass,price,energy``, byte for byte.
+
+    A spec of which the page shows no front, or one of mass and price, is one without ``--pareto``, or with those.
+    """
+    from drivesizer.output.json import documents
+
+    result = whole(held, text_of(held, request), front=True)
+    if hasattr(result, "axes"):
+        from drivesizer.output.json.documents import machine_document
+
+        text = documents.as_text(machine_document(result))
+    else:
+        text = documents.as_text(documents.sizing(result))
+    yield _file("drive.json", f"{text}\n".encode())
+
+
+def loop(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """The answer once more with its closed loop: ranking, sections, figures, still figures."""
+    result, proofs = _proven(held, request)
+    yield {"kind": "ranking", **ranking(result, proofs)}
+    yield from result_pieces(held, result, proofs)
+
+
+def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """A report as ``drivesizer report`` writes it."""
+    from drivesizer.output.report import KNOWN, write, write_machine
+
+    suffix = f".{request['form']}"
+    if suffix not in KNOWN:
+        raise InputError(f"{quoted(suffix)} does not say which kind of report; expected {', '.join(KNOWN)}")
+    result, proofs = _proven(held, request)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"report{suffix}"
+        if hasattr(result, "axes"):
+            write_machine(result, proofs, [path])
+        else:
+            write(result, proofs, [path])
+        yield _file(path.name, path.read_bytes())
+
+
+def export(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """The best drive as ``drivesizer export`` writes it, a platform whole; several files come as one archive."""
+    from drivesizer.output.export import FORMATS
+    from drivesizer.output.export.machine import machine_export, write_machine
+    from drivesizer.output.export.platform import write_drive
+
+    form = str(request["form"])
+    if form not in FORMATS:
+        raise InputError(f"{quoted(form)} is not known; expected {', '.join(FORMATS)}")
+    result = whole(held, text_of(held, request), top=1)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"drive{FORMATS[form].suffixes[0]}"
+        if hasattr(result, "axes"):
+            if any(one.best is None for one in result.axes):
+                raise InputError("an axis has no drive that meets all limits; nothing to export")
+            write_machine(machine_export(result, one_rate=form == "ros2_control"), form, path)
+        elif not result.sets:
+            raise InputError("no drive meets all limits; nothing to export")
+        else:
+            write_drive(result.spec, result.sets[0], form, path)
+        yield _together(Path(folder), path)
+
+
+def _proven(held: EngineMemory, request: Piece) -> tuple[Any, Any]:
+    """The sizing, and the closed loop of the best drive, or of each axis."""
+    from drivesizer.commands.common import proven, proven_axes
+
+    text = text_of(held, request)
+    result = whole(held, text, front=True)
+    found: tuple[Any, Any] = held.keep(
+        json.dumps(["proven", text]), lambda: proven_axes(result) if hasattr(result, "axes") else proven(result)
+    )
+    return found
+
+
+def _together(folder: Path, path: Path) -> Piece:
+    files = sorted(one for one in folder.rglob("*") if one.is_file())
+    if len(files) == 1:
+        return _file(path.name, path.read_bytes())
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for one in files:
+            stamp = zipfile.ZipInfo(str(one.relative_to(folder)))  # of 1980: the same input gives the same bytes
+            archive.writestr(stamp, one.read_bytes(), zipfile.ZIP_DEFLATED)
+    return _file(f"{path.stem}.zip", packed.getvalue())
+
+
+def _file(name: str, content: bytes) -> Piece:
+    return {"kind": "file", "name": name, "content": base64.b64encode(content).decode()}

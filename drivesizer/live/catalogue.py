@@ -74,7 +74,7 @@ def _sections() -> list[Piece]:
 def named_by(held: EngineMemory, text: str) -> list[str]:
     """Catalogues that a spec names, those of all axes together; those of a spec without any where it is no YAML."""
     from drivesizer.files.yaml_source import YamlSource
-    from drivesizer.spec.select import Select
+    from drivesizer.spec.drive import Select
 
     try:
         data = YamlSource(text, held.name).data
@@ -169,7 +169,7 @@ def _one(read: Callable[[str, str], Condition], section: str, text: str) -> list
 def _table(section: str, hits: Sequence[Hit], named: Sequence[str]) -> Piece:
     """Heads and rows of a list: the columns that one looks for first, and those that conditions name."""
     from drivesizer.catalog import columns_of
-    from drivesizer.output.part.figures import FIRST_NOTES, figure, first_columns
+    from drivesizer.output.words import FIRST_NOTES, figure, first_columns
     from drivesizer.units import label
 
     shown = first_columns(section)

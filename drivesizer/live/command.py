@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Spec
+from drivesizer.commands.common import DEFAULT, Spec, whole_option
 from drivesizer.commands.ends import STOPPED
-from drivesizer.commands.options import whole_option
 from drivesizer.errors import InputError, reason_of
 
 if TYPE_CHECKING:
@@ -51,9 +50,9 @@ def serve(
 def _run(spec: Path, token: str, port: int, listening: socket.socket, *, browser: bool) -> None:
     import secrets
 
-    from drivesizer.commands.starting import starter
-    from drivesizer.live.connections import serve as served
+    from drivesizer.commands.setup import starter
     from drivesizer.live.server import application, engines
+    from drivesizer.live.server import serve as served
 
     own: dict[str, bytes] = {}  # catalogues of the user, in memory alone
     workers = engines(spec.absolute(), own)

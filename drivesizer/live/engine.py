@@ -30,10 +30,10 @@ OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
 
 # name of a job: module with a function of that name, which yields pieces
 JOBS = {
-    "answer": "answer", "sweep": "sweep", "rejected": "sweep", "compare": "compare",
-    "loop": "files", "report": "files", "export": "files", "document": "files",
+    "answer": "answer", "sweep": "answer", "rejected": "answer", "compare": "answer",
+    "loop": "answer", "report": "answer", "export": "answer", "document": "answer",
     "catalogues": "catalogue", "parts": "catalogue", "part": "catalogue_part", "beside": "catalogue_part",
-    "choose": "catalogue_choice",
+    "choose": "catalogue_part",
 }  # fmt: skip
 INSIDE = {"check": "own_catalogues"}  # jobs of the server alone
 
@@ -124,9 +124,8 @@ def _limit_memory() -> None:
 
 def _open(held: EngineMemory, spec: str | None, first: bool) -> None:
     """Size the spec, which warms the engine up; from then on only what it names is read, and shipped catalogues."""
-    from drivesizer.files.shipped import shipped_folder
-    from drivesizer.files.text import restrict_reading
-    from drivesizer.live.reading import named, whole
+    from drivesizer.files.text import restrict_reading, shipped_folder
+    from drivesizer.live.answer import named, whole
 
     restrict_reading(named(spec, held.name) if spec else [], [shipped_folder("catalogs")])
     with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file

@@ -69,7 +69,7 @@ async def _checked(name: str, content: bytes, worker: Worker) -> Piece:
 def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """The findings of ``drivesizer catalog check`` on one catalogue."""
     from drivesizer.catalog import catalog_of_text
-    from drivesizer.catalog.laws.check import check as findings
+    from drivesizer.catalog.law_check import check as findings
 
     catalog = catalog_of_text(Path(request["name"]), request["content"])
     held.go_on()

@@ -3,29 +3,229 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import re
-from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping
+import signal
+import socket
+import stat
+from collections.abc import AsyncGenerator, Awaitable, Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from functools import cache
+from hashlib import blake2b
 from importlib import resources
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
+import h11
+import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 from starlette.types import Receive, Scope, Send
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from drivesizer.errors import InputError
-from drivesizer.live.guard import CATALOGUE, Guard
+from drivesizer.errors import InputError, reason_of
+from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
+from drivesizer.files.text import decoded
+from drivesizer.files.writing import write_files
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.live.guard import CATALOGUE, LONGEST, REQUESTS, App, CatalogueRequest, Guard, SaveRequest, request_of
+from drivesizer.live.held import Piece
 from drivesizer.live.own_catalogues import taken
-from drivesizer.live.requests import REQUESTS, CatalogueRequest, SaveRequest, request_of
-from drivesizer.live.schema import form_schema
-from drivesizer.live.spec_file import content, fields, saved
 from drivesizer.live.worker import Worker
 from drivesizer.output.report.html.templates import own_file
 from drivesizer.version import __version__
 
-__all__ = ["application", "engines"]
+__all__ = ["application", "content", "engines", "fields", "saved", "serve"]
+
+
+# -- Connections of the server: patience with them, headers of every response, and their end.
+
+
+_MOST = 64  # connections at the same time; more are refused at once
+_PATIENCE = 10.0  # s from the first byte of a request's head to its last
+
+
+def serve(app: App, headers: Mapping[str, str], listening: socket.socket, workers: Iterable[Worker] = ()) -> None:
+    """Serve until Ctrl-C, or until the process is to end."""
+    config = uvicorn.Config(
+        app, http=_Connection, ws="none", loop="asyncio", lifespan="off", interface="asgi3", proxy_headers=False,
+        headers=list(headers.items()), server_header=False, date_header=False, access_log=False,
+        log_level="critical", limit_concurrency=_MOST, timeout_keep_alive=5, timeout_graceful_shutdown=1,
+    )  # fmt: skip
+    server = _Server(config, workers)
+    asyncio.run(server.serve(sockets=[listening]))
+    if server.terminated:
+        signal.raise_signal(signal.SIGTERM)  # the status is that of the system
+
+
+class _Server(uvicorn.Server):
+    """A server that does not wait at its end for answers that are being computed."""
+
+    def __init__(self, config: uvicorn.Config, workers: Iterable[Worker]) -> None:
+        super().__init__(config)
+        self.workers = workers
+        self.terminated = False
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Take Ctrl-C and a request to end as the way in which it ends, and raise neither again."""
+        before = {one: signal.signal(one, self.handle_exit) for one in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for one, handler in before.items():
+                signal.signal(one, handler)
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        self.terminated = self.terminated or sig == signal.SIGTERM
+        super().handle_exit(sig, frame)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        for worker in self.workers:
+            worker.close()
+        await super().shutdown(sockets)
+
+
+class _Connection(H11Protocol):
+    """A connection that is closed where the head of a request does not come, or only bit by bit."""
+
+    late: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._await_head()
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        self._await_head()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._come()
+        super().connection_lost(exc)
+
+    def _await_head(self) -> None:
+        if self.conn.their_state is not h11.IDLE:
+            self._come()
+        elif self.late is None:
+            self.late = self.loop.call_later(_PATIENCE, self.transport.abort)
+
+    def _come(self) -> None:
+        if self.late is not None:
+            self.late.cancel()
+            self.late = None
+
+    def send_400_response(self, msg: str) -> None:
+        """Refuse what is no HTTP, in the middle of a response by its end."""
+        if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE):
+            headers = [*self.server_state.default_headers, (b"content-length", b"0"), (b"connection", b"close")]
+            response = h11.Response(status_code=400, headers=headers, reason=b"Bad Request")
+            self.transport.write((self.conn.send(response) or b"") + (self.conn.send(h11.EndOfMessage()) or b""))
+        self.transport.close()
+
+
+# -- The schema of the form, kept between starts: to make it takes longer than all else of the first page.
+
+
+def form_schema() -> str:
+    """JSON with the schemas of spec and machine, along or about which axis a kind of load moves, and how one begins."""
+    path = folder() / f"schema-{_sources()}.json"
+    found = cached_bytes(path)
+    if found is None:
+        found = _made().encode()
+        with suppress(OSError):
+            keep(path, found)
+    return found.decode()
+
+
+def _sources() -> str:
+    """Digest of the program as it is: its version, and the dates of its files, for those who change them."""
+    package = Path(__file__).resolve().parents[1]
+    dates = sorted(f"{path.name} {path.stat().st_mtime_ns}" for path in package.rglob("*.py"))
+    return digest_of(__version__.encode(), *(date.encode() for date in dates))
+
+
+def _made() -> str:
+    from drivesizer.commands.setup import KINDS, starter
+    from drivesizer.loads.kinds import AXES
+    from drivesizer.spec.machine import machine_schema
+    from drivesizer.spec.robot import RobotSpec
+
+    axes = {**AXES, "recorded": None}  # which brings its own motion
+    starts = {kind: YamlSource(starter(kind), kind).data for kind in AXES if kind in KINDS}
+    begin = {kind: {name: data.get(name) for name in ("load", "motion")} for kind, data in starts.items()}
+    found = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin}
+    return json.dumps(found, ensure_ascii=False)
+
+
+# -- The file of the page: read, and written where the user saves it, unless another program has changed it.
+
+
+_MARK = "\ufeff"
+_SHORT = 100_000  # characters of a text that is read at once
+
+
+def content(path: Path) -> Piece:
+    """Text of the file, with line feeds alone, and its mark."""
+    try:
+        raw = _raw(path)
+        text = None if raw is None else decoded(raw, path).replace("\r\n", "\n")
+    except InputError as error:
+        return {"text": None, "mark": None, "wrong": str(error).removeprefix(f"{path}").lstrip(": ")}
+    return {"text": text, "mark": None if raw is None else _mark(raw)}
+
+
+def fields(text: str) -> Any:
+    """Fields of a spec, for the form before an engine is ready."""
+    try:
+        return YamlSource(text, "spec").data if len(text) <= _SHORT else None
+    except InputError:
+        return None
+
+
+def _raw(path: Path) -> bytes | None:
+    """Bytes of the file; None where there is none. A device or a pipe may never end."""
+    try:
+        found = path.stat()
+        if not stat.S_ISREG(found.st_mode):
+            raise InputError(f"{path}: expected a file")
+        if found.st_size > LONGEST:
+            raise InputError(f"{path}: the file is larger than {LONGEST // 1_000_000} MB")
+        return path.read_bytes()
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: {reason_of(error)}") from None
+
+
+def _mark(raw: bytes) -> str:
+    return blake2b(raw, digest_size=16).hexdigest()
+
+
+def saved(path: Path, request: Piece) -> Piece:
+    """Write the file, unless it is another one than the page has read: then the user decides."""
+    try:
+        there = _raw(path)
+        if there is not None and _mark(there) != request["mark"] and not request["anyway"]:
+            return {"kind": "changed", "lines": [f"{path.name} has been changed by another program since it was read"]}
+        raw = _written(request["text"], there or b"")
+        write_files({path: raw})
+    except InputError as error:
+        return {"kind": "wrong", "lines": list(error.lines)}
+    return {"kind": "saved", "mark": _mark(raw)}
+
+
+def _written(text: str, before: bytes) -> bytes:
+    """The text with the byte-order mark and the line ends of the file that it replaces."""
+    plain = text.replace("\r\n", "\n")
+    ends = b"\r\n" in before and before.count(b"\r\n") == before.count(b"\n")
+    mark = _MARK if before.startswith(_MARK.encode()) else ""
+    return (mark + (plain.replace("\n", "\r\n") if ends else plain)).encode()
+
 
 _PAGE = resources.files("drivesizer.live") / "page"
 _KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json"}
@@ -170,6 +370,6 @@ async def _schema(_: Request) -> Response:
 
 
 async def _starters(_: Request) -> Response:
-    from drivesizer.commands.starting import KINDS, MACHINES, starter
+    from drivesizer.commands.setup import KINDS, MACHINES, starter
 
     return JSONResponse({"kinds": {name: starter(name) for name in (*KINDS, *MACHINES)}})

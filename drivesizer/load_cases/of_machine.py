@@ -1,12 +1,227 @@
-"""The load cases of a machine as they are sized; those of a platform are split into its wheels."""
+"""The load cases of a machine as they are sized; its trip against what is required of it; warnings."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from math import isclose, nan
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
+from drivesizer.errors import InputError
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.profile import profile_of
+from drivesizer.loads.course import course
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.physics.load_cycle import LoadCycle, OwnLimit, middle
+from drivesizer.results.check import Check
+from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
 
-__all__ = ["load_cases"]
+if TYPE_CHECKING:
+    from drivesizer.spec.sections import Requirements
+
+__all__ = [
+    "counts", "cycle_of_shift", "distance_of", "grip_warning", "load_cases", "requirement_checks", "starts_farther_on",
+]  # fmt: skip
+
+
+# -- Load cases that alternate, as one cycle: so many cycles of each as its share of the time says.
+#
+# A ramp of 10 % of a shift is not the whole shift: heat, energy and the battery follow from the cycle of all of
+# them, and peaks are those of the worst. A case goes on for one cycle, or for as long as the spec says, before the
+# others come.
+
+
+_OFF = 0.01  # by which a share of the time may be off, of itself
+_MOST = 20_000  # segments
+_TRIED = 200
+
+
+def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
+    """The load cycle of a spec; where cases of it alternate, the cycle of all of them."""
+    if not spec.shift:
+        return load_cycle(spec)
+    shares, lasting, specs = zip(*spec.shift, strict=True)
+    cycles = [load_cycle(one) for one in specs]
+    blocks = [max(1, round(time / cycle.total)) for time, cycle in zip(lasting, cycles, strict=True)]
+    times = counts(shares, [n * cycle.total for n, cycle in zip(blocks, cycles, strict=True)])
+    repeats = [n * block for n, block in zip(times, blocks, strict=True)]
+    segments = sum(n * len(cycle.duration) for n, cycle in zip(repeats, cycles, strict=True))
+    if segments > _MOST:
+        raise InputError(
+            f"{spec.where(('cases',))}: cases that alternate by their shares make {segments} segments; expected at "
+            f"most {_MOST}, by shares nearer to one another, or a longer lasting"
+        )
+    in_turn = [cycle for n, cycle in zip(repeats, cycles, strict=True) for _ in range(n)]
+    return replace(
+        cycles[0],
+        duration=np.concatenate([cycle.duration for cycle in in_turn]),
+        speed=np.concatenate([cycle.speed for cycle in in_turn]),
+        acceleration=np.concatenate([cycle.acceleration for cycle in in_turn]),
+        torque=np.concatenate([cycle.torque for cycle in in_turn]),
+        inertia=float(np.max([cycle.inertia for cycle in cycles])),
+        held=float(np.max([cycle.held for cycle in cycles])),
+        own=_worst([limit for cycle in cycles for limit in cycle.own]),
+    )
+
+
+def counts(shares: Sequence[float], times: Sequence[float]) -> list[int]:
+    """Numbers of some blocks in the shortest whole in which their shares of the time are right to 1 %.
+
+    Examples
+    --------
+    >>> counts([0.9, 0.1], [30.0, 30.0]), counts([0.75, 0.25], [10.0, 20.0])
+    ([9, 1], [6, 1])
+    """
+    least = max(time / share for share, time in zip(shares, times, strict=True))
+    found: list[tuple[float, list[int]]] = []
+    for n in range(1, _TRIED):
+        some = [max(1, round(n * least * share / time)) for share, time in zip(shares, times, strict=True)]
+        whole = sum(k * time for k, time in zip(some, times, strict=True))
+        off = max(abs(k * t / whole / share - 1.0) for k, t, share in zip(some, times, shares, strict=True))
+        if off <= _OFF:
+            return some
+        found.append((off, some))
+    return min(found)[1]
+
+
+def _worst(limits: Sequence[OwnLimit]) -> tuple[OwnLimit, ...]:
+    """Of limits of one name that which is nearest to its demand, or past it most."""
+    worst: dict[str, OwnLimit] = {}
+    for one in limits:
+        other = worst.get(one.name)
+        if other is None or not one.demand * other.limit <= other.demand * one.limit:
+            worst[one.name] = one
+    return tuple(worst.values())
+
+
+# -- Time, distance and highest speed of a machine's motion.
+
+
+class Trip(NamedTuple):
+    """A motion, from its start to its end."""
+
+    time: float  # s
+    distance: float  # m along the path, there and back; NaN of what does not travel
+    top_speed: float  # m/s, or rad/s of a load that turns
+
+
+def trip(spec: RobotSpec) -> Trip:
+    """The motion of a load case, as it is specified; with cases that share its time the motion of all of them."""
+    if spec.platform is not None:
+        from drivesizer.load_cases.platform import trajectory_of
+
+        if trajectory := trajectory_of(spec):
+            fastest = np.hypot(*trajectory.velocity[:2]).max()
+            return Trip(trajectory.total, trajectory.length, float(fastest))
+    cycle = cycle_of_shift(spec)
+    fastest = cycle.radius * float(np.abs(cycle.speed).max())
+    return Trip(cycle.total, distance_of(spec, cycle), fastest)
+
+
+def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
+    """Distance that a vehicle travels in a cycle."""
+    load: Any = spec.load
+    if load.is_wheel:
+        return float(load.distance)
+    if not isinstance(load, WheeledVehicle):
+        return nan
+    return cycle.radius * float(middle(np.abs(cycle.speed)) @ cycle.duration)
+
+
+# -- Requirements on the machine against what its motion and its equipment come to, whatever drives it.
+
+
+def requirement_checks(spec: RobotSpec, required: Requirements) -> tuple[Check, ...]:
+    """Time over a distance, speed of the motion, devices; each where it is required."""
+    rotary = spec.load.axis == "rotary"
+    return tuple(column.at((), "budget", rotary=rotary) for column in _columns(spec, required))
+
+
+def _columns(spec: RobotSpec, required: Requirements) -> Iterator[CheckColumn]:
+    found = trip(spec)
+    if required.travel is not None:
+        time = required.travel.distance / found.distance * found.time
+        yield at_most("travel_time", time, required.travel.within)
+    if required.speed is not None:
+        reached = required.speed if isclose(required.speed, found.top_speed) else found.top_speed  # but for rounding
+        yield at_least("motion_speed", required.speed, reached, by_choice=True)
+    if required.devices:
+        missing = [name for name in required.devices if name not in _carried(spec)]
+        note = f"not among equipment, budget.others or payloads: {', '.join(missing)}" if missing else ""
+        there = len(required.devices) - len(missing)
+        yield at_least("devices", len(required.devices), there, by_choice=True, note=note)
+
+
+def _carried(spec: RobotSpec) -> set[str]:
+    """Names of all that the spec says the machine carries."""
+    others = spec.budget.others if spec.budget else ()
+    payloads = spec.platform.payloads if spec.platform else ()
+    return {one.name for some in (spec.equipment, others, payloads) for one in some}
+
+
+# -- Warnings of load cases: a motion that does not end where it started, driven wheels that cannot stand alone.
+#
+# A cycle repeats. A vehicle, a conveyor, a fan, a flywheel and an indexing table may go on from wherever they
+# are; an arm, a hoist, a screw, a rack and a table that gravity pulls round may not: each further cycle would start
+# farther on, the arm of a crane over its own base, and what is sized for is the first cycle alone.
+
+
+_ROUNDING = 1e-6  # of the distance: a recording is no more exact
+_TURN = 2.0 * math.pi
+_STANDS = 3  # wheels at least
+
+
+def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
+    """A warning where the cycle of a load case ends elsewhere than it starts; empty where it may, or does not."""
+    off = _off(spec)
+    return (_sentence(name, off, spec),) if off else ()
+
+
+def _sentence(name: str, off: float, spec: RobotSpec) -> str:
+    distance = show(abs(off), "deg", "angle", 3) if spec.load.axis == "rotary" else show(abs(off), "mm", "length", 3)
+    of = f" of load case {name}" if name else ""
+    side = "beyond" if off > 0.0 else "short of"
+    return (
+        f"the motion{of} ends {distance} {side} where it starts, and the cycle repeats: bring it back "
+        "(there_and_back: true), or every cycle starts farther on than the one that is sized for"
+    )
+
+
+def _off(spec: RobotSpec) -> float:
+    """Distance of the end of a cycle from its start [m or rad]; 0 where that does not matter."""
+    load = spec.load
+    lever = load.lever
+    pulled = lever is not None and lever.mass * lever.length * lever.share != 0.0
+    if not load.has_end and not pulled:
+        return 0.0
+    moved = course(profile_of(spec))
+    travel = moved.duration * moved.speed.mean(axis=1)
+    off = float(travel.sum())
+    if lever is not None:  # a whole turn brings it back
+        off -= _TURN * round(off / _TURN)
+    return off if abs(off) > _ROUNDING * float(abs(travel).sum()) else 0.0
+
+
+def grip_warning(spec: RobotSpec) -> tuple[str, ...]:
+    """A warning where traction takes few driven wheels to carry all of the weight."""
+    load = spec.load
+    if not isinstance(load, WheeledVehicle) or spec.platform or load.friction_coefficient is None:
+        return ()
+    if load.driven_share is not None or load.driven_wheels >= _STANDS:
+        return ()
+    wheels = "1 driven wheel" if load.driven_wheels == 1 else f"{load.driven_wheels} driven wheels"
+    return (
+        f"traction: all of the weight is taken to be on {wheels}, which cannot stand alone; give load.driven_share, "
+        "such as 60 %, where casters or other wheels carry the rest",
+    )
+
+
+# -- The load cases of a machine as they are sized; those of a platform are split into its wheels.
 
 
 def load_cases(spec: RobotSpec) -> tuple[tuple[int, str, RobotSpec], ...]:
@@ -18,6 +233,6 @@ def load_cases(spec: RobotSpec) -> tuple[tuple[int, str, RobotSpec], ...]:
 def _split(name: str, case: RobotSpec) -> Iterable[tuple[str, RobotSpec]]:
     if case.platform is None:
         return ((name, case),)
-    from drivesizer.load_cases.platform_wheels import wheels
+    from drivesizer.load_cases.platform import wheels
 
     return wheels(name, case)

@@ -1,40 +1,289 @@
-r"""Speed profiles: the required motion of the load over one cycle, as breakpoints with straight lines between.
-
-A profile comes from the spec's motion or from a recorded CSV file. Speeds may be negative (the machine reverses).
-Symbols: t time [s], v speed of the load [m/s, or rad/s where it turns], T_j time of a jerk phase [s].
-
-A ramp with rounded ends raises its acceleration in T_j, holds it, and takes it back in T_j. Its speed is a parabola
-where there is jerk j, and straight lines between points h apart stay within
-
-.. math:: |\Delta v| \le j h^2 / 8, \qquad h = T_j / 32,
-
-of it: 1/4096 of what the speed changes in that phase at first, j T_j^2 / 2. Its distance is exact all the same: what
-the straight lines add where the curve is hollow, they take away where it bulges.
-"""
+"""The required motion of the load over one cycle: speed over time as straight lines."""
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import pairwise
+from math import isnan
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.csv_columns import columns, path_from_spec
-from drivesizer.load_cases.breakpoints import Leg, checked, straight
-from drivesizer.load_cases.moves import cam, move
-from drivesizer.load_cases.waiting import resting
 from drivesizer.loads.course import Profile
-from drivesizer.physics.motion_curves import fastest_ramp
-from drivesizer.spec.motions import Cam, Csv, Harmonic, Hold, SCurve, Segments, Trapezoid, Triangle
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
+from drivesizer.spec.motions import Cam, Csv, Harmonic, Hold, Move, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "SPEED", "from_csv", "harmonic", "hold", "located", "profile", "profile_of",
-    "s_curve", "segments", "trapezoid", "triangle",
+    "LAWS", "SPEED", "from_csv", "harmonic", "located", "profile", "profile_of", "rest_left", "s_curve", "segments",
+    "static_torque", "trapezoid", "triangle", "with_rest",
 ]  # fmt: skip
+
+
+# -- Breakpoints of speed over time: straight lines from standstill, and what no profile may be made of.
+
+
+_Field = str | tuple[str | int, ...]  # of the motion
+Leg = tuple[_Field, float, float]  # field that gives its time; time [s]; speed at its end
+
+
+def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Profile:
+    """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint."""
+    back = [(field, duration, -to) for field, duration, to in legs if there_and_back]
+    time, speed = [0.0], [0.0]
+    for field, duration, to in (*legs, *back):
+        end, change = time[-1] + duration, to - speed[-1]
+        slope = change / duration if duration else 0.0
+        if not all(map(math.isfinite, (end, slope, (speed[-1] + to) * duration))):
+            raise FieldError(
+                _motion_breakpoints(field), f"{duration:g} s leads beyond the range of numbers to compute with"
+            )
+        if end > time[-1]:
+            time.append(end)
+            speed.append(to)
+        elif change:
+            raise FieldError(_motion_breakpoints(field), f"{duration:g} s is too short beside the {end:g} s before it")
+    if not any(speed) and any(to for _, _, to in legs):
+        raise FieldError(_motion_breakpoints(legs[0][0]), "the speed is too small a number to compute with")
+    return Profile(name, tuple(time), tuple(speed))
+
+
+def _motion_breakpoints(field: _Field) -> tuple[str | int, ...]:
+    return ("motion", field) if isinstance(field, str) else ("motion", *field)
+
+
+def checked(profile: Profile, field: str) -> Profile:
+    """The profile, when its numbers can be computed with."""
+    sloped = (*(profile.acceleration or ()), *itertools.chain.from_iterable(profile.ends or ()))
+    figures = (*profile.time, *profile.speed, *sloped)
+    if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:
+        raise FieldError(("motion", field), "leads beyond the range of numbers to compute with")
+    if any(t1 <= t0 for t0, t1, _, _ in profile.pieces()):
+        raise FieldError(("motion", field), f"a part of the motion is too short beside its {profile.duration:g} s")
+    return profile
+
+
+# -- Laws of motion from rest to rest over a distance in a time, as transfer functions of unit stroke and unit time.
+#
+# With x the share of the time, speed is :math:`v = f'(x) s / T` and acceleration :math:`a = f''(x) s / T^2`; their
+# largest values are the coefficients :math:`C_v` and :math:`C_a` of VDI 2143 part 1, and :math:`C_{rms}` is that of
+# the RMS acceleration, by which the RMS torque of a load that is inertia alone goes.
+#
+# =================  ==============  ===================  =============
+# =============================================== law                C_v             C_a                  C_rms
+# f'(x) =================  ==============  ===================  =============
+# =============================================== triangle           2               4                    4
+# straight lines; the least peak acceleration trapezoid          1.5             4.5                  3.674
+# straight lines, a third each parabola           1.5             6                    3.464          6 x (1 - x);
+# the least RMS acceleration sine               π/2             π²/2                 3.489          π/2 sin πx poly5
+# 1.875           5.7735               4.140          30 x² (1 - x)² cycloidal          2               2π
+# 4.443          1 - cos 2πx modified_sine      4π/(4 + π)      4π²/(4 + π)          3.909          sines of x at the
+# ends and of x/3 between modified_trapezoid 2               8π/(2 + π)           4.233          constant
+# acceleration between sines =================  ==============  ===================  =============
+# ===============================================
+#
+# Acceleration jumps at both ends of the first four; the others start and end without a jump.
+
+
+_Point = tuple[float, float]  # f' and f'' at a share of the time
+
+
+class Law(NamedTuple):
+    """Transfer function of a law that is no straight line."""
+
+    at: Callable[[float], _Point]  # f' and f'' at a share of the time
+    peaks: tuple[float, ...] = ()  # shares at which it peaks, beside eighths of the time
+
+
+def _parabola(x: float) -> _Point:
+    return 6.0 * x * (1.0 - x), 6.0 - 12.0 * x
+
+
+def _sine(x: float) -> _Point:
+    return math.pi / 2 * math.sin(math.pi * x), math.pi**2 / 2 * math.cos(math.pi * x)
+
+
+def _poly5(x: float) -> _Point:
+    return 30.0 * x**2 * (1.0 - x) ** 2, 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)
+
+
+def _cycloidal(x: float) -> _Point:
+    return 1.0 - math.cos(2 * math.pi * x), 2 * math.pi * math.sin(2 * math.pi * x)
+
+
+def _modified_sine(x: float) -> _Point:
+    turn, share = 4 * math.pi * x, math.pi / (4 + math.pi)
+    if 0.125 < x < 0.875:
+        turn = (math.pi + turn) / 3
+        return share * (1.0 - 3.0 * math.cos(turn)), 4 * math.pi * share * math.sin(turn)
+    return share * (1.0 - math.cos(turn)), 4 * math.pi * share * math.sin(turn)
+
+
+def _modified_trapezoid(x: float) -> _Point:
+    if x > 0.5:  # the way down mirrors the way up
+        speed, acceleration = _modified_trapezoid(1.0 - x)
+        return speed, -acceleration
+    top, share = 8 * math.pi / (2 + math.pi), 2 / (2 + math.pi)
+    if x < 0.125:
+        return share * (1.0 - math.cos(4 * math.pi * x)), top * math.sin(4 * math.pi * x)
+    if x <= 0.375:
+        return share + top * (x - 0.125), top
+    turn = 4 * math.pi * (x - 0.375)
+    return share + top / 4 + share * math.sin(turn), top * math.cos(turn)
+
+
+LAWS: dict[str, Law] = {
+    "parabola": Law(_parabola),
+    "sine": Law(_sine),
+    "poly5": Law(_poly5, ((3 - math.sqrt(3)) / 6, (3 + math.sqrt(3)) / 6)),
+    "cycloidal": Law(_cycloidal),
+    "modified_sine": Law(_modified_sine),
+    "modified_trapezoid": Law(_modified_trapezoid),
+}
+
+
+# -- Moves by a law of motion, and cam tables, as breakpoints of speed over time.
+#
+# A curved law is divided into 128 pieces. Speed and acceleration are exact at their ends and meet their peaks there;
+# the straight lines of speed between make the distance of a parabola or a sine short by 6e-5 of it, of the others by
+# 1e-8, and those of acceleration the RMS acceleration by 6e-4 at most.
+
+
+_STROKE = 128  # pieces of a move
+_STILL = 1e-9  # of a cam's largest speed: less is what rounding leaves of a dwell
+
+
+def move(motion: Move) -> Profile:
+    """A distance in a time by a law; speed and acceleration are exact at breakpoints and meet their peaks there.
+
+    >>> move(Move(profile="move", distance="3 m", time="3 s")).speed
+    (0.0, 1.5, 1.5, 0.0)
+    """
+    span, (up, down) = motion.time, motion.ramps
+    if motion.law in LAWS:
+        return _curved_move(motion)
+    cruise = span - up - down
+    level = cruise if cruise > _STILL * span else 0.0  # of ramps that fill the time, not what rounding leaves
+    top = motion.distance / (span - (up + down) / 2)
+    legs = (("time", up, top), ("time", level, top), ("time", down, 0.0), ("rest_time", motion.rest_time, 0.0))
+    return straight("move", legs, motion.there_and_back)
+
+
+def _curved_move(motion: Move) -> Profile:
+    """A move by a curved law, its rest, and the same back."""
+    law, span, stroke = LAWS[motion.law], motion.time, motion.distance
+    shares = sorted({k / _STROKE for k in range(_STROKE + 1)} | set(law.peaks))
+    points = [(x * span, *law.at(x)) for x in shares]
+    time = [t for t, _, _ in points]
+    speed = [v * stroke / span for _, v, _ in points]
+    speed[0] = speed[-1] = 0.0  # not what rounding makes of it
+    ends = [(a * stroke / span**2, b * stroke / span**2) for (_, _, a), (_, _, b) in itertools.pairwise(points)]
+    if motion.rest_time:
+        time, speed, ends = [*time, span + motion.rest_time], [*speed, 0.0], [*ends, (0.0, 0.0)]
+    if motion.there_and_back:
+        time += [time[-1] + t for t in time[1:]]
+        speed += [-v for v in speed[1:]]
+        ends += [(-a, -b) for a, b in ends]
+    return checked(Profile("move", tuple(time), tuple(speed), ends=tuple(ends)), "time")
+
+
+def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
+    """Speed of a cam table: the slope of a local parabola through its positions, times the speed of the master."""
+    found = columns(Path(path), {"angle": "angle", "position": kind})
+    time, position = (found["angle"] - found["angle"][0]) / motion.master_speed, found["position"]
+    if len(time) < 4:
+        raise InputError(f"{path}: rows: {len(time)} found; expected at least 4, to take a slope of")
+    if motion.smoothing > time[-1]:
+        raise FieldError(
+            ("motion", "smoothing"),
+            f"{motion.smoothing:g} s is longer than the table of {time[-1]:g} s; expected at most that, e.g. 2 ms",
+        )
+    around = [np.append(c[:-1] - c[-1] + c[0], np.append(c, c[1:] + c[-1] - c[0])) for c in (time, position)]
+    slope = local_parabola(around[0], around[1], motion.smoothing)[1][len(time) - 1 : 2 * len(time) - 1]
+    speed = np.where(np.abs(slope) <= _STILL * np.abs(slope).max(), 0.0, slope)
+    return checked(Profile(str(path), tuple(time.tolist()), tuple(speed.tolist())), "master_speed")
+
+
+# -- An axis that waits at rest, its motion done, until the cycle of its machine is over: the rest at the end of its
+# own.
+#
+# A load with a motion is held as its law says of a rest; a recording, or a load that comes with its cycle, by the
+# torque of the rest that ends it, or by what its last moment leaves without the torque that decelerates it, friction
+# included.
+
+
+_NO_TIME = 1e-9  # of the cycle
+
+
+def static_torque(cycle: LoadCycle) -> float:
+    """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown."""
+    torque, acceleration = float(cycle.torque[-1, 1]), float(cycle.acceleration[-1, 1])
+    return torque if acceleration == 0.0 else torque - cycle.inertia * acceleration
+
+
+def with_rest(cycle: LoadCycle, until: float | None, held: float) -> LoadCycle:
+    """A load cycle with a rest at its end."""
+    rest = rest_left(cycle.total, until)
+    if not rest or isnan(held):
+        return cycle
+    still = np.zeros((1, 2))
+    return replace(
+        cycle,
+        duration=np.append(cycle.duration, rest),
+        speed=np.concatenate([cycle.speed, still]),
+        acceleration=np.concatenate([cycle.acceleration, still]),
+        torque=np.concatenate([cycle.torque, still + held]),
+    )
+
+
+def resting(profile: Profile, until: float | None) -> Profile:
+    """A motion with a rest at its end, the payload still that of its last piece.
+
+    >>> resting(Profile("x", (0.0, 1.0, 3.0), (0.0, 2.0, 0.0)), 5.0)
+    Profile(name='x', time=(0.0, 1.0, 3.0, 5.0), speed=(0.0, 2.0, 0.0, 0.0), acceleration=None, payload=None, ends=None)
+    """
+    if not rest_left(profile.duration, until):
+        return profile
+    assert until is not None
+    ends, slope = profile.ends, profile.acceleration
+    if ends is None and slope is not None:
+        ends = tuple(pairwise(slope))
+    return replace(
+        profile,
+        time=(*profile.time, profile.time[0] + until),
+        speed=(*profile.speed, 0.0),
+        acceleration=None,
+        ends=None if ends is None else (*ends, (0.0, 0.0)),
+        payload=None if profile.payload is None else (*profile.payload, profile.payload[-1]),
+    )
+
+
+def rest_left(total: float, until: float | None) -> float:
+    """Time that an axis waits."""
+    return 0.0 if until is None or until - total <= _NO_TIME * until else until - total
+
+
+# -- Speed profiles: the required motion of the load over one cycle, as breakpoints with straight lines between.
+#
+# A profile comes from the spec's motion or from a recorded CSV file. Speeds may be negative (the machine reverses).
+# Symbols: t time [s], v speed of the load [m/s, or rad/s where it turns], T_j time of a jerk phase [s].
+#
+# A ramp with rounded ends raises its acceleration in T_j, holds it, and takes it back in T_j. Its speed is a
+# parabola where there is jerk j, and straight lines between points h apart stay within
+#
+# .. math:: |\Delta v| \le j h^2 / 8, \qquad h = T_j / 32,
+#
+# of it: 1/4096 of what the speed changes in that phase at first, j T_j^2 / 2. Its distance is exact all the same:
+# what the straight lines add where the curve is hollow, they take away where it bulges.
+
 
 SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
 

@@ -17,11 +17,9 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Axis, Bearing, Incline, Length, Mass, Torque, default
-from drivesizer.files.inertia import Inertia
+from drivesizer.files.fields import Axis, Bearing, Incline, Inertia, Length, Mass, Torque, default
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import Lever, check_inertia
-from drivesizer.loads.model import SharedLoad
+from drivesizer.loads.model import Lever, SharedLoad, check_inertia
 from drivesizer.loads.torque_curved import weight_on_lever
 from drivesizer.physics.load_cycle import LoadCycle
 

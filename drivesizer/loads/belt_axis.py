@@ -26,6 +26,7 @@ from drivesizer.files.fields import (
     Counterweight,
     Force,
     Incline,
+    Inertia,
     Length,
     Mass,
     Pull,
@@ -33,7 +34,6 @@ from drivesizer.files.fields import (
     Torque,
     default,
 )
-from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage

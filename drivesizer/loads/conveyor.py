@@ -22,13 +22,13 @@ from drivesizer.files.fields import (
     Counterweight,
     Force,
     Incline,
+    Inertia,
     Length,
     Mass,
     Pull,
     Share,
     default,
 )
-from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage

@@ -18,8 +18,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Axis, Exponent, Torque, Turning, default
-from drivesizer.files.inertia import Inertia
+from drivesizer.files.fields import Axis, Exponent, Inertia, Torque, Turning, default
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.torque_curved import capped

@@ -19,8 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from drivesizer.errors import FieldError
-from drivesizer.files.fields import Axis, Counterweight, Force, Length, Mass, Share, default
-from drivesizer.files.inertia import Inertia
+from drivesizer.files.fields import Axis, Counterweight, Force, Inertia, Length, Mass, Share, default
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import Count, SharedLoad
 from drivesizer.loads.stage_losses import through_stage

@@ -15,8 +15,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from drivesizer.files.fields import Axis, Coefficient, Force, Incline, Length, Mass, Pull, Share, default
-from drivesizer.files.inertia import Inertia
+from drivesizer.files.fields import Axis, Coefficient, Force, Incline, Inertia, Length, Mass, Pull, Share, default
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage

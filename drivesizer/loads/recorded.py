@@ -19,6 +19,8 @@ falls with it. RMS torque: the root of (9/3 + 9 + 9/3)/3 (N*m)^2, 2.236 N*m; mea
 both however unevenly it was sampled, as long as the corners are samples.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from dataclasses import replace
 from math import nan
@@ -28,17 +30,17 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import columns
-from drivesizer.files.fields import Axis, Pause, default
-from drivesizer.files.inertia import Inertia
+from drivesizer.files.fields import Axis, Inertia, Pause, default
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motion_curves import local_parabola
 
-__all__ = ["Recorded", "recorded"]
+__all__ = ["ComputedLoad", "Recorded"]
+
 
 Column = NDArray[np.float64]
 
@@ -145,3 +147,22 @@ def _speed(path: Path, found: dict[str, Column], smoothing: float) -> Column:
         speed = value if name == "speed" else slope
         speed = np.where(np.abs(speed) <= _ROUNDING * np.abs(speed).max(), 0.0, speed)
     return speed
+
+
+# -- A load that comes with its load cycle: computed of a whole machine, not recorded.
+
+
+class ComputedLoad(Recorded):
+    """A load of kind recorded that has its cycle already."""
+
+    _cycle: LoadCycle = PrivateAttr()
+
+    @property
+    def cycle(self) -> LoadCycle:
+        """Of its shaft."""
+        return self._cycle
+
+    @property
+    def shaft_inertia(self) -> float:
+        """Of all that one drive moves, at its shaft [kg*m^2]."""
+        return self._cycle.inertia

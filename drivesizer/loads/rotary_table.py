@@ -22,15 +22,14 @@ from drivesizer.files.fields import (
     Bearing,
     Counterweight,
     Incline,
+    Inertia,
     SignedTorque,
     Thickness,
     Torque,
     default,
 )
-from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import Lever, check_inertia
-from drivesizer.loads.model import SharedLoad
+from drivesizer.loads.model import Lever, SharedLoad, check_inertia
 from drivesizer.loads.torque_curved import weight_on_lever
 from drivesizer.physics.load_cycle import LoadCycle
 

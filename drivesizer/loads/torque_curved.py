@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import Lever
+from drivesizer.loads.model import Lever
 from drivesizer.physics.load_cycle import Ends
 
 __all__ = ["capped", "weight_on_lever"]

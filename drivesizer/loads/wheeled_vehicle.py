@@ -24,6 +24,7 @@ from drivesizer.files.fields import (
     Axis,
     Coefficient,
     Density,
+    Inertia,
     Length,
     Mass,
     Part,
@@ -35,7 +36,6 @@ from drivesizer.files.fields import (
     default,
     exactly_one,
 )
-from drivesizer.files.inertia import Inertia
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import Count, LoadModel
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit

@@ -14,17 +14,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery_pack import pack_of
+from drivesizer.machine.battery import pack_of
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import checks_of_battery, energy_budget
-from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.machine.price_budget import of_drives, of_supply, price_check
+from drivesizer.machine.mass_budget import drive_rows, of_drives, of_supply, price_check
 from drivesizer.machine.supply_power import DrivePower, drive_power, together
-from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, worst_of_cases
-from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.energy import EnergyBudget
-from drivesizer.results.mass import MassRow
+from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
 
@@ -175,8 +171,7 @@ def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
 
 
 def _mass(problem: Problem, budget: Budget, one: DriveParts) -> MechanicalBudget:
-    from drivesizer.machine.platform_budget import mass_part
-    from drivesizer.machine.platform_checks import machine_mass
+    from drivesizer.machine.platform_budget import machine_mass, mass_part
 
     spec, load = problem.spec, problem.machine.load
     battery = pack_of(spec.battery, problem.catalog).mass if spec.battery else None

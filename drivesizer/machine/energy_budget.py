@@ -18,20 +18,22 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
-from drivesizer.machine.battery_checks import (
+from drivesizer.machine.battery import (
     Load,
+    Pack,
     accepted,
     battery_checks,
+    capacity_needed,
+    pack_of,
     raised_voltage,
     required_autonomy,
     resting_voltage,
+    run_time,
+    strings_needed,
 )
-from drivesizer.machine.battery_pack import Pack, capacity_needed, pack_of, run_time, strings_needed
 from drivesizer.machine.supply_power import DrivePower
 from drivesizer.physics.battery import current_of_power, polarised_voltage, state_of_charge, terminal_voltage
-from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.energy import Consumption, EnergyBudget
-from drivesizer.results.losses import loss_assumptions
+from drivesizer.results.drive_set import Consumption, DriveParts, EnergyBudget, loss_assumptions
 from drivesizer.results.sizing import Check, Figure, verdict
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show

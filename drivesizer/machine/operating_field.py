@@ -1,20 +1,10 @@
-r"""The torque-speed field of a drive's motor, winding cold and hot, and the load cycle in it: data for figures.
-
-Torque is that at the motor's shaft, its own friction taken off, the rotor's acceleration included:
-
-.. math:: M_V(w) = \frac{k_t (V - k_e w)}{R(T)} - M_f(w), \qquad M_c(w) = k_t I_c(w) - M_f(w),
-
-with the usable voltage V, the continuous current I_c at the motor's own loss at that speed, and the friction M_f of
-the drive model in ``physics``, whose coefficients all of this is made of.
-Symbols: w speed of the motor [rad/s], M torque [N*m], R resistance [ohm], k_t torque constant [N*m/A],
-k_e back-EMF constant [V*s/rad], i ratio.
-"""
+"""The torque-speed field of a drive's motor with the load cycle in it, and its efficiency over torque and speed."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,24 +12,84 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import OneRow, one_row
 from drivesizer.load_cases import load_cycle
-from drivesizer.machine.pull_out import torque_of_part
-from drivesizer.machine.set_cycle import turned
-from drivesizer.physics.cycle_at_gearhead import DIRECTION, DRIVING, SPEED, AtGearhead, at_gearhead
+from drivesizer.machine.part_curves import torque_of_part
+from drivesizer.machine.set_cycle import SetCycle, turned
+from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead, at_gearhead
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.motor_demand import Demands, demands
-from drivesizer.physics.stress import heat, housing_loss, volts_of
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
+from drivesizer.physics.waveform import balanced, wave
+from drivesizer.physics.winding import heat, housing_loss, volts_of
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.spec.altitude import rise_left
-from drivesizer.spec.mounting import loss_at_flange
+from drivesizer.spec.mounting import loss_at_flange, rise_left
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["OperatingField", "field", "hot_winding", "with_pull_out"]
+__all__ = ["OperatingField", "Operation", "field", "hot_winding", "operation", "with_pull_out"]
+
+
+# -- Efficiency of motor and gearhead over torque and speed at the gearhead's output.
+#
+# The drive model of ``physics`` at points that no cycle need come by: motor torque and voltage are the same sums of
+# its six functions, at constant speed. Power to the load counts the gearhead's loss on the motor's side, power from
+# it on the load's.
+#
+# .. math:: \eta = \frac{T w}{V I} \; (T w > 0), \qquad \eta = \frac{V I}{T w} \; (T w < 0),
+#
+# the second where the supply gets something back, and 0 where it does not. For a brushed motor without gearhead the
+# best that a voltage allows is :math:`(1 - \sqrt{I_0 / I_s})^2` with the stall current I_s [1].
+#
+# References
+# ----------
+# .. [1] maxon academy, *Formulae Handbook*, 2nd ed., 2012, section "Motor data": efficiency.
+
 
 Array = NDArray[np.float64]
+
+
+class Operation(NamedTuple):
+    """Operating points of a drive over torque and speed: arrays of their shape."""
+
+    current: Array  # A
+    voltage: Array  # V
+    efficiency: Array  # of the direction in which power flows [1]; NaN at rest and without torque
+
+
+def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
+    """A drive at constant speeds."""
+    torque, speed = np.broadcast_arrays(torque, speed)
+    functions = np.zeros((torque.size, 1, 6))
+    functions[:, 0, DRIVING] = np.maximum(torque, 0.0).ravel()
+    functions[:, 0, BRAKING] = np.minimum(torque, 0.0).ravel()
+    functions[:, 0, DIRECTION] = np.sign(speed).ravel()
+    functions[:, 0, SPEED] = speed.ravel()
+    k_t = found.motor["torque_constant"]
+    ends = wave(
+        np.ones(torque.size), np.repeat(functions, 2, axis=1), found.demands.coefficients, found.volts, k_t
+    )  # fmt: skip
+    current, voltage = (x[0, :, 0].reshape(torque.shape) for x in (ends.current, ends.voltage))
+    taken = balanced(ends, found.demands.surplus(k_t), speed.reshape(-1, 1))
+    every = taken.current.shape[1] // torque.size
+    electrical = (taken.current * taken.voltage)[0, ::every, 0].reshape(torque.shape)
+    mechanical = torque * speed
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(mechanical > 0.0, mechanical / electrical, np.maximum(electrical / mechanical, 0.0))
+    return Operation(current, voltage, np.where(mechanical == 0.0, np.nan, share))
+
+
+# -- The torque-speed field of a drive's motor, winding cold and hot, and the load cycle in it: data for figures.
+#
+# Torque is that at the motor's shaft, its own friction taken off, the rotor's acceleration included:
+#
+# .. math:: M_V(w) = \frac{k_t (V - k_e w)}{R(T)} - M_f(w), \qquad M_c(w) = k_t I_c(w) - M_f(w),
+#
+# with the usable voltage V, the continuous current I_c at the motor's own loss at that speed, and the friction M_f
+# of the drive model in ``physics``, whose coefficients all of this is made of. Symbols: w speed of the motor
+# [rad/s], M torque [N*m], R resistance [ohm], k_t torque constant [N*m/A], k_e back-EMF constant [V*s/rad], i ratio.
+
+
 _POINTS = 201  # of each line
 
 

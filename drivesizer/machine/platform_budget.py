@@ -1,40 +1,441 @@
-"""Mass, clearance, stability and grip of a machine with one drive.
-
-Checks are made in ``platform_checks``; here they are put together with the figures that have no limit, and what was
-assumed.
-"""
+"""A platform's mass, room, footing, grip and permitted speed with a drive, against their limits."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import nan
+from math import cos, inf, nan, tan
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.platform_record import platform_assumptions
-from drivesizer.load_cases.platform_wheels import dynamics_of, trajectory_of
-from drivesizer.load_cases.requirement_checks import requirement_checks
+from drivesizer.catalog.parts import one_row
+from drivesizer.errors import InputError
+from drivesizer.load_cases import driven_shaft_cycle, load_cycle
+from drivesizer.load_cases.of_machine import requirement_checks
+from drivesizer.load_cases.platform import dynamics_of, ground_of, platform_assumptions, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.mass_budget import MassBudget
-from drivesizer.machine.platform_checks import (
-    PlatformOnFloor,
-    envelope_checks,
-    grip_checks,
-    mass_checks,
-    stability_checks,
+from drivesizer.machine.mass_budget import MassBudget, mass_budget
+from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, at_gearhead
+from drivesizer.physics.drive_train import lost_in_gearhead
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.motor_demand import coefficients
+from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
+from drivesizer.physics.winding import housing_loss
+from drivesizer.platform.dynamics import Dynamics, Ground, contact_loads, wheel_torques
+from drivesizer.platform.envelope import (
+    Clearance,
+    clearances,
+    corner_width,
+    heading_tolerance,
+    heading_tolerance_driving,
+    turning_circle,
+    width_at,
 )
-from drivesizer.platform.envelope import heading_tolerance, heading_tolerance_driving, turning_circle
-from drivesizer.platform.grip import grip_acceleration, grip_slope
-from drivesizer.platform.stability import lift_off_acceleration, lift_off_slope, tipping_edges, tipping_slope
-from drivesizer.platform.stability_along import least_load, least_margin
+from drivesizer.platform.grip import grip_acceleration, grip_slope, translations, worst_friction
+from drivesizer.platform.kinematics import map_columns
+from drivesizer.platform.stability import (
+    Moment,
+    carrying,
+    least_load,
+    least_margin,
+    least_margin_share,
+    least_share,
+    lift_off_acceleration,
+    lift_off_slope,
+    support_polygon,
+    tipping_edges,
+    tipping_slope,
+    used_footing,
+)
+from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.check import worst_of_cases
+from drivesizer.results.check_columns import CheckColumn, at_most, fits, over_band
+from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.drive_set import DriveParts, DriveSet, MassRow
+from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit
 from drivesizer.results.sizing import Check, Figure, Status, verdict
-from drivesizer.spec.platform import Platform
+from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
+from drivesizer.spec.platform import Budget, PassageSection, Platform
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
 
-__all__ = ["MechanicalBudget", "mass_part", "platform_part", "worst_case_budget"]
+__all__ = [
+    "MechanicalBudget", "PermittedSpeeds", "PlatformOnFloor", "envelope_checks", "grip_checks", "machine_mass",
+    "mass_checks", "mass_columns", "mass_part", "permitted_speeds", "platform_part", "stability_checks",
+    "worst_case_budget",
+]  # fmt: skip
+
+
+# -- Fastest steady motion of a platform in each direction, by what its drives permit.
+#
+# At a constant velocity :math:`v (\cos φ, \sin φ, 0)` in the robot's frame the wheels turn by (32), and their
+# torques are those of resistances and slope, whatever the speed: so each limit of a drive holds up to one speed.
+# Looked at are the limits that a motion meets which goes on for long: those of gearhead and motor, the winding's
+# temperature and its voltage at the lowest supply, the continuous current of the controller. Supply and battery are
+# not.
+
+
+Array = NDArray[np.float64]
+_EVERY = 5  # deg, between directions; a divisor of 15
+_SLOW, _FAST = 1e-6, 1e3  # m/s, between which speeds are looked for
+_HALVINGS = 32  # to less than a thousandth of a millimetre per second
+_ROUNDING = 1e-9  # of what turns or slides
+
+
+class PermittedSpeeds(NamedTuple):
+    """Highest steady speed in each direction, of the platform as it is and with the motor of each wheel failed."""
+
+    direction: NDArray[np.int64]  # deg, in the robot's frame, counterclockwise from ahead
+    speed: dict[int, Array]  # m/s, by the failed wheel, 0 for none; NaN: no motion of these wheels, infinite: no limit
+    limit: dict[int, list[str]]  # title of the check that a higher speed fails
+    unknown: tuple[str, ...]  # titles of checks that are left out, as a figure of them is unknown
+    estimated: tuple[str, ...]  # figures of the drive that no data sheet gives, at the middle of their bands
+    failed: tuple[int, ...] = ()  # wheels whose motors have failed in all of it
+    required: float | None = None  # m/s, in every direction
+
+    def at(self, degrees: int) -> dict[int, tuple[float, str]]:
+        """Speed and limit in one of the directions, by the failed wheel."""
+        place = degrees // _EVERY
+        return {failed: (float(speed[place]), self.limit[failed][place]) for failed, speed in self.speed.items()}
+
+
+def permitted_speeds(spec: RobotSpec, drive: DriveSet) -> PermittedSpeeds | None:
+    """Permitted speeds of a platform in all directions, as it is and with the motor of each driven wheel failed.
+
+    A wheel whose motor has failed turns freely, or is held where the spec has ``blocked``. Its motor and gearhead
+    resist nothing.
+    """
+    if drive.steps:
+        return None
+    direction = np.arange(0, 360, _EVERY)
+    speed, limit, unknown = {}, {}, dict[str, None]()
+    for failed in (0, *(place + 1 for place in dynamics_of(spec).kinematics.driven)):
+        try:
+            d = dynamics_of(_failed(spec, failed))
+        except InputError:  # the others do not hold the platform
+            continue
+        speed[failed], limit[failed], lacking = _fastest(spec, drive, d, np.radians(direction))
+        unknown |= dict.fromkeys(lacking)
+    estimated = (one.title for one in drive.estimated if one.kind != "mass" and one.part != "encoder")
+    assert spec.platform is not None
+    wanted = spec.requirements.speed if spec.requirements else None
+    return PermittedSpeeds(
+        direction, speed, limit, tuple(unknown), tuple(estimated), tuple(spec.platform.failed),
+        spec.platform.limits.speed if wanted is None else wanted,
+    )  # fmt: skip
+
+
+def _failed(spec: RobotSpec, wheel: int) -> RobotSpec:
+    platform = spec.platform
+    assert platform is not None
+    return spec.alone(platform=platform.model_copy(update={"failed": [*platform.failed, *[wheel] * bool(wheel)]}))
+
+
+def _fastest(
+    spec: RobotSpec, drive: DriveParts, d: Dynamics, direction: Array
+) -> tuple[Array, list[str], Iterator[str]]:
+    """Highest speed in each direction, the check that ends it, and checks that are unknown."""
+    eta = np.stack([np.cos(direction), np.sin(direction), np.zeros_like(direction)])
+    k = d.kinematics
+    moves = (np.abs(map_columns(k.held, eta)) <= _ROUNDING).all(axis=0)
+    eta = eta[:, moves]
+    turns = map_columns(k.E[list(k.driven)], eta)
+    turns[np.abs(turns) <= _ROUNDING * np.abs(turns).max(initial=0.0)] = 0.0
+    torque = wheel_torques(d, eta, np.zeros_like(eta), ground=ground_of(spec))
+
+    def checks(v: Array) -> list[CheckColumn]:
+        return _checks(spec, drive, (turns * v).ravel(), torque.ravel())
+
+    def shortage(v: Array) -> Array:
+        """By how much each check falls short, 0 where it passes: shape (checks, wheels, directions)."""
+        every = checks(v)
+        found = [np.where(every[n].passed, 0.0, 1.0 - np.nan_to_num(every[n].margin)) for n in known]
+        return np.array(found).reshape(-1, *turns.shape)
+
+    low = np.full(turns.shape[1], _SLOW)
+    first = checks(low)
+    turning = turns.ravel() != 0.0  # a wheel at rest meets any limit of speed, known or not
+    known = [number for number, check in enumerate(first) if (check.passed | check.failed)[turning].any()]
+    held, high = shortage(low).any(axis=(0, 1)), np.full_like(low, _FAST)
+    free: NDArray[np.bool_] = np.logical_not(shortage(high).any(axis=(0, 1)))
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2.0
+        over = shortage(middle).any(axis=(0, 1))
+        low, high = np.where(over, low, middle), np.where(over, middle, high)
+    worst = shortage(np.where(held, _SLOW, high)).max(axis=1).argmax(axis=0)
+    titles = [
+        "" if never else CHECKS["physics"][first[known[n]].name].title for n, never in zip(worst, free, strict=True)
+    ]
+    speed, named = np.full(len(direction), nan), np.full(len(direction), "", dtype=object)
+    speed[moves], named[moves] = np.where(free, np.inf, np.where(held, 0.0, low)), titles
+    return speed, named.tolist(), (CHECKS["physics"][c.name].title for n, c in enumerate(first) if n not in known)
+
+
+def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> list[CheckColumn]:
+    """Limits of a drive in steady motion, as columns over speeds and torques at its wheel."""
+    speeds, torques = (np.stack([x, x], axis=1) for x in (speed, torque))
+    cycle = LoadCycle("steady motion", np.ones_like(speed), speeds, np.zeros_like(speeds), torques)
+    at = at_gearhead(driven_shaft_cycle(spec, cycle), drive.belt_efficiency).behind(drive.belt_ratio)
+    motor, gearhead, controller = one_row(drive.motor), one_row(drive.gearhead), one_row(drive.controller)
+    own = coefficients(at.acts, motor, gearhead, one_row(drive.encoder), drive.brake_inertia)
+    f, ratio, ambient = at.functions[:, 0], drive.gearhead.ratio, spec.environment.ambient
+    output, turning = f[:, :ACCELERATION].sum(axis=1), np.abs(f[:, SPEED])  # N*m and rad/s behind the gearhead
+    current = f @ np.where(own.left_out, nan, own.torque)[0] / drive.motor.torque_constant
+    rubbing, iron = housing_loss(motor, gearhead["ratio"])
+    loss = rubbing * turning + iron * turning**2
+    if spec.mounting and spec.mounting.gear_loss_share:
+        driving, braking = (f[:, which] * f[:, SPEED] for which in (DRIVING, BRAKING))
+        loss = loss + spec.mounting.gear_loss_share * lost_in_gearhead(driving, braking, turning * ratio, gearhead)
+    R_25 = resistance_25(motor)
+    winding = np.asarray(steady_winding(motor, ambient, np.abs(current), loss))
+    warm = np.where(np.isnan(winding), motor["max_winding_temperature"], np.fmin(winding, 1e4))
+    feed = spec.feed_of(drive.controller, drive.brake)
+    volts = np.max([np.abs(current * (resistance_at(R_25, T) + feed.leads) + own.back_emf * f[:, SPEED] * ratio)
+                    for T in (ambient, warm)], axis=0)  # fmt: skip
+    margins = spec.margins
+    return [
+        at_most("gearhead_continuous_torque", np.abs(output), gearhead["continuous_torque"], needed=margins.torque),
+        continuous_speed_limit(gearhead, turning, turning, ratio, margins.speed),
+        at_most("gearhead_continuous_power", np.abs(output) * turning, gearhead["continuous_power"],
+                needed=margins.torque),
+        at_most("motor_speed", turning * ratio, motor["max_speed"], needed=margins.speed),
+        nominal_current_limit(np.abs(current), motor, ambient, motor_needed(spec)),
+        at_most("winding_temperature", winding, motor["max_winding_temperature"], zero=ambient,
+                needed=rise_needed(spec)),
+        at_most("supply_voltage", volts, feed.usable_for(volts), needed=margins.speed),
+        at_most("controller_continuous_current", np.abs(current), controller_current(controller, ambient),
+                needed=controller_needed(spec)),
+    ]  # fmt: skip
+
+
+# -- A machine's mass, room, footing and grip against their limits. Margins are made in ``checks``.
+#
+# Where a figure is not given that a check needs, such as the height of the centre of mass, the check is unknown and
+# says which.
+
+
+class PlatformOnFloor(NamedTuple):
+    """A platform on its floor, as the checks below take it; ``d`` is that of ``platform_of(section, load)``."""
+
+    section: Platform
+    load: WheeledVehicle
+    d: Dynamics
+    gravity: float  # m/s^2
+    needed: float = 0.0  # margin that the spec requires of traction
+    trajectory: Trajectory | None = None
+    gains: float | None = None  # m/s^2, largest acceleration of its motion, where the limits do not say
+
+    @property
+    def faster(self) -> float | None:
+        """Largest acceleration that it is held against, in any direction [m/s^2]."""
+        return self.section.limits.acceleration or self.gains
+
+    @property
+    def ground(self) -> Ground:
+        """The floor along the trajectory."""
+        return Ground(slope=self.load.slope, uphill=self.section.uphill, gravity=self.gravity)
+
+    @property
+    def steepest(self) -> float:
+        """The slope, in any orientation of the platform [rad]."""
+        return abs(self.load.slope)
+
+    @property
+    def upright(self) -> bool:
+        """Whether its contacts can keep it upright at all."""
+        try:
+            return bool(support_polygon(self.d.platform))
+        except InputError:
+            return False
+
+    @property
+    def directions(self) -> tuple[float | None, ...]:
+        """Directions in which it gains speed [rad]; None is any."""
+        angles = translations(self.d)
+        return (None,) if len(angles) > 2 else tuple(float(a) for a in angles)
+
+
+def _noted(columns: Sequence[CheckColumn], case: str = "") -> tuple[Check, ...]:
+    return tuple(c.at((), "budget", cases=(case,)) for c in columns)
+
+
+def _unknown(column: CheckColumn, note: str) -> CheckColumn:
+    """The check as one that may fail but not pass."""
+    return replace(column, passed=column.passed & False, note="" if column.failed else note)
+
+
+# --- mass -------------------------------------------------------------------------------------------------------------
+
+
+def machine_mass(
+    budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
+) -> MassBudget:
+    """The mass budget of a machine with given rows of its drives."""
+    carried = [(item.name if item.number == 1 else f"{item.number} x {item.name}", item.mass * item.number)
+               for item in budget.others]  # fmt: skip
+    carried += [(payload.name, payload.mass) for payload in (platform.payloads if platform else ())]
+    return mass_budget(drive, structure=budget.structure, battery=battery, others=carried, limit=budget.mass)
+
+
+def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Check, ...]:
+    """The known mass against the limit, and against the mass that the drive is sized for."""
+    low, high = found.ends
+    middle, *ends = (
+        mass_columns(np.array([mass]), bool(found.unknown), found.limit, sized_for) for mass in (found.known, low, high)
+    )
+    if found.estimated:
+        one = np.array([0])
+        middle = [over_band(mid, pair, one) for mid, *pair in zip(middle, *ends, strict=True)]
+    return tuple(_mass_check(found, column) for column in middle)
+
+
+def _mass_check(found: MassBudget, column: CheckColumn) -> Check:
+    """One limit of the mass; where estimated masses decide, from where on and how probable it is that it holds."""
+    check = column.at(0, "budget")
+    if check.status == "unknown":
+        return replace(check, note=f"unknown: {', '.join(dict.fromkeys(found.unknown))}")
+    if check.status != "open":
+        return check
+    parts = ", ".join(dict.fromkeys(found.estimated))
+    room = show(check.limit / (1.0 + check.needed) - (found.known - found.guessed), check.unit, "mass", 2)
+    return replace(check, probability=found.probability(check.limit),
+                   note=f"passes where {parts}, which are estimated, have at most {room} together")  # fmt: skip
+
+
+def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
+    """The known mass against the limits, as columns."""
+    limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
+    columns = [at_most(name, known, most) for name, most in limits.items() if most == most]
+    return [replace(column, passed=column.passed & ~np.asarray(lacking, bool)) for column in columns]
+
+
+# --- room -------------------------------------------------------------------------------------------------------------
+
+
+def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> tuple[Check, ...]:
+    """Every passage, in the order of the spec; the passage's name is the check's case."""
+    placed = [p for p in section.passages if p.x is not None]
+    clearance_at = {}
+    if trajectory is not None and section.size is not None:
+        records = tuple(p.record for p in placed)
+        clearance_at = {c.passage: c for c in clearances(trajectory, section.size.record, records)}
+    found: list[Check] = []
+    for passage in section.passages:
+        columns = [*_passage(section, passage), *_along(passage, clearance_at.get(passage.name))]
+        found += _noted(columns, passage.name)
+    return tuple(found)
+
+
+def _passage(section: Platform, passage: PassageSection) -> Iterator[CheckColumn]:
+    assert section.size is not None
+    size, opening = section.size.record, passage.width
+    taken = width_at(size, passage.heading_error, passage.aside)
+    yield at_most("passage_width", taken, opening)
+    if passage.height is not None:
+        yield at_most("passage_height", size.height, passage.height)
+    if passage.turns:
+        yield at_most("passage_turning", turning_circle(size) + 2.0 * passage.aside, opening)
+    if passage.corner is not None:
+        room = corner_width(size.length, opening, passage.corner)
+        yield at_most("passage_corner", size.width, room)
+
+
+def _along(passage: PassageSection, clearance: Clearance | None) -> Iterator[CheckColumn]:
+    """Width that is taken to both sides alike; one that hits a jamb takes more than there is."""
+    if clearance is not None:
+        note = f"nearest to the {clearance.side} jamb" if clearance.side else "the trajectory does not lead through it"
+        taken = passage.width - 2.0 * clearance.least
+        time = np.asarray(clearance.time)
+        yield at_most("passage_clearance", taken, passage.width, note=note, time=time)
+
+
+# --- footing ----------------------------------------------------------------------------------------------------------
+
+_NO_HEIGHT = "unknown: height of the centre of mass"
+_NO_CASTERS = "unknown: what keeps it upright, its contacts lie on one line"
+_NO_FRICTION = "unknown: friction_coefficient"
+
+
+def stability_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
+    """Whether every wheel stays on the floor, at the limits of the motion on the load's slope, and along a trajectory.
+
+    Acceleration and slope may point anywhere that the wheels allow, and are held together against what both may be at
+    the same ratio.
+    """
+    if not s.upright:
+        return _noted([replace(fits("centre_of_mass", False, False), note=_NO_CASTERS)])
+    at_rest = contact_loads(s.d.platform, ground=Ground(gravity=s.gravity))
+    found = [fits("centre_of_mass", bool(carrying(at_rest).all()), True), _limit(s, "lift_off"), _limit(s, "tipping")]
+    if s.trajectory is not None:
+        found.append(_off(s, "wheel_unloading", least_share(s.d.platform, s.trajectory, s.ground)))
+        found.append(_off(s, "tipping_motion", least_margin_share(s.d.platform, s.trajectory, s.ground)))
+    return _noted(found)
+
+
+def _limit(s: PlatformOnFloor, name: str) -> CheckColumn:
+    """The acceleration of the limits and that of the slope, worst in their directions."""
+    gains, falls = (s.faster or 0.0) / cos(s.steepest), s.gravity * tan(s.steepest)
+    required = gains + falls
+    if not s.section.height_known:
+        return at_most(name, required or nan, nan, note=_NO_HEIGHT)
+    used = max(
+        used_footing(s.d.platform, ((gains, direction), (falls, None)), tips=name == "tipping", gravity=s.gravity)
+        for direction in s.directions
+    )
+    return at_most(name, required, required / used if used else inf)
+
+
+def _off(s: PlatformOnFloor, name: str, least: Moment) -> CheckColumn:
+    """Largest loss of load or margin over the motion, as a share."""
+    if not s.section.height_known:
+        return at_most(name, nan, 1.0, note=_NO_HEIGHT)
+    time = np.asarray(least.time)
+    return at_most(name, 1.0 - least.value, 1.0, time=time, note=_contact(s, least.contact))
+
+
+def _contact(s: PlatformOnFloor, number: int) -> str:
+    wheels = len(s.d.platform.wheels)
+    return f"wheel {number}" if number <= wheels else f"caster {number - wheels}"
+
+
+# --- grip -------------------------------------------------------------------------------------------------------------
+
+
+def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
+    """Whether the floor transmits what the driven wheels must put on it: on the slope, gaining speed, on the path.
+
+    Without the height of the centre of mass a check may fail, but does not pass.
+    """
+    lacking = _NO_FRICTION if s.load.friction_coefficient is None else "" if s.upright else _NO_CASTERS
+    columns = list(_grip(s, nan if lacking else float(s.load.friction_coefficient or 0.0)))
+    if lacking:
+        return _noted([replace(column, note=lacking) for column in columns])
+    return _noted(columns if s.section.height_known else [_unknown(column, _NO_HEIGHT) for column in columns])
+
+
+def _grip(s: PlatformOnFloor, friction: float) -> Iterator[CheckColumn]:
+    known, faster = friction == friction, s.faster
+    if s.steepest:
+        limit = grip_slope(s.d, friction) if known else nan
+        yield at_most("grip_slope", s.steepest, limit, needed=s.needed)
+    if faster is not None:
+        limits = [
+            grip_acceleration(s.d, friction, direction, slope=s.steepest, gravity=s.gravity)
+            for direction in s.directions * known
+        ]
+        yield at_most("grip_acceleration", faster, min(limits, default=nan), needed=s.needed)
+    if s.trajectory is not None:
+        worst = worst_friction(s.d, s.trajectory, s.ground)
+        note, time = _contact(s, worst.contact), np.asarray(worst.time)
+        yield at_most("grip_motion", worst.value, friction, needed=s.needed, note=note, time=time)
+
+
+# -- Mass, clearance, stability and grip of a machine with one drive.
+#
+# Checks are made in ``platform_checks``; here they are put together with the figures that have no limit, and what
+# was assumed.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

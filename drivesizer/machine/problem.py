@@ -2,29 +2,256 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog
-from drivesizer.catalog.view.mounted import Housing, with_mounting
-from drivesizer.catalog.view.own_brake import with_own_brake
-from drivesizer.load_cases.of_machine import load_cases
-from drivesizer.load_cases.shift import cycle_of_shift
-from drivesizer.machine.pulleys import belt_drives
-from drivesizer.machine.supply_unit import with_parts_of_supply
+from drivesizer.catalog import Catalog, Table
+from drivesizer.catalog.more_parts import BeltDrive
+from drivesizer.catalog.view.mounted import Housing, with_mounting, with_own_brake
+from drivesizer.errors import InputError, quoted
+from drivesizer.load_cases.of_machine import cycle_of_shift, load_cases
+from drivesizer.machine.braking import with_parts_of_supply
+from drivesizer.physics.belt import LEAST_IN_MESH, centre_distance, shortest_recommended, teeth_in_mesh
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.thermal import with_plate
-from drivesizer.results.problem import SHIFT, LoadCase, Problem
+from drivesizer.results.problem import SHIFT, BeltDrives, LoadCase, Problem
+from drivesizer.spec.drive import Pulleys
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
 
 if TYPE_CHECKING:
     from drivesizer.spec.mounting import Mounting
 
-__all__ = ["changed", "problem", "quickest_winding", "with_cycle", "with_spec"]
+__all__ = [
+    "MOST_RATIOS", "assumptions", "belt_drives", "changed", "problem", "quickest_winding", "spread", "with_cycle",
+    "with_spec",
+]  # fmt: skip
+
+
+# -- Belts and pulleys out of the catalogues: which ratios there are, and which parts make each of them.
+#
+# A pair of pulleys gives a ratio, a belt round it a centre distance. Of each ratio the smallest pulleys are taken
+# that keep enough teeth in mesh, of these the belt that comes nearest to the centre distance.
+
+
+Array = NDArray[np.float64]
+MOST_RATIOS = 60  # that are searched
+_SAME = 1e-6  # two pitches or widths that differ by this share are one
+
+
+class _Layouts(NamedTuple):
+    """Layouts of a belt round two pulleys, as columns."""
+
+    driving: Array  # teeth
+    driven: Array
+    belt: Array
+    centre_distance: Array  # m; NaN where the belt is too short
+
+    @property
+    def ratio(self) -> Array:
+        """Turns of the driving pulley per turn of the driven one; the same teeth reduced are the same float."""
+        return self.driven / self.driving
+
+    def on(self, rows: NDArray[Any]) -> _Layouts:
+        """Some of them."""
+        return _Layouts(*(column[rows] for column in self))
+
+
+def belt_drives(spec: RobotSpec, catalog: Catalog) -> BeltDrives | None:
+    """The belt drives that the catalogues have for a spec; None where it names its belt ratios, or has no belt."""
+    if spec.belt is None or spec.belt.pulleys is None:
+        return None
+    stage = spec.transmission.index(spec.belt)
+    try:
+        return _drives(spec.belt.pulleys, catalog)
+    except _NothingFitsError as error:
+        raise InputError(f"{spec.where(('transmission', stage, 'pulleys'))}: {error}") from None
+
+
+class _NothingFitsError(Exception):
+    """There is no such part, or none that fits."""
+
+
+def _drives(required: Pulleys, catalog: Catalog) -> BeltDrives:
+    """One drive for each ratio, at most as many as are searched."""
+    pulleys = _taking(required, catalog.pulleys, "pulleys")
+    belts = _taking(required, catalog.belts, "belts")
+    layouts = _layouts(required, np.unique(catalog.pulleys["teeth"][pulleys]), np.unique(catalog.belts["teeth"][belts]))
+    best = _best_of_each_ratio(required, layouts)
+    few = best if len(best.belt) <= MOST_RATIOS else _fewer(required, best)
+    drives = (_drive(catalog, pulleys, belts, few, row, required.pitch) for row in range(len(few.belt)))
+    return BeltDrives(tuple(drives), len(best.belt))
+
+
+def _taking(required: Pulleys, table: Table[Any], section: str) -> NDArray[np.int64]:
+    """Rows of the belts of the required kind, or of the pulleys that take them."""
+    fits = np.char.lower(table["profile"]) == required.profile.lower()
+    fits &= np.isclose(table["pitch"], required.pitch, rtol=_SAME, atol=0.0) & ~table.excluded & (table["teeth"] > 0)
+    wide_enough = table["width"] >= required.width * (1.0 - _SAME)
+    not_wider = table["width"] <= required.width * (1.0 + _SAME)
+    rows = np.flatnonzero(fits & wide_enough & (not_wider if section == "belts" else True))
+    if not len(rows):
+        takes = "of" if section == "belts" else "for a belt of"
+        wanted = f"{quoted(required.profile)} {_mm(required.pitch)} {takes} {_mm(required.width)} width"
+        raise _NothingFitsError(
+            f"no {section} {wanted} in the catalogues that the spec names; {_stock(table, section)}"
+        )
+    return rows
+
+
+def _stock(table: Table[Any], section: str) -> str:
+    """Belts or pulleys of a table, in words."""
+    kinds: dict[tuple[str, float], set[float]] = {}
+    known = ~table.excluded & (table["profile"] != "") & ~np.isnan(table["pitch"] + table["width"])
+    for row in np.flatnonzero(known):
+        kind = str(table["profile"][row]), float(table["pitch"][row])
+        kinds.setdefault(kind, set()).add(float(table["width"][row]))
+    if not kinds:
+        return f"they list no {section}: select.catalogs needs some that do, e.g. wcp, or all"
+    sentences = (
+        f"{profile} {_mm(pitch)} of {', '.join(map(_mm, sorted(w)))}" for (profile, pitch), w in sorted(kinds.items())
+    )
+    return f"there are {'; '.join(sentences)} width"
+
+
+def _layouts(required: Pulleys, pulleys: Array, belts: Array) -> _Layouts:
+    """Every layout of a belt round two pulleys of a ratio in the range, at the required centre distance."""
+    driving, driven = (side.ravel() for side in np.meshgrid(pulleys, pulleys, indexing="ij"))
+    ratio = driven / driving
+    pairs = np.flatnonzero((ratio >= required.ratio_min) & (ratio <= required.ratio_max))
+    if not len(pairs):
+        wanted = f"from {required.ratio_min:.4g} to {required.ratio_max:.4g}"
+        raise _NothingFitsError(f"no two pulleys have a ratio {wanted}; {_nearest_ratios(required, ratio)}")
+    driving, driven = (np.repeat(side[pairs], len(belts)) for side in (driving, driven))
+    belt = np.tile(belts, len(pairs))
+    every = _Layouts(driving, driven, belt, centre_distance(driving, driven, required.pitch, belt))
+    fits = np.flatnonzero(_fits(required, every))
+    if not len(fits):
+        raise _NothingFitsError(_no_belt(required, every))
+    return every.on(fits)
+
+
+def _fits(required: Pulleys, layouts: _Layouts) -> NDArray[np.bool_]:
+    """Mask of the layouts of the required centre distance; without one, of those of at least the recommended one."""
+    a, wish = layouts.centre_distance, required.centre_distance
+    least = shortest_recommended(layouts.driving, layouts.driven, required.pitch)
+    fits: NDArray[np.bool_] = a >= least if wish is None else np.abs(a - wish) <= required.adjustable
+    return fits
+
+
+def _nearest_ratios(required: Pulleys, ratio: Array) -> str:
+    """The next ratios below and above a range that has none, in words."""
+    below, above = ratio[ratio < required.ratio_min], ratio[ratio > required.ratio_max]
+    nearest = [*([below.max()] if len(below) else []), *([above.min()] if len(above) else [])]
+    return f"the nearest {'are' if len(nearest) > 1 else 'is'} {' and '.join(f'{one:.4g}' for one in nearest)}"
+
+
+def _no_belt(required: Pulleys, layouts: _Layouts) -> str:
+    """The error of a centre distance that no belt gives, with the nearest."""
+    a, z = layouts.centre_distance, np.unique(layouts.belt)
+    there_are = f"{len(z)} belts of {z[0]:.0f} to {z[-1]:.0f} teeth"
+    if required.centre_distance is None or np.isnan(a).all():
+        return f"no belt is long enough for two pulleys of such a ratio; there are {there_are}"
+    row = int(np.nanargmin(np.abs(a - required.centre_distance)))
+    wanted = f"{_mm(required.centre_distance)} within {_mm(required.adjustable)}"
+    pulleys = f"{layouts.driven[row]:.0f}:{layouts.driving[row]:.0f}"
+    nearest = f"{pulleys} with {layouts.belt[row]:.0f} teeth at {show(a[row], 'mm', 'length', 6)}"
+    return f"no belt gives a centre distance of {wanted}; of {there_are} the nearest is {nearest}"
+
+
+def _best_of_each_ratio(required: Pulleys, layouts: _Layouts) -> _Layouts:
+    """Of each ratio the smallest pulleys with enough teeth in mesh, and the belt nearest to the centre distance.
+
+    Where none keeps enough, the one that lacks the fewest; without a centre distance the shortest belt.
+    """
+    held = teeth_in_mesh(layouts.driving, layouts.driven, required.pitch, layouts.centre_distance)
+    lacking = np.maximum(LEAST_IN_MESH - np.floor(held), 0.0)
+    off = (
+        layouts.belt if required.centre_distance is None else np.abs(layouts.centre_distance - required.centre_distance)
+    )
+    order = np.lexsort((layouts.belt, off, layouts.driving, lacking, layouts.ratio))
+    first = np.unique(layouts.ratio[order], return_index=True)[1]
+    return layouts.on(order[first])
+
+
+def _fewer(required: Pulleys, best: _Layouts) -> _Layouts:
+    """The ratios that are searched, spread over the range; where some keep enough teeth in mesh, of those."""
+    held = teeth_in_mesh(best.driving, best.driven, required.pitch, best.centre_distance)
+    able = best.on(np.flatnonzero(held >= LEAST_IN_MESH)) if (held >= LEAST_IN_MESH).any() else best
+    return able.on(spread(np.log(able.ratio), MOST_RATIOS))
+
+
+def spread(values: Array, most: int) -> NDArray[np.int64]:
+    """Rows of at most so many values that cover their range best: each further one is farthest from those before."""
+    if len(values) <= most:
+        return np.arange(len(values))
+    rows = [int(values.argmin()), int(values.argmax())]
+    away = np.minimum(*(np.abs(values - values[row]) for row in rows))
+    while len(rows) < most:
+        rows.append(int(away.argmax()))
+        away = np.minimum(away, np.abs(values - values[rows[-1]]))
+    return np.sort(np.array(rows))
+
+
+def _drive(
+    catalog: Catalog, pulleys: NDArray[Any], belts: NDArray[Any], layouts: _Layouts, row: int, pitch: float
+) -> BeltDrive:
+    """The parts of one layout: pulleys of the belt's maker where there are some."""
+    driving, driven, teeth, distance = (float(column[row]) for column in layouts)
+    makers = catalog.pulleys["manufacturer"]
+
+    def chosen(belt: int) -> tuple[tuple[int, str], tuple[int, ...]]:
+        maker = catalog.belts["manufacturer"][belt]
+        both = tuple(_pulley(catalog.pulleys, pulleys, z, maker) for z in (driving, driven))
+        foreign = sum(bool(makers[one] != maker) for one in both)
+        return (foreign, str(catalog.belts["part"][belt])), (*both, belt)
+
+    alike = belts[catalog.belts["teeth"][belts] == teeth]
+    _, (first, second, belt) = min(chosen(int(one)) for one in alike)
+    return BeltDrive(
+        driving=catalog.pulleys.record(first),
+        driven=catalog.pulleys.record(second),
+        belt=catalog.belts.record(belt),
+        centre_distance=distance,
+        teeth_in_mesh=float(teeth_in_mesh(driving, driven, pitch, distance)),
+    )
+
+
+def _pulley(table: Table[Any], rows: NDArray[Any], teeth: float, maker: str) -> int:
+    """The pulley with so many teeth: of the belt's maker, the narrowest that takes it, the first part number."""
+    alike: Iterable[int] = rows[table["teeth"][rows] == teeth].tolist()
+    return min(alike, key=lambda r: (table["manufacturer"][r] != maker, table["width"][r], table["part"][r]))
+
+
+def assumptions(problem: Problem) -> tuple[str, ...]:
+    """Assumptions on a belt out of the catalogues, as sentences."""
+    belt = problem.machine.belt
+    if belt is None or belt.pulleys is None or problem.belts is None:
+        return ()
+    sentences = [
+        "the torque that a belt withstands is in no catalogue: "
+        + ("only max_tension is checked" if belt.max_tension else "it is not checked; max_tension gives a limit"),
+        "of each belt ratio the smallest pulleys that keep 6 teeth in mesh; their bores are not compared with the "
+        "shafts, their inertia is what the spec gives for the belt",
+    ]
+    if belt.pulleys.centre_distance is None:
+        sentences.append("no centre distance is given: the shortest belt from 0.2 p (z1 + z2) on is taken")
+    drives, ratios = problem.belts
+    if len(drives) < ratios:
+        sentences.append(
+            f"the pulleys give {ratios} ratios: {len(drives)} that cover the range best are searched, of those with "
+            "6 teeth in mesh where there are such"
+        )
+    return tuple(sentences)
+
+
+def _mm(length: float) -> str:
+    return show(length, "mm", "length")
 
 
 def problem(machine: RobotSpec, catalog: Catalog) -> Problem:

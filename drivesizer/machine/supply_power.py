@@ -1,14 +1,10 @@
-"""Power that the drives of a machine draw from their supply and regenerate over one cycle: columns over time.
-
-Current and voltage of the drive model are straight lines within a segment; each segment is cut into pieces, and of
-every piece the energy is exact (``kernel``). Summed up they are the energies of the drive's own record. Of wheels
-with different loads each counts in the supply's resistance as if all were like it: no less than they lose together.
-"""
+"""Power that a machine's drives draw from their supply and regenerate over a cycle, and where its energy goes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from math import inf, isfinite, isnan, nan
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,18 +12,34 @@ from numpy.typing import NDArray
 from drivesizer.catalog.parts import one_row
 from drivesizer.kernel.evaluate import number_of_pieces, pieces
 from drivesizer.kernel.records import Drive
-from drivesizer.load_cases.trip import distance_of
+from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.machine.set_cycle import SetCycle, driven, turned
-from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead
+from drivesizer.physics.braking import burning, burnt_energy, largest_mean, largest_pulse
+from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
+from drivesizer.physics.drive_train import friction
 from drivesizer.physics.figures import Figures
-from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.power_stage import Feed, of_the_source
-from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
-from drivesizer.physics.waveform import Wave, largest_power
+from drivesizer.physics.load_cycle import integral
+from drivesizer.physics.motor_demand import Demands, mean_gear_loss
+from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
+from drivesizer.physics.stepper import copper_loss, electrical_energy, idle_loss
+from drivesizer.physics.waveform import Wave, largest_power, most_stored
 from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["DrivePower", "drive_power", "power_of", "side_by_side", "stepper_loss", "together"]
+__all__ = [
+    "Burnt", "DrivePower", "EnergyFlow", "OnTheBus", "Regenerated", "drive_power", "energy_flow", "raised_voltage",
+    "regenerated", "regenerated_of", "side_by_side", "together",
+]  # fmt: skip
+
+
+# -- Power that the drives of a machine draw from their supply and regenerate over one cycle: columns over time.
+#
+# Current and voltage of the drive model are straight lines within a segment; each segment is cut into pieces, and of
+# every piece the energy is exact (``kernel``). Summed up they are the energies of the drive's own record. Of wheels
+# with different loads each counts in the supply's resistance as if all were like it: no less than they lose
+# together.
+
 
 Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
@@ -185,3 +197,246 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
     middle, duration = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
     place = [np.clip(np.searchsorted(e, middle) - 1, 0, len(e) - 2) for e in ends]
     return [p.at(duration, some) for p, some in zip(powers, place, strict=True)]
+
+
+# -- Flow of the energy of a cycle: from the supply through winding, motor, gearhead and belt to the load, and back.
+#
+# .. math:: E_{drawn} = E_{load} + E_{belt} + E_{gearhead} + E_{friction} + E_{copper} + E_{rotor}
+#         + E_{controller} + E_{brake} + E_{supply} + E_{returned}
+#
+# Each is the integral of a product of straight lines, exact; those at the motor's shaft are a coefficient of the
+# drive model times a moment of its functions (see ``physics``). Where the makers' k_e and k_t differ, so do the
+# electrical and the mechanical power of the winding: the difference is counted with the motor's friction and iron,
+# as a loss whichever direction the power flows (see ``waveform.balanced``).
+
+
+class EnergyFlow(NamedTuple):
+    """Energies over one cycle, of all drives [J]; NaN is unknown."""
+
+    drawn: float  # out of the source
+    supply: float  # heat of the supply's resistance
+    controller: float  # losses of the power stage, and standby power
+    copper: float
+    friction: float  # of the motor, iron losses included, and what its two constants differ by
+    gearhead: float
+    belt: float
+    load: float  # work on it, below 0 where it gives more than it takes
+    rotor: float  # what turns with the motor holds more of at the end than at the start
+    returned: float  # to the supply, at the input of the controllers
+    stored: float  # what the supply keeps of that
+    brake: float = 0.0  # that keeps it released
+
+    @property
+    def known(self) -> bool:
+        """Whether all of it is."""
+        return all(map(isfinite, self))
+
+    @property
+    def net(self) -> float:
+        """Net energy from the supply over the cycle [J]."""
+        return self.drawn - self.stored
+
+    @property
+    def burnt(self) -> float:
+        """Regenerated energy that is not stored [J]."""
+        return self.returned - self.stored
+
+
+def energy_flow(found: SetCycle) -> EnergyFlow:
+    """The energies of one drive's cycle, times the number of drives."""
+    stepper, power = bool(found.motor["kind"][0] == "stepper"), power_of(found)
+    lost = power.bus_drawn - power.motor_drawn - (power.returned - power.motor_returned)  # 0 where no stage loses any
+    drawn, resisted, returned, controller = (
+        power.mean(x) / found.spec.load.alike for x in (power.drawn, power.resisted, power.returned, lost)
+    )
+    means = _mechanical_power(found, stepper) | {
+        "drawn": drawn,
+        "supply": resisted,
+        "controller": controller - found.released,
+        "brake": found.released,
+        "returned": returned,
+        "stored": returned * found.spec.supply.regeneration,
+        "copper": _stepper_copper(found) if stepper else float(found.figures.copper[0]),
+    }
+    sets = found.spec.load.motors * found.cycle.load_cycle.total
+    known = bool(found.demands.complete.all()) if stepper else found.known
+    unknown = set() if known else set(means) - _OF_THE_LOAD
+    return EnergyFlow(**{name: np.nan if name in unknown else sets * value for name, value in means.items()})
+
+
+_OF_THE_LOAD = {"gearhead", "belt", "load"}
+
+
+def _stepper_copper(found: SetCycle) -> float:
+    """Mean heat of a stepper's windings [W]."""
+    cycle, speed = found.cycle.load_cycle, found.cycle.functions[:, :, SPEED] * found.demands.total_ratio[0]
+    return float((stepper_loss(found.spec, found.motor, speed) * cycle.duration).sum() / cycle.total)
+
+
+def _mechanical_power(found: SetCycle, stepper: bool) -> dict[str, float]:
+    """Mechanical power, means over the cycle [W]."""
+    cycle, moments = found.cycle.load_cycle, found.cycle.moments
+    c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])
+    (coulomb,), _ = ((0.0,), 0.0) if stepper else friction(found.motor)  # a stepper's is in its pull-out torque
+    driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # at the gearhead's output
+    turned = moments[DIRECTION, SPEED] * i  # rad/s, of the motor, absolute
+    work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total
+    return {
+        "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED])
+        + (0.0 if stepper else float(found.figures.unlike[0]) / cycle.total),
+        "gearhead": float(mean_gear_loss(found.cycle, found.gearhead)[0]),
+        "belt": float(driving + braking - work),
+        "load": work,
+        "rotor": float(c[ACCELERATION] * i * moments[ACCELERATION, SPEED]),
+    }
+
+
+# -- Energy to and from the bus of a machine over one of its load cases, all drives together.
+#
+# What one drive regenerates while another draws is not burnt. Symbols: E energy [J], P power [W], U voltage [V].
+
+
+class Burnt(NamedTuple):
+    """Load of a brake resistor in periodic steady state; NaN is unknown."""
+
+    energy: float  # J per cycle
+    peak: float  # W, largest regenerated power while the bus is full
+    mean: float  # W, over the worst window
+    pulse: float  # J, of the largest uninterrupted braking
+
+
+class OnTheBus(Protocol):
+    """Energies to and from a bus that limits are held against: of one course over time, or of courses at any phase."""
+
+    @property
+    def case(self) -> str:
+        """Name of the load case."""
+
+    @property
+    def spec(self) -> RobotSpec:
+        """The machine in it, with its supply."""
+
+    @property
+    def known(self) -> bool:
+        """Whether the energies are."""
+
+    @property
+    def energy(self) -> float:
+        """Regenerated energy per cycle that the supply does not store [J]."""
+
+    @property
+    def stored(self) -> float:
+        """Largest energy that is regenerated and not drawn again [J]."""
+
+    @property
+    def mean_drawn(self) -> float:
+        """Mean power out of the source [W]."""
+
+    def highest_voltage(self, more: float = 0.0) -> float:
+        """Highest voltage of the bus without a brake resistor [V]."""
+
+    def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
+        """Load of a brake resistor beside a bus that stores so much."""
+
+    def longest_above(self, power: float) -> float:
+        """Longest uninterrupted time in which the power out of the source exceeds one [s]."""
+
+
+class Regenerated(NamedTuple):
+    """Energies of a load case, piece by piece; unknown where the drive's demand is."""
+
+    case: str
+    spec: RobotSpec
+    duration: Array  # s
+    drawn: Array  # J, from the bus
+    returned: Array  # J, to the bus, without what the supply stores
+    returned_peak: Array  # W, largest in each piece
+    drawn_peak: Array  # W, largest out of the source in each piece
+    mean_drawn: float  # W out of the source
+
+    @property
+    def known(self) -> bool:
+        """Whether the energies are."""
+        return not isnan(float(self.returned.sum() + self.drawn.sum()))
+
+    @property
+    def energy(self) -> float:
+        """Regenerated energy per cycle that the supply does not store [J]."""
+        return float(self.returned.sum())
+
+    @property
+    def stored(self) -> float:
+        """Largest energy that is regenerated and not drawn again [J]; infinite where more with every cycle."""
+        if not self.known:
+            return nan
+        if self.energy > float(self.drawn.sum()):
+            return inf
+        steps = np.stack([-self.drawn, self.returned], axis=1).reshape(1, -1)
+        return float(most_stored(steps)[0])
+
+    def highest_voltage(self, more: float = 0.0) -> float:
+        """Highest voltage of the bus without a brake resistor [V]; NaN where its capacitance is unknown.
+
+        ``more``: capacitance beside that of the spec [F].
+        """
+        return raised_voltage(self.spec, self.stored, more)
+
+    def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
+        """Load of a brake resistor beside a bus that stores so much."""
+        if not self.known:
+            return Burnt(nan, nan, nan, nan)
+        steady = 0.0 if isnan(continuous) else continuous
+        energy = burnt_energy(self.drawn, self.returned, capacity)
+        course = burning(self.duration, self.returned, self.returned_peak, energy, steady)
+        mean, pulse = largest_mean(*course[:2], window), largest_pulse(*course[:2], steady)
+        return Burnt(float(energy.sum()), course.peak, mean, pulse)
+
+    def longest_above(self, power: float) -> float:
+        """Longest uninterrupted time in which the power out of the source exceeds one [s], by whole pieces."""
+        if not self.known:
+            return nan
+        return largest_pulse(self.duration, np.where(self.drawn_peak > power, self.duration, 0.0))
+
+
+def raised_voltage(spec: RobotSpec, stored: float, more: float = 0.0) -> float:
+    """Voltage to which a bus rises by an energy."""
+    if stored == 0.0:
+        return spec.supply.highest
+    capacitance = (spec.supply.capacitance or nan) + more
+    return float(bus_voltage(spec.supply.highest, stored, capacitance))
+
+
+def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
+    """Energies to and from the bus in each load case of a machine."""
+    found = []
+    for numbers in problem.machine_cases:
+        some = [problem.cases[number] for number in numbers]
+        name, spec = problem.name_of(numbers), some[0].spec
+        if len(some) == 1:
+            timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
+            found.append(regenerated_of(name, spec, drive_power(spec, one, some[0].at_belt, merged=not timed)))
+        else:
+            found.append(_of_several(name, spec, [drive_power(case.spec, one, case.at_belt) for case in some]))
+    return found
+
+
+def _of_several(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
+    """Sum of drives that act at the same time; what one draws of another's return goes no further."""
+    found = regenerated_of(case, spec, together(powers))
+    net: Any = found.drawn - found.returned
+    return found._replace(drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0))
+
+
+def regenerated_of(case: str, spec: RobotSpec, power: DrivePower) -> Regenerated:
+    """Energies to and from the bus of a machine whose power is known."""
+    share = 1.0 - spec.supply.regeneration
+    return Regenerated(
+        case=case,
+        spec=spec,
+        duration=power.duration,
+        drawn=power.bus_drawn * power.duration,
+        returned=share * power.returned * power.duration,
+        returned_peak=share * power.returned_peak,
+        drawn_peak=power.peak,
+        mean_drawn=power.mean(power.drawn),
+    )

@@ -1,16 +1,44 @@
-"""Drives of axes that ride on one another, chosen so that the sum over the machine is the least.
-
-A carried axis' drive enters the others by its mass alone. So of each axis only drives count that no other equals or
-beats in cost and mass, and the axes are gone through from the outermost inward. A bound ends what cannot be the best:
-an axis costs no less than with the least masses on it, as long as more mass never makes its drive cheaper.
-"""
+"""Drives of axes chosen together: so that the sum is least, of few kinds, within the machine's limits."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import heapq
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
-__all__ = ["Choice", "Combination", "Cost", "axis_by_axis", "best_combination"]
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.catalog.tables import Pairs
+from drivesizer.machine.budgets import riding_mass
+from drivesizer.results.check import GRAVEST, Status
+from drivesizer.results.drive_set import DriveParts, DriveSet
+from drivesizer.results.machine import MachineSizing
+from drivesizer.results.problem import Problem
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.columns.offers import chosen
+from drivesizer.search.ranking import controlling_unknown, sifted, single
+from drivesizer.search.search import other_checks
+from drivesizer.search.set_record import drive_parts
+from drivesizer.search.shortlist import Shortlist, problem_with_drive_mass, shortlist
+from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = [
+    "ORDER", "Choice", "Combination", "Cost", "Kind", "Loaded", "OfferedKinds", "Permitted", "axis_by_axis",
+    "best_combination", "cheapest_first", "fewer_kinds", "kind_of", "within", "within_limits",
+]  # fmt: skip
+
+
+# -- Drives of axes that ride on one another, chosen so that the sum over the machine is the least.
+#
+# A carried axis' drive enters the others by its mass alone. So of each axis only drives count that no other equals
+# or beats in cost and mass, and the axes are gone through from the outermost inward. A bound ends what cannot be the
+# best: an axis costs no less than with the least masses on it, as long as more mass never makes its drive cheaper.
+
 
 _ROUNDING = 1e-9
 Cost = tuple[int, float]  # figures that are unknown, and the sum of those that are known: less is better in this order
@@ -134,3 +162,316 @@ def _sequential_choice(search: _Search, pick: Callable[[Sequence[Choice]], Choic
 
 def _lightest(found: Sequence[Choice]) -> Choice:
     return min(found, key=lambda choice: choice.mass)
+
+
+# -- Common drives for several axes, where they cost little more than the best drive of each.
+#
+# A kind is a motor with its gearhead. From the best drives on, the two groups of axes whose common kind adds least
+# to the sum share it, as long as the sum stays within the allowance. What each kind costs is known with the masses
+# that the best drives put on the axes; with those of the common drives all axes are sized again before they are
+# taken.
+
+
+_TRIED = 12  # common kinds that are tried for one kind less
+_OF_A_PAIR = 4  # of them for the same axes
+Kind = tuple[str, str]  # motor and gearhead
+Permitted = Mapping[str, Kind]  # kinds by the axis' name; axes that are not in it are free
+Offered = Mapping[str, Mapping[Kind, Cost]]  # by axis, the best kinds first
+Group = tuple[str, ...]  # axes of a common kind
+
+
+class _Merger(NamedTuple):
+    """Two groups of axes with a kind for both."""
+
+    first: Group
+    second: Group
+    kind: Kind
+    added: Cost
+
+
+def within(cost: Cost, limit: Cost) -> bool:
+    """Whether a cost is no more than a limit, but for rounding."""
+    return cost[0] < limit[0] or (cost[0] == limit[0] and cost[1] <= limit[1] + _ROUNDING * abs(limit[1]))
+
+
+def fewer_kinds(
+    best: Combination,
+    kinds: Mapping[str, Kind],
+    offered: Offered,
+    limit: Cost,
+    tried: Callable[[Permitted], Combination],
+) -> tuple[Combination, dict[str, Kind]]:
+    """A combination of fewer kinds of drives within a limit."""
+    groups = _alike(kinds)
+    common = {axis: kinds[axis] for group in groups if len(group) > 1 for axis in group}
+    first = len(groups)
+    while len(groups) > 1:
+        for merger in _mergers(groups, common, offered, best.cost, limit):
+            shared = common | dict.fromkeys((*merger.first, *merger.second), merger.kind)
+            found = tried(shared)
+            if not found.missing and within(found.cost, limit):
+                break
+        else:
+            break
+        groups = [group for group in groups if group not in (merger.first, merger.second)]
+        groups.append((*merger.first, *merger.second))
+        best, common = found, shared
+    return best, common if len(groups) < first else {}
+
+
+def _alike(kinds: Mapping[str, Kind]) -> list[Group]:
+    """Axes by their kind."""
+    found: dict[Kind, Group] = {}
+    for axis, kind in kinds.items():
+        found[kind] = (*found.get(kind, ()), axis)
+    return list(found.values())
+
+
+def _mergers(groups: list[Group], common: Permitted, offered: Offered, cost: Cost, limit: Cost) -> Iterator[_Merger]:
+    """Pairs of groups with a kind for both, the least added cost first, as far as the sum may stay within the limit."""
+    own = {group: _group_cost(group, common, offered) for group in groups}
+    found: list[_Merger] = []
+    for first, second in combinations(groups, 2):
+        before = _sum(own[first], own[second])
+        both = [
+            _Merger(first, second, kind, _less(after, before))
+            for kind, after in _common_kinds((*first, *second), offered)
+        ]
+        found += sorted(both, key=lambda merger: merger.added)[:_OF_A_PAIR]
+    likely = [merger for merger in found if within(_sum(cost, merger.added), limit)]
+    yield from sorted(likely, key=lambda merger: merger.added)[:_TRIED]
+
+
+def _group_cost(group: Group, common: Permitted, offered: Offered) -> Cost:
+    """Cost of the axes of a group with the kind that they share; of a single axis with its best."""
+    axis = group[0]
+    if axis not in common:
+        return min(offered[axis].values())
+    return _sum(*(offered[one][common[one]] for one in group))
+
+
+def _common_kinds(axes: Group, offered: Offered) -> Iterator[tuple[Kind, Cost]]:
+    """Kinds that all of some axes may have, with their cost."""
+    for kind in offered[axes[0]]:
+        if all(kind in offered[axis] for axis in axes):
+            yield kind, _sum(*(offered[axis][kind] for axis in axes))
+
+
+def _sum(*costs: Cost) -> Cost:
+    return sum(missing for missing, _ in costs), sum(value for _, value in costs)
+
+
+def _less(cost: Cost, other: Cost) -> Cost:
+    return cost[0] - other[0], cost[1] - other[1]
+
+
+# -- Kinds of drives that the axes of a machine may have, and the drives of some kinds with masses on an axis.
+
+
+ORDER: tuple[Status, ...] = ("pass", "open", "unknown", "fail")
+_FIRST = 200  # kinds of an axis that shares none, among which it chooses where other masses are on it
+_FREE = 4  # of them that enter the choice for the whole
+Array = NDArray[np.float64]
+
+
+class Loaded(NamedTuple):
+    """An axis with drives on it, as it is searched."""
+
+    spec: RobotSpec
+    catalog: Catalog
+    objective: str
+    sampling: Sampling | None
+
+
+class _Row(NamedTuple):
+    """A drive of a search."""
+
+    shortlist: Shortlist
+    row: int
+    kind: Kind
+    choice: Choice
+
+
+def kind_of(one: DriveParts) -> Kind:
+    """Part numbers of a drive's motor and gearhead."""
+    return one.motor.part, one.gearhead.part
+
+
+class OfferedKinds:
+    """Searches over few kinds, each made once."""
+
+    def __init__(self, axes: Mapping[str, Masses], loaded: Callable[[str, Masses], Loaded]) -> None:
+        self.loaded = loaded
+        self.made: dict[tuple[str, Masses, frozenset[Kind]], dict[Kind, _Row]] = {}
+        self.first: dict[str, frozenset[Kind]] = {}  # by axis
+        self.axes = axes
+
+    def costs(self, statuses: Mapping[str, Status], slack: float) -> dict[str, dict[Kind, Cost]]:
+        """Cost of the kinds of drives of every axis that pass, the cheapest first."""
+        found = {axis: _costs(self.loaded(axis, on_it), statuses[axis]) for axis, on_it in self.axes.items()}
+        self.first = {axis: frozenset(list(costs)[:_FIRST]) for axis, costs in found.items()}
+        return {axis: _within(costs, slack) for axis, costs in found.items()}
+
+    def choices(self, axis: str, masses: Masses, kind: Kind | None, status: Status) -> list[Choice]:
+        """Drives of a kind on an axis with drives of some masses on it; of the first few kinds where it is free."""
+        found = self._found(axis, masses, self.first[axis] if kind is None else frozenset((kind,)))
+        return [row.choice for row in found.values() if _no_worse(row, status)][:_FREE]
+
+    def record(self, axis: str, masses: Masses, name: str) -> tuple[Problem, DriveSet]:
+        """A drive that ``choices`` gave, in full, and the problem it is of."""
+        known = (rows for (one, on_it, _), rows in self.made.items() if (one, on_it) == (axis, masses))
+        found = next(row for rows in known for row in rows.values() if row.choice.name == name)
+        short, evaluation = found.shortlist, found.shortlist.found.evaluation
+        beside = other_checks(short.problem, drive_parts(evaluation, found.row))
+        reliability = short.reliability.get(found.row)
+        return short.problem, short.record(found.row, 1, beside=beside, reliability=reliability)
+
+    def _found(self, axis: str, masses: Masses, kinds: frozenset[Kind]) -> dict[Kind, _Row]:
+        """The best drive of each of some kinds, in the order of the search."""
+        key = axis, masses, kinds
+        if key not in self.made:
+            loaded = _restricted(self.loaded(axis, masses), kinds)
+            belts = max(1, len(loaded.spec.belt_ratios))
+            self.made[key] = _searched(loaded, min(len(kinds), _FREE) * belts)
+        return self.made[key]
+
+
+def _costs(loaded: Loaded, status: Status) -> dict[Kind, Cost]:
+    """Cost of all kinds of drives of an axis that pass, budgets of the machine aside; the cheapest first."""
+    problem, _ = problem_with_drive_mass(loaded.spec, loaded.catalog, loaded.objective)
+    kept, _, _ = sifted(problem, {loaded.objective}, None)
+    value, missing = _known(problem.catalog, kept.sets, kept.figures, loaded.objective)
+    drives = _drives_summed(loaded.objective, problem.machine)
+    motors, gearheads = problem.catalog.motors["part"], problem.catalog.gearheads["part"]
+    rows = np.lexsort((value, missing))
+    rows = rows[kept.certainty[rows] <= ORDER.index(status)]
+    found: dict[Kind, Cost] = {}
+    for row in rows.tolist():
+        kind = str(motors[kept.sets.motor[row]]), str(gearheads[kept.sets.gearhead[row]])
+        found.setdefault(kind, (int(missing[row]), float(value[row]) * drives))
+    return found
+
+
+def _within(costs: Mapping[Kind, Cost], slack: float) -> dict[Kind, Cost]:
+    """Those that cost little more than the cheapest."""
+    least = min(costs.values(), default=(0, 0.0))
+    return {kind: cost for kind, cost in costs.items() if within(cost, (least[0], least[1] + slack))}
+
+
+def _searched(loaded: Loaded, top: int) -> dict[Kind, _Row]:
+    """The best drive of each kind."""
+    if not len(loaded.catalog.motor_gearhead.left):
+        return {}
+    found = shortlist(
+        loaded.spec, loaded.catalog, loaded.objective, top, misses=0, sampling=loaded.sampling, brief=True
+    )
+    rows: dict[Kind, _Row] = {}
+    for row in found.best:
+        one = drive_parts(found.found.evaluation, row)
+        if kind_of(one) not in rows:
+            choice = Choice(one.label, _cost(found, row), riding_mass(found.problem, one))
+            rows[kind_of(one)] = _Row(found, row, kind_of(one), choice)
+    return rows
+
+
+def _cost(found: Shortlist, row: int) -> Cost:
+    """The objective of all drives of an axis."""
+    objective = str(found.objective)
+    some = found.found.evaluation.on(np.array([row]))
+    figures = {**some.figures, **chosen(some.encoder, some.controller, some.brake, needs_encoder=not some.spec.steps)}
+    value, missing = _known(some.catalog, some.candidates, figures, objective)
+    return int(missing[0]), float(value[0]) * _drives_summed(objective, found.problem.machine)
+
+
+def _known(
+    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: str
+) -> tuple[Array, NDArray[np.int64]]:
+    """Known part of an objective, and number of parts of which it is unknown."""
+    value, missing = single(catalog, sets, figures, objective)
+    return value, missing + controlling_unknown(catalog, sets, figures, objective)
+
+
+def _drives_summed(objective: str, spec: RobotSpec) -> int:
+    """Drives of an axis over which an objective is summed: the energy of a cycle is that of all already."""
+    return 1 if objective == "energy" else spec.load.motors
+
+
+def _no_worse(row: _Row, status: Status) -> bool:
+    found = row.shortlist.found.evaluation.status(row.row)
+    return ORDER.index(found) <= ORDER.index(status)
+
+
+def _restricted(loaded: Loaded, kinds: Collection[Kind]) -> Loaded:
+    """The same with the motors and gearheads of some kinds alone."""
+    spec, catalog = loaded.spec, loaded.catalog
+    if spec.is_direct:
+        motor = spec.select.motor.model_copy(update={"part": sorted({motor for motor, _ in kinds})})
+        select = spec.select.model_copy(update={"motor": motor})
+        return loaded._replace(spec=spec.changed(lambda one: one.model_copy(update={"select": select})))
+    listed = [(catalog.motors.rows.get(motor, -1), catalog.gearheads.rows.get(gear, -1)) for motor, gear in kinds]
+    every = len(catalog.gearheads)
+    wanted = np.array([motor * every + gear for motor, gear in listed if min(motor, gear) >= 0], np.int64)
+
+    def kept(one: Catalog) -> Catalog:
+        pairs = one.motor_gearhead
+        keep = np.isin(pairs.left.astype(np.int64) * every + pairs.right, wanted)
+        left = Pairs(*(column[keep] for column in pairs))
+        return replace(one, motor_gearhead=left, ends=tuple(kept(end) for end in one.ends))
+
+    return loaded._replace(catalog=kept(catalog))
+
+
+# -- Other drives for the axes where the best of each together break a limit of the machine.
+
+
+_MOST = 60  # combinations that are tried
+
+
+def within_limits(
+    best: MachineSizing,
+    offers: Callable[[], Mapping[str, Sequence[Choice]]],
+    tried: Callable[[Mapping[str, Choice]], MachineSizing | None],
+) -> MachineSizing:
+    """The machine with the drives that keep its own limits at the least cost, of those that are tried."""
+    broken = [check.title for check in best.checks if check.status == "fail"]
+    if not broken or not best.complete:
+        return best
+    count = 0
+    for count, one in enumerate(cheapest_first(offers(), _MOST), 1):
+        result = tried(one)
+        if result is None or not _keeps(result, best):
+            continue
+        note = f"{broken[0]}: the best drives of all axes break it together; of the next best, choice {count} keeps it"
+        return replace(result, certain=False, notes=(*result.notes, note))
+    note = f"{broken[0]}: none of {count} other choices of drives keeps it"
+    return replace(best, certain=False, notes=(*best.notes, note))
+
+
+def _keeps(result: MachineSizing, best: MachineSizing) -> bool:
+    """Whether no limit of the machine is broken, and no axis has become worse."""
+    axes = zip(result.axes, best.axes, strict=True)
+    statuses = [(one.best.status if one.best else "fail", other.best.status) for one, other in axes if other.best]
+    worse = any(GRAVEST.index(now) < GRAVEST.index(before) for now, before in statuses)
+    return not worse and not any(check.status == "fail" for check in result.checks)
+
+
+def cheapest_first(offers: Mapping[str, Sequence[Choice]], most: int) -> Iterator[dict[str, Choice]]:
+    """Choices of one drive for each axis in the order of their cost, the cheapest of all left out."""
+    names = list(offers)
+    start = (0,) * len(names)
+
+    def cost(places: tuple[int, ...]) -> tuple[int, float, int]:
+        costs = [offers[name][place].cost for name, place in zip(names, places, strict=True)]
+        return sum(missing for missing, _ in costs), sum(value for _, value in costs), sum(places)
+
+    waiting, seen = [(cost(start), start)], {start}
+    while waiting and most > 0:
+        _, places = heapq.heappop(waiting)
+        if any(places):
+            most -= 1
+            yield {name: offers[name][place] for name, place in zip(names, places, strict=True)}
+        for n, name in enumerate(names):
+            further = (*places[:n], places[n] + 1, *places[n + 1 :])
+            if further[n] < len(offers[name]) and further not in seen:
+                seen.add(further)
+                heapq.heappush(waiting, (cost(further), further))

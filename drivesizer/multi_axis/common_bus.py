@@ -1,30 +1,171 @@
-"""Axes of a machine on one bus in one of its load cases: their courses over the same time, and the sum.
-
-Axes that start together are one course over the machine's cycle, each at its offset; one that rests at both ends of its
-motion waits where that ends, and any other goes on repeating. Others run at any phase: those of independent machines,
-and those whose periods have no multiple in common.
-"""
+"""Axes on one bus over the same time: their courses, and rests until the cycle is over."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import isnan, nan
 from typing import NamedTuple
 
-from drivesizer.errors import FieldError
-from drivesizer.machine.regenerated import OnTheBus, regenerated_of
-from drivesizer.machine.supply_power import DrivePower, drive_power, together
-from drivesizer.multi_axis.exchange import MOST_PIECES, common_period, exchanged, fitted, from_start, summed_up
-from drivesizer.multi_axis.machine_cycle import Moving, cycle_of
-from drivesizer.multi_axis.phases import AtAnyPhase, bus_power, share_above, worst_start
-from drivesizer.multi_axis.waiting import starts_and_ends_at_rest, unknown_at_rest, waiting
+import numpy as np
+
+from drivesizer.errors import FieldError, InputError, quoted
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.of_machine import load_cases
+from drivesizer.load_cases.platform import motion_of
+from drivesizer.load_cases.profile import rest_left, static_torque, with_rest
+from drivesizer.machine.problem import quickest_winding, with_cycle
+from drivesizer.machine.supply_power import DrivePower, OnTheBus, drive_power, regenerated_of, together
+from drivesizer.multi_axis.phases import (
+    MOST_PIECES,
+    AtAnyPhase,
+    bus_power,
+    common_period,
+    exchanged,
+    fitted,
+    from_start,
+    share_above,
+    summed_up,
+    worst_start,
+)
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
 from drivesizer.physics.power_stage import Feed
 from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.machine_power import Exceeded
+from drivesizer.results.machine import Exceeded
 from drivesizer.results.problem import LoadCase, Problem
-from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.machine import AxisSpec, MachineSpec
+from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
+from drivesizer.units import show
 
-__all__ = ["AxisPower", "CommonBus", "common_bus"]
+__all__ = ["AxisPower", "CommonBus", "common_bus", "moving_alone", "unknown_at_rest", "waiting_times"]
+
+
+# -- The cycle of a machine whose axes start together, and the axes that wait at rest until it is over.
+
+
+_NO_TIME = 1e-9  # of the cycle
+_STILL = 1e-9  # of the largest speed
+Motions = dict[str, tuple[float, bool]]  # by load case: period [s], and whether it is at rest at both ends of it
+Cycles = Mapping[str, Mapping[str, float | None]]  # s, by axis and load case: until when it waits, if it does
+# by axis and load case, s: until when it waits; None where it does not
+
+
+class Moving(NamedTuple):
+    """The motion of an axis in a load case."""
+
+    name: str
+    start: float  # s, in the machine's cycle
+    period: float  # s
+    waits: bool  # for the others, when it is done
+
+
+def cycle_of(axes: Sequence[Moving], cycle_time: float | None) -> float:
+    """Length of the machine's cycle: as given, or until the last axis that waits for the others is done."""
+    ones = [one for one in axes if one.waits]
+    if not ones:
+        return max(one.period for one in axes)
+    if cycle_time is None:
+        return max(one.start + one.period for one in ones)
+    late = next((one for one in ones if one.period > cycle_time * (1.0 + _NO_TIME)), None)
+    if late is not None:
+        taken, given = (show(value, "s", "time") for value in (late.period, cycle_time))
+        raise FieldError(("cycle_time",), f"axis {quoted(late.name)} moves for {taken}; expected no less, not {given}")
+    return cycle_time
+
+
+def waiting_times(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> Cycles:
+    """Until when each axis waits at rest: for the others, or for the machine's ``cycle_time``."""
+    if not machine.synchronised or not machine.is_several:
+        return {}
+    found = {axis.name: _motions(spec_of(axis.name)) for axis in machine.axes if not axis.own_supply}
+    more = list(dict.fromkeys(name for own in found.values() for name in own if name))
+    cycles = {case: _cycle_in_case(machine, found, case) for case in more or [""]} if found else {}
+    return {axis: dict(_axis_waiting(machine.axis(axis), own, cycles)) for axis, own in found.items()}
+
+
+def _cycle_in_case(machine: MachineSpec, found: Mapping[str, Motions], case: str) -> float:
+    """The machine's cycle in a load case [s]; an axis without that case has its first."""
+    moving = []
+    for name, own in found.items():
+        period, at_rest = own.get(case) or own.get(AS_SPECIFIED) or next(iter(own.values()))
+        moving.append(_moving(machine.axis(name), period, at_rest))
+        if moving[-1].waits and not at_rest:
+            where = machine.where(("axes", name, "repeats"))
+            raise InputError(f"{where}: its motion is not at rest at both ends; expected true, or a motion that is")
+    try:
+        return cycle_of(moving, machine.cycle_time)
+    except FieldError as error:
+        raise InputError(f"{machine.where(error.field)}: {error}") from None
+
+
+def _moving(axis: AxisSpec, period: float, at_rest: bool) -> Moving:
+    return Moving(axis.name, axis.start, period, at_rest if axis.repeats is None else not axis.repeats)
+
+
+def _axis_waiting(axis: AxisSpec, own: Motions, cycles: Mapping[str, float]) -> Iterator[tuple[str, float | None]]:
+    """Until when an axis waits in each of its load cases."""
+    for case, found in own.items():
+        cycle, moving = cycles[case or next(iter(cycles))], _moving(axis, *found)
+        yield case, cycle if moving.waits and rest_left(moving.period, cycle) else None
+
+
+def _motions(spec: RobotSpec) -> Motions:
+    """The motion of an axis in its load cases."""
+    names = [name for name, _ in spec.load_cases]
+    found: Motions = {}
+    for number, _, case in load_cases(spec):
+        motion = motion_of(case)
+        still = max(abs(motion.speed[0]), abs(motion.speed[-1])) <= _STILL * motion.top_speed
+        _, before = found.get(names[number], (0.0, True))
+        found[names[number]] = motion.duration, still and before
+    return found
+
+
+# -- An axis that waits at rest, its motion done, until the machine's cycle is over, as its power on the bus.
+#
+# Axes are sized with that rest; on the bus it is what the cycle of all leaves, which over tolerances is another one.
+
+
+def moving_alone(problem: Problem) -> Problem:
+    """An axis without the rest in which it waits."""
+    if all(case.spec.waits_until is None for case in problem.cases):
+        return problem
+    quickest = quickest_winding(problem.catalog)
+    cases = tuple(with_cycle(case, case.spec.waiting({}), quickest) for case in problem.cases)
+    return replace(problem, machine=problem.machine.waiting({}), cases=cases)
+
+
+def starts_and_ends_at_rest(cases: Sequence[LoadCase]) -> bool:
+    """Whether a motion begins and ends at rest."""
+    return all(
+        max(abs(float(case.cycle.speed[0, 0])), abs(float(case.cycle.speed[-1, 1])))
+        <= _STILL * float(np.abs(case.cycle.speed).max())
+        for case in cases
+    )
+
+
+def waiting(case: LoadCase, until: float) -> CycleAtBelt:
+    """The load cycle of an axis with a rest at its end."""
+    if not rest_left(case.cycle.total, until):
+        return case.at_belt
+    cycle = load_cycle(case.spec.waiting(dict.fromkeys([name for name, _ in case.spec.load_cases], until)))
+    held = static_torque(cycle)
+    cycle = with_rest(cycle, until, 0.0 if isnan(held) else held)
+    return at_gearhead(cycle, case.spec.belt_efficiency, case.at_belt.quickest)
+
+
+def unknown_at_rest(cases: Sequence[LoadCase]) -> str:
+    """Reason for which the power at rest is unknown; empty where it is not."""
+    lacking = any(isnan(static_torque(case.cycle)) for case in cases)
+    return "what holds it at rest is unknown: end its motion with a rest" if lacking else ""
+
+
+# -- Axes of a machine on one bus in one of its load cases: their courses over the same time, and the sum.
+#
+# Axes that start together are one course over the machine's cycle, each at its offset; one that rests at both ends
+# of its motion waits where that ends, and any other goes on repeating. Others run at any phase: those of independent
+# machines, and those whose periods have no multiple in common.
+
 
 _SHOWN = 20  # of the longest period, where there is no common one
 _MOST_SHOWN = 1_000_000  # pieces

@@ -1,36 +1,119 @@
-"""Several axes on one supply: what they draw, what becomes of regenerated energy, and the limits of the supply.
-
-At random phases limits are held against what no phase exceeds. Brake resistor, power supply and battery are judged as
-those of one drive are, by the sum.
-"""
+"""Several axes on one supply: what they draw, what becomes of regenerated energy, and the limits of the supply."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import fsum, isnan, nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.machine.braking import bus_budget
+from drivesizer.files.yaml_source import Path_
+from drivesizer.machine.braking import bus_budget, with_parts_of_supply
 from drivesizer.machine.energy_budget import budget_of_consumers, consumers_of
 from drivesizer.machine.supply_power import DrivePower, side_by_side
-from drivesizer.machine.supply_unit import with_parts_of_supply
-from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus
-from drivesizer.multi_axis.waiting import unknown_at_rest
+from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus, unknown_at_rest
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
-from drivesizer.results.braking import BrakingBudget
 from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_most
-from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.energy import Consumption, EnergyBudget
-from drivesizer.results.losses import loss_assumptions
-from drivesizer.results.machine_power import MachinePower
+from drivesizer.results.drive_set import BrakingBudget, Consumption, DriveParts, EnergyBudget, loss_assumptions
+from drivesizer.results.machine import MachinePower
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
+from drivesizer.spec.tolerances import Toleranced, split_tolerances
 from drivesizer.units import show
 
-__all__ = ["AxisPower", "common_supply"]
+__all__ = ["OF_THE_SUPPLY", "AxisPower", "common_supply", "place_of", "shared_sections", "toleranced", "without_effect"]
+
+
+# -- Sections of a machine that its own checks take: supply, battery and the like, margins, surroundings and mission.
+#
+# Of margins, surroundings and mission a field at the top of the file counts; one that only axes have is that of the
+# axis where it is strictest. What load cases change of surroundings and supply counts in these.
+
+
+_STATED = ("margins", "environment", "mission")  # of each field the largest is the strictest: hot, high, long
+_CHANGED: dict[str, dict[str, Callable[..., float]]] = {  # by load cases: which of several values is the strictest
+    "environment": {"ambient": max, "altitude": max},
+    "supply": {
+        "nominal": min, "min": min, "max": max, "resistance": max, "current": min, "power": min, "peak_current": min,
+        "peak_time": min, "regeneration": min, "capacitance": min,
+    },
+}  # fmt: skip
+
+
+def shared_sections(machine: MachineSpec, axes: Sequence[RobotSpec]) -> RobotSpec:
+    """Sections that all axes share, as a spec with the load cases of the axes."""
+    shared = axes[0].alone(
+        supply=machine.supply,
+        battery=machine.battery,
+        equipment=list(machine.equipment),
+        brake_resistor=machine.brake_resistor,
+        budget=None,
+        **{name: _stated(getattr(machine, name), [getattr(axis, name) for axis in axes]) for name in _STATED},
+    )
+    names = dict.fromkeys(name for axis in axes for name, _ in axis.load_cases[1:])
+    return shared.with_cases((name, _sections_in_case(shared, name, axes)) for name in names)
+
+
+def _stated(own: Any, of_axes: Sequence[Any]) -> Any:
+    """A section with the fields of the machine, and of those that it does not have the strictest of the axes."""
+    given = [section for section in of_axes if section is not None]
+    if own is None and not given:
+        return None
+    whole = given[0] if own is None else own
+    names = {name for section in given for name in section.model_fields_set}
+    lacking = names - (own.model_fields_set if own is not None else set())
+    found = {name: [getattr(one, name) for one in given if name in one.model_fields_set] for name in sorted(lacking)}
+    return whole.model_copy(update={name: max(values) for name, values in found.items()})
+
+
+def _sections_in_case(shared: RobotSpec, name: str, axes: Sequence[RobotSpec]) -> RobotSpec:
+    """The shared sections in a load case, with what that changes of those of any axis."""
+    pairs = [(axis, case) for axis in axes for own, case in axis.load_cases[1:] if own == name]
+    sections = {}
+    for section, strictest in _CHANGED.items():
+        both = [(getattr(axis, section), getattr(case, section)) for axis, case in pairs]
+        moved = {field: [getattr(b, field) for a, b in both if getattr(a, field) != getattr(b, field)]
+                 for field in strictest}  # fmt: skip
+        update = {field: strictest[field](values) for field, values in moved.items() if values}
+        sections[section] = getattr(shared, section).model_copy(update=update)
+    return shared.alone(**sections)
+
+
+# -- Figures of a machine's file that have a tolerance: which axis takes which, and which nothing takes.
+
+
+OF_THE_SUPPLY = ("supply", "battery", "equipment", "brake_resistor", "environment")  # sections that its checks take
+
+
+def toleranced(machine: MachineSpec) -> dict[Path_, Toleranced]:
+    """Figures with a tolerance by their places in the file."""
+    return {one.path: one for one in split_tolerances(machine.source)[1]}
+
+
+def place_of(figures: Mapping[Path_, Toleranced], axis: str, path: Path_) -> Path_:
+    """Place of an axis' figure in the file."""
+    own = ("axes", axis, *path)
+    return own if own in figures else path
+
+
+def without_effect(machine: MachineSpec) -> tuple[str, ...]:
+    """Figures with a tolerance that neither an axis nor the supply takes."""
+    figures = toleranced(machine)
+    used = {place_of(figures, axis.name, one.path) for axis in machine.axes for one in axis.spec.toleranced}
+    used |= {("axes", axis.name, "start") for axis in machine.axes}
+    lost = (path for path in figures if path not in used and path[0] not in OF_THE_SUPPLY)
+    return tuple("".join(f"[{n + 1}]" if isinstance(n, int) else f".{n}" for n in path).lstrip(".") for path in lost)
+
+
+# -- Several axes on one supply: what they draw, what becomes of regenerated energy, and the limits of the supply.
+#
+# At random phases limits are held against what no phase exceeds. Brake resistor, power supply and battery are judged
+# as those of one drive are, by the sum.
+
 
 Array = NDArray[np.float64]
 _ROUNDING = 1e-9  # of a cycle

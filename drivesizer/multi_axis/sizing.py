@@ -12,26 +12,36 @@ from drivesizer.multi_axis.axis_sizings import (
     Options,
     PartsOf,
     SamplingOf,
+    TorquesOf,
     as_chosen,
+    budget_checks,
     carried_mass,
     choices_of,
+    machine_power,
+    over_tolerances,
+    with_choppers,
 )
-from drivesizer.multi_axis.combinations import Choice, Combination, axis_by_axis, best_combination
-from drivesizer.multi_axis.few_kinds import Permitted, fewer_kinds
-from drivesizer.multi_axis.file_tolerances import toleranced, without_effect
-from drivesizer.multi_axis.joint_axes import TorquesOf
-from drivesizer.multi_axis.machine_cycle import waiting_times
-from drivesizer.multi_axis.machine_power import budget_checks, machine_power, over_tolerances, with_choppers
-from drivesizer.multi_axis.offered_kinds import ORDER, OfferedKinds, kind_of
-from drivesizer.multi_axis.within_limits import within_limits
+from drivesizer.multi_axis.combinations import (
+    ORDER,
+    Choice,
+    Combination,
+    OfferedKinds,
+    Permitted,
+    axis_by_axis,
+    best_combination,
+    fewer_kinds,
+    kind_of,
+    within_limits,
+)
+from drivesizer.multi_axis.common_bus import waiting_times
+from drivesizer.multi_axis.common_supply import toleranced, without_effect
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
-from drivesizer.search.order.ranking import Ranking, title_of
-from drivesizer.search.order.sifting import Progress
+from drivesizer.search.ranking import Progress, Ranking, title_of
 from drivesizer.search.uncertainty.options import sampling_of
 from drivesizer.sizing import load_parts
+from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import OBJECTIVES
-from drivesizer.spec.several_axes.machine import MachineSpec
 from drivesizer.units import show
 
 __all__ = ["laden", "size_machine"]

@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from math import isnan, nan
 from typing import Any, NamedTuple
 
-from drivesizer.control.cascade import Cascade
-from drivesizer.control.loop_records import Loop
-from drivesizer.control.validation import Gains, LinearRun, Stepping, Validation
-from drivesizer.output.text import margin
+from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Stepping, Validation
+from drivesizer.output.derivation import margin
 from drivesizer.results.check import Status, sentence_case
 from drivesizer.results.sizing import Figure
 from drivesizer.units import label, show

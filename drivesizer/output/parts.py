@@ -1,24 +1,263 @@
-"""The parts of a drive in its machine, as the report shows them and as a list for ordering."""
+"""Parts lists of a drive in its machine and of several axes: lines as they are ordered, totals of mass and price."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from math import isnan, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from drivesizer.catalog import Catalog
+from drivesizer.catalog import Belt, BrakeResistor, Catalog, Note, Pulley, Source, columns_of
+from drivesizer.catalog.query import Hit, origins
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.output.part_line import PartLine, line_of, resistor_line
 from drivesizer.results import ratings
-from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.mass import MassRow
+from drivesizer.results.drive_set import DriveSet, MassRow, section_of
 from drivesizer.results.problem import Problem
+from drivesizer.spec.drive import GearStage
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.transmission import GearStage
 from drivesizer.units import show
 
-__all__ = ["OWN_SUPPLY", "machine_parts", "parts_list"]
+if TYPE_CHECKING:
+    from drivesizer.results.machine import AxisSizing, MachineSizing
+
+__all__ = [
+    "HEADS", "LEAST", "NO_NUMBER", "OWN_SUPPLY", "PartLine", "SharedLine", "Total", "machine_parts",
+    "machine_parts_of_axes", "mass_text", "money_text", "ordered_as", "parts_by_axis", "parts_list", "total_text",
+    "total_texts", "totals", "totals_of_axes", "unknown_of",
+]  # fmt: skip
+
+
+# -- Sums over the parts of a drive, for several kinds of report.
+
+
+def unknown_of(drive_set: DriveSet, known: tuple[str, ...]) -> tuple[str, ...]:
+    """The parts of a drive that a sum does not cover."""
+    return tuple(name for name in drive_set.parts if name not in known)
+
+
+# -- Parts of a drive in a few words, for a parts list.
+
+
+def _figures_of(*names: str) -> Callable[[Any], str]:
+    def said(part: Any) -> str:
+        columns = columns_of(section_of(part))
+        return ", ".join(show(getattr(part, name), columns[name].unit, columns[name].kind) for name in names)
+
+    return said
+
+
+def _toothed(part: Belt | Pulley) -> str:
+    return f"{part.profile} {show(part.pitch, 'mm', 'length')}, {part.teeth:.0f} teeth"
+
+
+def _pulley(part: Pulley) -> str:
+    return _toothed(part) + (f", bore {part.bore}" if part.bore else "")
+
+
+_MOTOR = _figures_of("assigned_power", "nominal_voltage")
+_STEPPER = _figures_of("holding_torque", "nominal_current")
+SAID: dict[str, Callable[[Any], str]] = {
+    "motor": lambda part: (_STEPPER if part.kind == "stepper" else _MOTOR)(part),
+    "gearhead": lambda part: f"{part.reduction}, exactly {part.ratio:.5g}".removeprefix(", "),
+    "driving pulley": _pulley,
+    "belt": lambda part: f"{_toothed(part)}, {show(part.width, 'mm', 'length')} wide",
+    "driven pulley": _pulley,
+    "screw": lambda part: f"{part.kind} screw",
+    "brake": _figures_of("static_torque", "supply"),
+    "encoder": lambda part: part.resolution,
+    "controller": lambda part: part.buses.replace(";", ","),
+    "actuator": _figures_of("nominal_voltage", "nominal_torque"),
+    "power supply": _figures_of("nominal_voltage", "continuous_current"),
+    "brake resistor": _figures_of("resistance", "power"),
+}
+"""What a part is, by its role."""
+
+
+# -- A line of a parts list: one part of a catalogue, as it is ordered, with its mass and price.
+#
+# What no catalogue gives is left open: an order number, a price, a cable.
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PartLine:
+    """One line of a parts list; an empty text or NaN is unknown."""
+
+    role: str  # motor, gearhead, driving pulley ...
+    maker: str = ""
+    family: str = ""
+    part: str = ""  # its name in the catalogue
+    order_number: str = ""  # as its maker sells it; mostly the same
+    said: str = ""  # what it is, in words
+    quantity: int  # of the whole machine
+    mass: float = nan  # kg, of one
+    mass_low: float = nan  # kg, 5th percentile where the mass is estimated; else NaN
+    mass_high: float = nan  # kg, 95th percentile
+    price: float = nan  # of one, in the currency
+    currency: str = ""
+    pieces: int | None = None  # from so many on that price holds
+    price_date: str = ""
+    price_source: str = ""  # the document
+    price_confidence: str = ""
+    document: str = ""  # where the part comes from
+    date: str = ""
+    confidence: str = ""  # of its number
+    url: str = ""
+    note: str = ""  # what the catalogue remarks on number, price, mass or the part as a whole
+
+
+HEADS = {"said": "is", "mass": "mass_kg", "mass_low": "mass_low_kg", "mass_high": "mass_high_kg",
+         "pieces": "price_from_pieces", "confidence": "part_confidence",
+         "document": "part_source", "date": "part_source_date"}  # fmt: skip
+"""Names of a line's figures in CSV and JSON, where they differ."""
+NO_NUMBER = "no order number known"  # so a catalogue marks a part whose name is not the maker's
+_OF_BUYING = {"part", "mass", "price", "price_5", "price_20", "list_price", "foreign_price"}
+_PRICES = (  # field, and from how many pieces
+    ("price_20", 20), ("price_5", 5), ("price", 1), ("list_price", 1), ("foreign_price", 1),
+)  # fmt: skip
+
+
+def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[str, Any]) -> PartLine:
+    """A part as a line."""
+    if part is None:
+        return PartLine(role=role, quantity=quantity, **mass)
+    section = section_of(part)
+    known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
+    notes, source = _remarks(catalog, part), known["part"]
+    return PartLine(
+        role=role, maker=part.manufacturer, family=part.family, part=part.part,
+        order_number=_number(catalog, part),
+        said=SAID[role](part), quantity=quantity, **mass, **price_for(part, quantity, known),
+        document=source.document, date=source.date, confidence=source.confidence, url=source.url,
+        note="; ".join(dict.fromkeys(map(_note_text, notes))),
+    )  # fmt: skip
+
+
+def resistor_line(resistor: BrakeResistor, catalog: Catalog) -> PartLine:
+    """A brake resistor as a line."""
+    if resistor.part:
+        return line_of("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
+    return PartLine(role="brake resistor", said=SAID["brake resistor"](resistor), quantity=1)
+
+
+def price_for(part: Any, quantity: int, known: dict[str, Source]) -> dict[str, Any]:
+    """The price of a part for a quantity."""
+    for name, pieces in _PRICES:
+        if quantity >= pieces and name in known:
+            source, unit = known[name], columns_of(section_of(part))[name].unit
+            unit = (part.currency or "of unknown currency") if name == "foreign_price" else unit
+            return {"price": getattr(part, name), "currency": unit, "pieces": pieces, "price_date": source.date,
+                    "price_source": source.document, "price_confidence": source.confidence}  # fmt: skip
+    return {}
+
+
+def ordered_as(part: str, order_number: str) -> str:
+    """A part for ordering: its order number, or its name and that no order number is known."""
+    return order_number or (f"{part}, {NO_NUMBER}" if part else "")
+
+
+def _number(catalog: Catalog, part: Any) -> str:
+    """The order number of a part; empty where the name in the catalogue is the catalogue's own."""
+    known = not any(NO_NUMBER in note.text for note in _remarks(catalog, part))
+    return (getattr(part, "order_number", "") or str(part.part)) if known else ""
+
+
+def _remarks(catalog: Catalog, part: Any) -> list[Note]:
+    """Notes on the part as a whole, or on figures for ordering."""
+    notes = catalog.notes_on(section_of(part), part.part)
+    return [note for note in notes if not note.fields or _OF_BUYING & set(note.fields)]
+
+
+def _note_text(note: Note) -> str:
+    """A note with the figures that it concerns, as far as they are for ordering."""
+    on = ", ".join(name.replace("_", " ") for name in note.fields if name in _OF_BUYING)
+    return f"{on}: {note.text}" if on else note.text
+
+
+# -- Totals of a parts list, mass and prices, and how they are printed.
+
+
+LEAST = "at least "
+"""Before a total that lacks a part."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Total:
+    """A total of a parts list, as far as known."""
+
+    name: str  # mass, price
+    value: float  # kg, or in the currency
+    unit: str  # kg or the currency
+    over: tuple[str, ...]  # roles that it sums
+    lacks: tuple[str, ...]  # roles that it leaves out, unknown
+    low: float  # with estimated figures at their 5th percentile
+    high: float  # and at their 95th
+    estimated: tuple[str, ...] = ()  # roles whose figure is estimated
+
+
+def totals(lines: Sequence[PartLine]) -> list[Total]:
+    """Mass and price of the whole list; prices by currency, and no line for what no part has."""
+    return named_totals(lines, [line.role for line in lines])
+
+
+def named_totals(lines: Sequence[PartLine], names: Sequence[str]) -> list[Total]:
+    """Mass and price of lines of which several may have a role."""
+    masses = [(x.quantity * x.mass, x.quantity * x.mass_low, x.quantity * x.mass_high) for x in lines]
+    wanted: list[tuple[str, str, list[tuple[float, float, float]]]] = [("mass", "kg", masses)]
+    for currency in dict.fromkeys(line.currency for line in lines if line.currency):
+        prices = [(x.quantity * x.price if x.currency == currency else nan, nan, nan) for x in lines]
+        wanted.append(("price", currency, prices))
+    roles = [(line.role, name) for line, name in zip(lines, names, strict=True)]
+    found = [_total(name, unit, [*zip(roles, values, strict=True)]) for name, unit, values in wanted]
+    return [total for total in found if total.over]
+
+
+def _total(name: str, unit: str, values: Sequence[tuple[tuple[str, str], tuple[float, float, float]]]) -> Total:
+    """Sum of value, low and high end of each line; what has no band counts at its value at both ends."""
+    known = [(role, value) for (role, _), value in values if not isnan(value[0])]
+    low, high = (sum(v[0] if isnan(v[end]) else v[end] for _, v in known) for end in (1, 2))
+    over = _once(role for role, _ in known)
+    return Total(
+        name=name, value=sum(value[0] for _, value in known), unit=unit, over=over,
+        lacks=_once(named if role in over else role for (role, named), value in values if isnan(value[0])),
+        low=low, high=high, estimated=_once(role for role, value in known if not isnan(value[1])),
+    )  # fmt: skip
+
+
+def _once(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(names))
+
+
+def money_text(price: float, currency: str) -> str:
+    """A price as it is printed."""
+    return "unknown" if isnan(price) else f"{price:.2f} {currency}"
+
+
+def mass_text(line: PartLine) -> str:
+    """The mass of all pieces of a line as it is printed, marked where it is estimated."""
+    mass = line.quantity * line.mass
+    return show(mass, "g", "mass") if isnan(line.mass_low) else f"≈ {show(mass, 'g', 'mass', 2)}"
+
+
+def total_text(total: Total, digits: int) -> str:
+    """A total as it is printed: at least, where a part of it is unknown."""
+    least = LEAST if total.lacks else ""
+    if total.name == "price":
+        return f"{least}{total.value:.2f} {total.unit}"
+    return least + show(total.value, "kg", "mass", digits)
+
+
+def total_texts(lines: Sequence[PartLine], text: Callable[[Total], str]) -> str:
+    """Mass and prices of a parts list in a line; of which no part's is known is said."""
+    found = totals(lines)
+    known = {one.name for one in found}
+    texts = [] if "mass" in known else ["mass unknown"]
+    texts += map(text, found)
+    return "; ".join(texts if "price" in known else [*texts, "no price is known"])
+
+
+# -- The parts of a drive in its machine, as the report shows them and as a list for ordering.
+
 
 OWN_SUPPLY = "of its own supply"  # behind the voltage of a brake that is not that of the machine
 
@@ -114,3 +353,81 @@ def _behind_gearhead(found: DriveSet) -> int:
 
 def _ratio(found: DriveSet) -> str:
     return f"{found.belt_ratio:g} : 1, efficiency {100 * found.belt_efficiency:.4g} %"
+
+
+# -- The parts list of a machine of several axes: equal parts of several axes are one line, at their common price.
+
+
+class SharedLine(NamedTuple):
+    """A line of the parts list of a machine of several axes."""
+
+    line: PartLine  # its quantity and its price are those of all axes
+    axes: tuple[str, ...]  # names of those that need the part
+
+
+def machine_parts_of_axes(sizing: MachineSizing) -> list[SharedLine]:
+    """The parts list of a machine of several axes: equal parts of several axes are one line."""
+    found: dict[str, list[tuple[str, PartLine]]] = {}
+    for name, lines in parts_by_axis(sizing).items():
+        for line in lines:  # NaN is not equal to itself, its text is
+            found.setdefault(repr(replace(line, quantity=0)), []).append((name, line))
+    shared = map(_together, found.values())
+    return sorted([*shared, *_common_supply(sizing)], key=lambda one: _place(one.line.role))
+
+
+def _together(equal: Sequence[tuple[str, PartLine]]) -> SharedLine:
+    """Equal lines of several axes as one."""
+    count = sum(line.quantity for _, line in equal)
+    return SharedLine(replace(equal[0][1], quantity=count), tuple(name for name, _ in equal))
+
+
+def _common_supply(sizing: MachineSizing) -> Iterator[SharedLine]:
+    """Power supply and brake resistor of all axes; those of a single one are in its own list."""
+    part = sizing.machine.supply.part
+    on_it = tuple(axis.name for axis in sizing.machine.axes if not axis.own_supply)
+    catalogs = (axis.result.problem.catalog for axis in sizing.axes)
+    listed = next((one for one in catalogs if part in one.power_supplies.rows), None) if len(sizing.axes) > 1 else None
+    if part is not None and listed is not None:
+        unit = listed.power_supplies.record(listed.power_supplies.rows[part])
+        yield SharedLine(line_of("power supply", unit, listed, 1, {"mass": unit.mass}), on_it)
+    resistor = sizing.power.braking.resistor if sizing.power and sizing.power.braking else None
+    if resistor is not None:
+        every = [axis.result.problem.catalog for axis in sizing.axes]
+        catalog = next((one for one in every if resistor.part in one.brake_resistors.rows), every[0])
+        yield SharedLine(resistor_line(resistor, catalog), on_it)
+
+
+def _place(role: str) -> int:
+    """Place of a role in the list; a gear of fixed ratio, which is named by its kind, stands with the gearheads."""
+    return list(SAID).index(role if role in SAID else "gearhead")
+
+
+def parts_by_axis(sizing: MachineSizing) -> dict[str, list[PartLine]]:
+    """The parts lists of all axes of a machine, at the prices of the quantity of all of them."""
+    found = {one.name: machine_parts(one.best, one.result.problem) if one.best else [] for one in sizing.axes}
+    count = Counter[tuple[str, str, str]]()
+    for line in (line for lines in found.values() for line in lines):
+        count[line.role, line.maker, line.part] += line.quantity
+    return {
+        one.name: [_quantity_price(line, one, count[line.role, line.maker, line.part]) for line in found[one.name]]
+        for one in sizing.axes
+    }
+
+
+def _quantity_price(line: PartLine, axis: AxisSizing, pieces: int) -> PartLine:
+    """A line with the price for so many pieces."""
+    if not line.part or axis.best is None or pieces == line.quantity:
+        return line
+    catalog = axis.result.problem.catalog
+    section = _SUPPLY_SECTIONS.get(line.role) or section_of(axis.best.parts[line.role])
+    row = catalog.table(section).rows[line.part]
+    known = origins(Hit("", catalog, section, row))
+    return replace(line, **price_for(catalog.table(section).record(row), pieces, known))
+
+
+_SUPPLY_SECTIONS = {"power supply": "power_supplies", "brake resistor": "brake_resistors"}
+
+
+def totals_of_axes(lines: Sequence[SharedLine]) -> list[Total]:
+    """Mass and price of a machine of several axes."""
+    return named_totals([one.line for one in lines], [f"{one.line.role} of {', '.join(one.axes)}" for one in lines])

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from drivesizer.output.probability import likely
-from drivesizer.results.check import sentence_case
-from drivesizer.results.machine import MachineSizing
-from drivesizer.results.machine_power import MachinePower
-from drivesizer.results.reliability import Reliability
-from drivesizer.spec.several_axes.machine import MachineSpec
+from drivesizer.output.words import likely
+from drivesizer.results.check import Reliability, sentence_case
+from drivesizer.results.machine import MachinePower, MachineSizing
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.units import show
 
 __all__ = ["Branch", "choice_text", "mass_tree", "sampled_text", "supply_texts"]

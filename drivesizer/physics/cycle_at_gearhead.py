@@ -18,22 +18,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.cycle_figures import (
+from drivesizer.physics.extremes import Extremes, extremes, extremes_of, first_largest
+from drivesizer.physics.figures import product
+from drivesizer.physics.gear_life import turned_load
+from drivesizer.physics.groups import layout as at
+from drivesizer.physics.groups.census import Census, census
+from drivesizer.physics.load_cycle import (
+    Figure,
     Scalars,
     belt_factors,
     directed_torque,
+    end_times,
     moments,
     piece_counts,
     scalars,
     scalars_by_census,
     six_functions,
 )
-from drivesizer.physics.elements.gear_life import turned_load
-from drivesizer.physics.extremes import Extremes, extremes, extremes_of, first_largest
-from drivesizer.physics.figures import product
-from drivesizer.physics.groups import layout as at
-from drivesizer.physics.groups.census import Census, census
-from drivesizer.physics.load_cycle import Figure, end_times
 from drivesizer.physics.waveform import Wave, energy
 
 __all__ = [

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.battery import current_of_power
-from drivesizer.physics.elements.quadrature import SIX
 from drivesizer.physics.figures import Figures
+from drivesizer.physics.gear_life import SIX
 
 __all__ = [
     "ASSUMED_BAND",

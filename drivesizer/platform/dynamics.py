@@ -1,42 +1,170 @@
-r"""Torques of a platform's wheels, and the motion that they make.
-
-In the robot's frame, (49): :math:`\bar M \dot η + \bar C η = E^T τ + F`, with
-
-- :math:`\bar M = M_R + E^T M_ϕ E` (50): platform and wheels, rotors among them; the centre of mass may lie off the
-  reference point, which couples turning and moving;
-- :math:`\bar C` (51), skew-symmetric: it does no work;
-- F: weight on a slope, and what resists at the wheels and casters.
-
-Where the set of wheels does not allow every motion, η = S ν and the equation is taken along S: what the wheels hold
-does no work. n driven wheels and m motions leave n − m torques open; of all that make the motion, those with the least
-sum of squares are given (or of squares over weights), :math:`τ = D (\bar M \dot η + \bar C η - F)`, by the
-Moore-Penrose inverse :math:`D = (S^T E^T)^+ S^T`. In the wheels' own space this is (57)-(59).
-
-Rolling resistance is against each wheel's turning and nothing at rest, C_rr N r; N is what the wheel carries at rest.
-Its direction at a start is that of ``towards``; what turns no faster than a billionth of the platform's speed stands.
-No efficiency is in here: that is the drive's.
-"""
+"""Forces of the floor on a platform, torques of its wheels, and a trajectory as the robot itself sees it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.platform import equations_dynamics as eq
-from drivesizer.platform.contact_loads import LEVEL, Ground, contact_loads, weight_along
+from drivesizer.platform import equations as eq
 from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, kinematics, map_columns, row_sizes
 from drivesizer.platform.matrix_equation import Array
+from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import Platform
 
 __all__ = [
-    "Dynamics", "acceleration", "dynamics", "energy", "own_rolling", "required_force", "resistance", "signs",
-    "wheel_space", "wheel_torques",
+    "LEVEL", "Dynamics", "Ground", "Motion", "acceleration", "allowed", "blocks", "centre_acceleration",
+    "contact_loads", "dynamics", "energy", "largest", "motion", "own_rolling", "required_force", "resistance", "seen",
+    "signs", "weight_along", "wheel_space", "wheel_torques",
 ]  # fmt: skip
+
+
+# -- Forces of the floor on a platform: its slope pulls, and its wheels share the weight.
+#
+# The floor is a plane with a slope; uphill has a direction in the world. Wheels and casters are taken as equally
+# stiff on a stiff frame: loads lie on a plane over the contact points, :math:`N_i = a + b x_i + c y_i`, in balance
+# with the weight, the forces at the floor and the height of the centre of mass.
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ground:
+    """The floor: figures, or columns over samples."""
+
+    slope: Any = 0.0  # rad
+    uphill: Any = 0.0  # rad, direction in the world
+    gravity: float = 9.80665  # m/s^2
+
+    def __post_init__(self) -> None:
+        for name in ("slope", "uphill", "gravity"):
+            if not np.isfinite(getattr(self, name)).all():
+                raise InputError(f"ground: {name} must be a finite number")
+        if not (np.abs(self.slope) < np.pi / 2.0).all():
+            raise InputError("ground: slope must lie between -90 deg and 90 deg")
+
+
+LEVEL = Ground()
+
+
+def _downhill(theta: Any, ground: Ground) -> tuple[Array, Array]:
+    """Gravity along the floor, forwards and to the left [m/s^2]."""
+    pull = ground.gravity * np.sin(ground.slope)
+    towards = np.asarray(ground.uphill, dtype=float) - np.asarray(theta, dtype=float)
+    return -pull * np.cos(towards), -pull * np.sin(towards)
+
+
+def weight_along(platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL) -> Array:
+    """Force and moment of the weight along the floor [N, N, N*m], in the robot's axes.
+
+    Parameters
+    ----------
+    platform
+        Its mass and where it is.
+    theta
+        Heading in the world [rad]; one, or one per sample.
+    ground
+        The floor.
+
+    Returns
+    -------
+    Array
+        Shape (3, ...); (3,) where it is the same for all samples.
+    """
+    x, y = (platform.mass * g for g in _downhill(theta, ground))
+    return np.array(np.broadcast_arrays(x, y, platform.x * y - platform.y * x))
+
+
+def centre_acceleration(platform: Platform, eta: Array, eta_dot: Array) -> Array:
+    """Acceleration of the centre of mass, in the robot's axes [m/s^2]; shape (2, ...).
+
+    Parameters
+    ----------
+    platform
+        Where its centre of mass is.
+    eta, eta_dot
+        Velocity and acceleration of the reference point as the robot sees them, shape (3, ...) [m/s, m/s, rad/s and
+        per second]; the axes turn, so the velocity counts.
+
+    Returns
+    -------
+    array
+        Along and across the robot [m/s^2], shape (2, ...).
+    """
+    (forward, aside, turn), (gain_x, gain_y, spin) = eta, eta_dot
+    x, y = platform.x, platform.y
+    return np.stack([
+        gain_x - turn * aside - spin * y - turn**2 * x,
+        gain_y + turn * forward + spin * x - turn**2 * y,
+    ])  # fmt: skip
+
+
+def contact_loads(
+    platform: Platform,
+    theta: Any = 0.0,
+    ground: Ground = LEVEL,
+    accelerated: Any = (0.0, 0.0),
+    samples: tuple[int, ...] = (),
+) -> Array:
+    """Loads of wheels, then casters [N]; below 0 where one would lift off.
+
+    Parameters
+    ----------
+    platform
+        Contact points, mass and centre of mass.
+    theta, ground
+        Heading in the world [rad], and the floor.
+    accelerated
+        Acceleration of the centre of mass in the robot's axes [m/s^2], forwards and to the left; braking loads the
+        front.
+    samples
+        Shape to fill where nothing above has it.
+
+    Returns
+    -------
+    Array
+        Shape (wheels and casters, ...). Contact points on one line cannot carry a moment about it; it is left out.
+
+    Examples
+    --------
+    >>> from drivesizer.platform.wheels import Wheel
+    >>> cart = Platform(wheels=tuple(Wheel(x=x, y=0.0, radius=0.1) for x in (-0.2, 0.3)), mass=50.0, inertia=1.0)
+    >>> contact_loads(cart, ground=Ground(gravity=10.0))  # levers 0.3 and 0.2 of 0.5
+    array([300., 200.])
+    """
+    places = np.array(platform.contacts)
+    middle = places.mean(axis=0)
+    apart = places - middle
+    normal = platform.mass * ground.gravity * np.cos(ground.slope)
+    floor = [platform.mass * (np.asarray(a) - g) for a, g in zip(accelerated, _downhill(theta, ground), strict=True)]
+    lever = [c - m for c, m in zip((platform.x, platform.y), middle, strict=True)]
+    tilt = [normal * c - platform.height * f for c, f in zip(lever, floor, strict=True)]
+    lean = np.array(np.broadcast_arrays(*tilt, np.zeros(samples)))[:2]
+    share = apart @ np.linalg.pinv(apart.T @ apart, rcond=1e-12, hermitian=True)
+    return np.asarray(normal / len(places) + np.tensordot(share, lean, axes=1))
+
+
+# -- Torques of a platform's wheels, and the motion that they make.
+#
+# In the robot's frame, (49): :math:`\bar M \dot η + \bar C η = E^T τ + F`, with
+#
+# - :math:`\bar M = M_R + E^T M_ϕ E` (50): platform and wheels, rotors among them; the centre of mass may lie off the
+#   reference point, which couples turning and moving;
+# - :math:`\bar C` (51), skew-symmetric: it does no work;
+# - F: weight on a slope, and what resists at the wheels and casters.
+#
+# Where the set of wheels does not allow every motion, η = S ν and the equation is taken along S: what the wheels
+# hold does no work. n driven wheels and m motions leave n − m torques open; of all that make the motion, those with
+# the least sum of squares are given (or of squares over weights), :math:`τ = D (\bar M \dot η + \bar C η - F)`, by
+# the Moore-Penrose inverse :math:`D = (S^T E^T)^+ S^T`. In the wheels' own space this is (57)-(59).
+#
+# Rolling resistance is against each wheel's turning and nothing at rest, C_rr N r; N is what the wheel carries at
+# rest. Its direction at a start is that of ``towards``; what turns no faster than a billionth of the platform's
+# speed stands. No efficiency is in here: that is the drive's.
+
 
 _ROUNDING = 1e-9  # of the platform's speed: what turns or rolls no faster stands
 
@@ -323,3 +451,196 @@ def wheel_space(d: Dynamics) -> tuple[Array, Array]:
     """
     D, K_plus = d.distribution, d.kinematics.K_plus
     return eq.wheel_space_inertia(D, d.M, K_plus), eq.wheel_space_coriolis(D, d.C, K_plus)
+
+
+# -- A trajectory as the robot itself sees it: what ``dynamics`` makes torques of.
+#
+# Resistances turn round with each wheel and roller, so pieces are cut where one does, and within a piece their
+# direction is that of the motion in it. Where the wheels do not allow every motion, a trajectory that was sampled
+# slides them a little all the same; that little is left out: the platform goes as its driven wheels do on the
+# trajectory.
+
+
+_SHORT = 1e-9  # of a piece: none is cut shorter
+_TOWARDS = 1e-3  # how far a direction of rolling goes from that at an end of a piece to that of its middle
+_BLOCK = 8192  # pieces
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """A trajectory as the robot sees it, cut where wheels and rollers that resist turn round; n pieces, two ends."""
+
+    duration: Array  # (n,) s
+    theta: Array  # (n, 2) rad
+    eta: Array  # (3, n, 2) m/s, m/s, rad/s
+    eta_dot: Array  # (3, n, 2) m/s^2, m/s^2, rad/s^2
+    ground: Ground
+    towards: Array  # (3, n, 2): velocity whose direction the resistances take
+
+    @property
+    def facing(self) -> Any:
+        """The heading where it counts: 0 on a level floor."""
+        return self.theta if np.any(self.ground.slope) else 0.0
+
+
+def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL, sliding: float = 0.02) -> Motion:
+    """Motion of a platform on a trajectory, for ``dynamics`` to make torques of.
+
+    Parameters
+    ----------
+    d
+        The platform.
+    trajectory
+        Its motion in the world.
+    ground
+        The floor; where its slope is a column, at both ends of each piece, shape (n, 2).
+    sliding
+        How far the trajectory may be off what the wheels allow, as a share of its largest speed; the platform goes as
+        its driven wheels do on it.
+
+    Returns
+    -------
+    Motion
+        Velocity and acceleration in the robot's frame, piece by piece.
+
+    Raises
+    ------
+    InputError
+        When the wheels do not allow the motion.
+    """
+    allowed(d.kinematics, trajectory, sliding)
+    return seen(d, trajectory, ground, largest(trajectory))
+
+
+def largest(trajectory: Trajectory) -> Array:
+    """The largest speed in each of the robot's axes [m/s, m/s, rad/s], whatever its heading."""
+    x, y, turn = trajectory.velocity
+    along = np.hypot(x, y).max()
+    return np.array([along, along, np.abs(turn).max()])
+
+
+def allowed(k: Kinematics, trajectory: Trajectory, sliding: float) -> None:
+    """Refuse a trajectory that slides wheels by more than a share of its largest speed.
+
+    Parameters
+    ----------
+    k
+        The wheels.
+    trajectory
+        In the world.
+    sliding
+        Share of the largest speed.
+
+    Raises
+    ------
+    InputError
+        When it does, or the share is none.
+    """
+    if not 0.0 < sliding < 1.0:
+        raise InputError(f"sliding: must lie between 0 and 1, got {sliding!r}")
+    if not len(k.held):
+        return
+    along, _, turning = largest(trajectory)
+    eta, _ = trajectory.in_robot()
+    off = np.abs(map_columns(k.held, eta)).max(axis=0)
+    if not off.max() <= sliding * (along + max(w.L for w in k.wheels) * turning):
+        at = trajectory.time.reshape(-1)[int(off.argmax())]
+        check_allowed(k, eta, f"trajectory at {at:.4g} s")
+        raise InputError(f"trajectory at {at:.4g} s: it slides a wheel by {off.max():.3g} m/s, more than permitted")
+
+
+def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Motion:
+    """A trajectory in the robot's frame, cut; what the wheels do not allow of it is left out.
+
+    Parameters
+    ----------
+    d, trajectory, ground
+        As in ``motion``.
+    top
+        Its largest speeds, or those of the whole that it is a part of, see ``largest``.
+
+    Returns
+    -------
+    Motion
+        Velocity and acceleration in the robot's frame, piece by piece.
+    """
+    k, (eta, eta_dot) = d.kinematics, trajectory.in_robot()
+    if len(k.held):
+        made = k.K_plus @ k.E[list(k.driven)]  # the motion of wheels that turn as in one that slides
+        eta, eta_dot = map_columns(made, eta), map_columns(made, eta_dot)
+    still = _ROUNDING * (top[0] + k.reach * top[2])  # m/s
+    eta = np.where(np.abs(eta) <= still / np.array([1.0, 1.0, k.reach])[:, None, None], 0.0, eta)
+    rows = _resisting(k)
+    turning = map_columns(rows, eta)
+    turning[np.abs(turning) <= (still * row_sizes(rows, k.reach))[:, None, None]] = 0.0
+    owner, start, end = _cuts(turning)
+    if len(owner) == len(trajectory.duration):
+        return Motion(trajectory.duration, trajectory.posture[2], eta, eta_dot, ground, _towards(eta))
+
+    def cut(column: Array) -> Array:
+        left, right = column[..., owner, 0], column[..., owner, 1]
+        ends = [left + (right - left) * start, np.where(end < 1.0, left + (right - left) * end, right)]
+        return np.stack(ends, axis=-1)
+
+    duration = trajectory.duration[owner] * (end - start)
+    eta, eta_dot = cut(eta), cut(eta_dot)
+    return Motion(duration, cut(trajectory.posture[2]), eta, eta_dot, _over(ground, cut), _towards(eta))
+
+
+def _towards(eta: Array) -> Array:
+    """The velocity at each end, turned a little to that of the piece: at rest, it is where the piece goes."""
+    return np.asarray(eta + _TOWARDS * (eta.mean(axis=2, keepdims=True) - eta))
+
+
+def _resisting(k: Kinematics) -> Array:
+    """Rows of what resists over velocity: wheels that roll hard or rub, and their rollers."""
+    wheels = [i for i, w in enumerate(k.wheels) if w.rolling_resistance or w.friction]
+    rollers = [i for i, w in enumerate(k.wheels) if w.roller_resistance]
+    return np.concatenate([k.E[wheels], k.rollers[rollers]])
+
+
+def _cuts(turning: Array) -> tuple[Any, Array, Array]:
+    """Parts of pieces in which no row changes sign: the piece of each, and where in it the part starts and ends [1]."""
+    pieces = turning.shape[1]
+    left, right = turning[..., 0], turning[..., 1]
+    row, owner = np.nonzero(left * right < 0.0)
+    share = left[row, owner] / (left[row, owner] - right[row, owner])
+    inside = (share > _SHORT) & (share < 1.0 - _SHORT)
+    owner, share = owner[inside], share[inside]
+    order = np.lexsort((share, owner))
+    owner, share = owner[order], share[order]
+    first = np.ones(len(owner), dtype=bool)
+    first[1:] = (np.diff(owner) > 0) | (np.diff(share) > _SHORT)
+    owner = np.concatenate([np.arange(pieces), owner[first]])
+    start = np.concatenate([np.zeros(pieces), share[first]])
+    order = np.lexsort((start, owner))
+    owner, start = owner[order], start[order]
+    end = np.append(np.where(np.diff(owner) > 0, 1.0, start[1:]), 1.0)
+    return owner, start, end
+
+
+def blocks(trajectory: Trajectory, ground: Ground) -> Iterator[tuple[Trajectory, Ground]]:
+    """So many pieces at a time that their columns stay in the processor's cache.
+
+    Parameters are those of ``motion``.
+
+    Parameters
+    ----------
+    trajectory, ground
+        As in ``motion``.
+
+    Returns
+    -------
+    iterator
+        Parts of the trajectory, each with its part of the floor.
+    """
+    for first in range(0, len(trajectory.duration), _BLOCK):
+        here = slice(first, first + _BLOCK)
+        t, floor = trajectory, _over(ground, itemgetter(here))
+        yield Trajectory(t.duration[here], t.posture[:, here], t.velocity[:, here], t.acceleration[:, here]), floor
+
+
+def _over(ground: Ground, change: Callable[[Array], Array]) -> Ground:
+    """The floor with its columns changed, and its plain figures as they are."""
+    slope, uphill = (change(np.asarray(c)) if np.ndim(c) else c for c in (ground.slope, ground.uphill))
+    return replace(ground, slope=slope, uphill=uphill)

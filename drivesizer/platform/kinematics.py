@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.platform import equations_kinematics as eq
+from drivesizer.platform import equations as eq
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Wheel
 

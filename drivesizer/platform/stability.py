@@ -1,11 +1,4 @@
-r"""Distance of a platform from tipping over, and from lifting a wheel.
-
-It tips about an edge of the hull of its contact points, casters among them, when the line of weight and inertia from
-the centre of mass meets the floor beyond it. That point is :math:`x_c - h f / N` (zero moment point), f the force
-along the floor that the motion needs and N the weight across it. A wheel of a stiff frame on a stiff floor may lift
-before: ``contact_loads`` falls straight with the acceleration. Standing on a slope s is as accelerating uphill with
-:math:`g \tan s` on a level floor. What turns with the wheels is not counted; its moment is small beside m a h.
-"""
+"""Distance of a platform from tipping over and from lifting a wheel, at rest and along a trajectory."""
 
 from __future__ import annotations
 
@@ -17,14 +10,27 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.platform.contact_loads import LEVEL, Ground, contact_loads, weight_along
+from drivesizer.platform.dynamics import LEVEL, Ground, centre_acceleration, contact_loads, weight_along
 from drivesizer.platform.matrix_equation import Array
+from drivesizer.platform.trajectory import Trajectory, finer
 from drivesizer.platform.wheels import Platform
 
 __all__ = [
-    "TippingEdge", "carrying", "edge_distances", "lift_off_acceleration", "lift_off_slope", "support_polygon",
-    "tipping_acceleration", "tipping_edges", "tipping_slope", "used_footing", "zero_moment_point",
+    "Moment", "carrying", "edge_distances", "least_load", "least_margin", "least_margin_share", "least_share",
+    "lift_off_acceleration", "lift_off_slope", "of_centre", "support_polygon", "tipping_acceleration", "tipping_edges",
+    "tipping_slope", "used_footing", "zero_moment_point",
 ]  # fmt: skip
+
+
+# -- Distance of a platform from tipping over, and from lifting a wheel.
+#
+# It tips about an edge of the hull of its contact points, casters among them, when the line of weight and inertia
+# from the centre of mass meets the floor beyond it. That point is :math:`x_c - h f / N` (zero moment point), f the
+# force along the floor that the motion needs and N the weight across it. A wheel of a stiff frame on a stiff floor
+# may lift before: ``contact_loads`` falls straight with the acceleration. Standing on a slope s is as accelerating
+# uphill with :math:`g \tan s` on a level floor. What turns with the wheels is not counted; its moment is small
+# beside m a h.
+
 
 _GRID = 10**9  # lines in the platform's size, on which its contacts are put to find their hull
 _FLAT = 1e-6  # of the platform's size: contact points that lie nearer to one line hold nothing up
@@ -326,3 +332,146 @@ def zero_moment_point(
     return np.array(
         np.broadcast_arrays(*(c - lever * f for c, f in zip((platform.x, platform.y), needed, strict=True)))
     )
+
+
+# -- The moments of a trajectory at which a platform is nearest to tipping over, or to lifting a wheel.
+
+
+class Moment(NamedTuple):
+    """The worst moment of a trajectory."""
+
+    value: float
+    time: float  # s
+    contact: int  # wheel or caster, counted from 1; of an edge its first
+
+
+def of_centre(platform: Platform, trajectory: Trajectory) -> Array:
+    """Acceleration of the centre of mass along a trajectory, in the robot's axes [m/s^2]; shape (2, n, 2).
+
+    Parameters
+    ----------
+    platform
+        Where its centre of mass is.
+    trajectory
+        In the world, n pieces.
+
+    Returns
+    -------
+    array
+        Along and across the robot [m/s^2], shape (2, n, 2).
+    """
+    return centre_acceleration(platform, *trajectory.in_robot())
+
+
+def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
+    """The least that a wheel or caster carries over a trajectory [N], which, and when.
+
+    Parameters
+    ----------
+    platform
+        Contact points, mass and centre of mass.
+    trajectory
+        In the world.
+    ground
+        The floor, the same everywhere.
+
+    Returns
+    -------
+    Moment
+        Load [N], time [s] and number of the contact.
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    support_polygon(platform)
+    fine = finer(trajectory)
+    loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
+    return _worst(loads, fine, tuple(range(len(loads))))
+
+
+def least_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
+    """The least that a wheel or caster carries over a trajectory as a share of what it does on a level floor at rest.
+
+    Below 0 it has lifted off; minus infinity where it carries nothing at rest.
+
+    Parameters
+    ----------
+    platform, trajectory, ground
+        As in ``least_load``.
+
+    Returns
+    -------
+    Moment
+        Share [1], time [s] and number of the contact.
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    support_polygon(platform)
+    fine = finer(trajectory)
+    loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
+    at_rest = contact_loads(platform, ground=Ground(gravity=ground.gravity))
+    return _worst(_share(loads, at_rest), fine, tuple(range(len(loads))))
+
+
+def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
+    """The least distance of the zero moment point from the edge of the support polygon [m], where, and when.
+
+    Parameters
+    ----------
+    platform, trajectory, ground
+        As in ``least_load``.
+
+    Returns
+    -------
+    Moment
+        Distance [m], time [s] and number of the contact where the edge begins.
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    fine = finer(trajectory)
+    point = zero_moment_point(platform, fine.posture[2], ground, of_centre(platform, fine))
+    return _worst(edge_distances(platform, point), fine, support_polygon(platform))
+
+
+def least_margin_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
+    """The same as a share of the distance at rest on a level floor; minus infinity where there is none.
+
+    Parameters
+    ----------
+    platform, trajectory, ground
+        As in ``least_load``.
+
+    Returns
+    -------
+    Moment
+        Share [1], time [s] and number of the contact where the edge begins.
+
+    Raises
+    ------
+    InputError
+        When the contact points lie on one line.
+    """
+    fine = finer(trajectory)
+    point = zero_moment_point(platform, fine.posture[2], ground, of_centre(platform, fine))
+    found, at_rest = edge_distances(platform, point), edge_distances(platform, (platform.x, platform.y))
+    return _worst(_share(found, at_rest), fine, support_polygon(platform))
+
+
+def _share(found: Array, at_rest: Array) -> Array:
+    """Figures over (row, piece, end) as shares of those at rest."""
+    carries = carrying(at_rest)[:, None, None]
+    return np.where(carries, found / np.where(carries, at_rest[:, None, None], 1.0), -math.inf)
+
+
+def _worst(found: Array, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:
+    """The least of figures over (row, piece, end)."""
+    row, piece, side = (int(i) for i in np.unravel_index(found.argmin(), found.shape))
+    return Moment(float(found[row, piece, side]), float(trajectory.time[piece, side]), contacts[row] + 1)

@@ -1,17 +1,23 @@
-"""Motion of a platform through the world, as pieces of time."""
+"""Motion of a platform through the world: pieces of time, splines of postures, what lies between."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from drivesizer.physics.load_cycle import places
 from drivesizer.platform.kinematics import to_robot
 from drivesizer.platform.matrix_equation import Array
 
-__all__ = ["Trajectory", "joined", "rest"]
+__all__ = ["Trajectory", "control_points", "curve_at_rest", "finer", "halves", "joined", "rest", "spline", "thinned"]
+
+
+# -- Motion of a platform through the world, as pieces of time.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,3 +99,211 @@ def joined(parts: Sequence[Trajectory]) -> Trajectory:
     """Trajectories one after the other, each of which starts where the one before ends."""
     columns = (np.concatenate([getattr(p, n) for p in parts], axis=1) for n in ("posture", "velocity", "acceleration"))
     return Trajectory(np.concatenate([p.duration for p in parts]), *columns)
+
+
+# -- Postures over time as a trajectory: a cubic spline, twice continuously differentiable, from rest to rest.
+#
+# It goes through all postures, or, with smoothing, as near as least squares brings a spline whose knots are samples
+# that far apart. Wherever three postures or more in a row are the same the platform stands, and what moves before
+# and after has a spline of its own, at rest at both ends. An interval is one piece; more, where its speed bends by
+# more than 1/1000 of the largest or it turns by more than 1/32 rad.
+
+
+_BEND, _TURN = 1e-3, 1.0 / 32.0  # of a piece: of the largest speed; rad
+_MOST_PARTS = 256  # of an interval
+_ROUNDING = 1e-9  # of a time between knots
+
+
+def spline(time: Array, posture: Array, smoothing: float = 0.0) -> Trajectory:
+    """The trajectory through postures, from rest to rest; at rest where three in a row are the same.
+
+    Parameters
+    ----------
+    time
+        Rising [s], shape (n,).
+    posture
+        Headings continuous [m, m, rad], shape (3, n).
+    smoothing
+        Least time between the knots of the curve [s]; 0 goes through all postures.
+
+    Returns
+    -------
+    Trajectory
+        One piece between two knots.
+
+    Examples
+    --------
+    >>> x = np.array([0.0, 0.1, 0.4, 0.9, 1.2, 1.3])
+    >>> moved = spline(np.arange(6.0), np.array([x, 0 * x, 0 * x]))
+    >>> moved.at([2.0, 5.0])[0]
+    array([0.4, 1.3])
+    """
+    same = (np.diff(posture, axis=1) == 0.0).all(axis=0)
+    beside = np.concatenate([[False], same, [False]])
+    resting = same & (beside[:-2] | beside[2:])
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(resting)) + 1, [len(same)]])
+    top = _top(np.diff(posture, axis=1) / np.diff(time))
+    made = []
+    for first, last in pairwise(edges.tolist()):
+        t, p = time[first : last + 1], posture[:, first : last + 1]
+        still = rest(p[:, 0], float(t[-1] - t[0])) if resting[first] else None
+        made.append(still or _moving(t, p, top, smoothing))
+    return joined(made)
+
+
+def _top(speed: Array) -> Array:
+    """The largest speed of driving and of turning [m/s, rad/s]."""
+    return np.array([np.hypot(speed[0], speed[1]).max(), np.abs(speed[2]).max()])
+
+
+def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajectory:
+    """A stretch between rests."""
+    curve = curve_at_rest(time, posture, smoothing)
+    step = np.diff(time)
+    x, y, turn = curve(time[:-1] + step / 2.0, 3) * step**2 / 8.0
+    bend = np.array([np.hypot(x, y), np.abs(turn)])
+    share = np.divide(bend, top[:, None], out=np.zeros_like(bend), where=top[:, None] > 0.0).max(axis=0)
+    turned = np.abs(curve(time, 1)[2])
+    turned = np.maximum(turned[1:], turned[:-1]) * step
+    count = np.ceil(np.maximum(np.sqrt(share / _BEND), turned / _TURN)).clip(1.0, _MOST_PARTS).astype(np.int64)
+    owner, place = places(count)
+    knots = np.append(time[owner] + step[owner] * (place / count[owner]), time[-1])
+    columns = [curve(knots, order) for order in range(3)]
+    columns[0][:, [0, -1]], columns[1][:, [0, -1]] = posture[:, [0, -1]], 0.0
+    return Trajectory(np.diff(knots), *(np.stack([c[:, :-1], c[:, 1:]], axis=2) for c in columns))
+
+
+def curve_at_rest(time: Array, posture: Array, smoothing: float) -> Callable[[Array, int], Array]:
+    """The curve and its derivatives, of shape (rows, times): a cubic between samples, at rest at both ends.
+
+    Parameters
+    ----------
+    time
+        Rising [s], shape (n,).
+    posture
+        Quantities, a row each, shape (rows, n).
+    smoothing
+        Least time between the knots of the curve [s]; 0 goes through all samples.
+
+    Returns
+    -------
+    callable
+        Of times [s] and the order of the derivative.
+    """
+    from scipy.interpolate import BSpline, CubicSpline
+
+    knots = time[thinned(time, smoothing)]
+    if len(knots) == len(time):
+        still = np.zeros(len(posture))
+        through = CubicSpline(time, posture, axis=1, bc_type=((1, still), (1, still)))
+        return lambda at, order: np.asarray(through(at, order))
+    held = np.concatenate([np.repeat(knots[0], 3), knots, np.repeat(knots[-1], 3)])
+    near = BSpline(held, _coefficients(time, posture, held), 3)
+    return lambda at, order: np.asarray(near(at, order)).T
+
+
+def thinned(time: Array, smoothing: float) -> NDArray[np.int64]:
+    """Places of samples at least so far apart, both ends among them.
+
+    Parameters
+    ----------
+    time
+        Rising [s].
+    smoothing
+        Least time from one to the next [s]; all samples where they are no closer.
+
+    Returns
+    -------
+    array
+        Indices of the samples that are kept.
+
+    Examples
+    --------
+    >>> thinned(np.array([0.0, 0.1, 0.2, 0.35, 0.5, 0.6]), 0.2)
+    array([0, 2, 5])
+    """
+    if smoothing <= float(np.diff(time).min()):
+        return np.arange(len(time))
+    number = np.floor((time - time[0]) / smoothing * (1.0 + _ROUNDING))
+    first = np.flatnonzero(np.diff(number, prepend=-1.0))
+    apart = np.concatenate([[True], np.diff(time[first]) >= smoothing * (1.0 - _ROUNDING)])
+    before_end = (time[-1] - time[first] >= smoothing * (1.0 - _ROUNDING)) | (first == 0)
+    return np.append(first[apart & before_end], len(time) - 1)
+
+
+def _coefficients(time: Array, posture: Array, held: Array) -> Array:
+    """Of the B-spline that fits best and is at rest at both ends, where its last two coefficients are the same."""
+    from scipy.interpolate import BSpline
+    from scipy.sparse.linalg import spsolve
+
+    found = np.empty((len(held) - 4, len(posture)))
+    found[:2], found[-2:] = posture[:, 0], posture[:, -1]
+    if len(found) > 4:
+        basis = BSpline.design_matrix(time, held, 3)
+        ends, inner = basis[:, [0, 1, -2, -1]], basis[:, 2:-2]
+        left = posture.T - ends @ found[[0, 1, -2, -1]]
+        best: Any = spsolve((inner.T @ inner).tocsc(), inner.T @ left)
+        found[2:-2] = np.reshape(best, (-1, len(posture)))
+    return found
+
+
+# -- A trajectory between the ends of its pieces: cubics through both ends, with the velocities there.
+#
+# Where an acceleration is straight over a piece the cubic is the motion itself. In Bézier's form a piece stays
+# inside the hull of its four control points, so that it can be said where it does not come.
+
+
+def control_points(trajectory: Trajectory) -> Array:
+    """Bézier points of the posture over each piece, shape (3, n, 4) [m, m, rad]."""
+    left, right = trajectory.posture[..., 0], trajectory.posture[..., 1]
+    third = trajectory.duration / 3.0
+    return np.stack(
+        [left, left + third * trajectory.velocity[..., 0], right - third * trajectory.velocity[..., 1], right], axis=-1
+    )
+
+
+def halves(points: Array) -> tuple[Array, Array]:
+    """Both halves of pieces in Bézier's form, by de Casteljau; the shape is that of ``points``."""
+    first = (points[..., 1:] + points[..., :-1]) / 2.0
+    second = (first[..., 1:] + first[..., :-1]) / 2.0
+    middle = (second[..., 1] + second[..., 0]) / 2.0
+    left = np.stack([points[..., 0], first[..., 0], second[..., 0], middle], axis=-1)
+    right = np.stack([middle, second[..., 1], first[..., 2], points[..., 3]], axis=-1)
+    return left, right
+
+
+def finer(trajectory: Trajectory, turning: float = 0.05) -> Trajectory:
+    """The same trajectory in pieces that turn by less than an angle.
+
+    Parameters
+    ----------
+    trajectory
+        Any.
+    turning
+        Largest change of heading in a piece [rad]; what depends on the heading is then straight over a piece to
+        within an eighth of its square.
+
+    Returns
+    -------
+    Trajectory
+        The same motion; itself where no piece turns by more.
+    """
+    turned = np.ptp(control_points(trajectory)[2], axis=-1)
+    parts = np.maximum(np.ceil(turned / turning), 1.0).astype(int)
+    if parts.max(initial=1) == 1:
+        return trajectory
+    piece, step = places(parts)
+    share = (step[:, None] + np.array([0.0, 1.0])) / parts[piece, None]  # (pieces, 2)
+    points = control_points(trajectory)[:, piece, None, :]
+    weights = np.stack([(1 - share) ** 3, 3 * share * (1 - share) ** 2, 3 * share**2 * (1 - share), share**3], axis=-1)
+
+    def straight(values: Array) -> Array:
+        left, right = values[:, piece, :1], values[:, piece, 1:]
+        return np.asarray(left + share * (right - left))
+
+    return Trajectory(
+        duration=trajectory.duration[piece] / parts[piece],
+        posture=np.asarray((points * weights).sum(axis=-1)),
+        velocity=straight(trajectory.velocity),
+        acceleration=straight(trajectory.acceleration),
+    )

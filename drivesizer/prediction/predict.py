@@ -12,20 +12,21 @@ from numpy.typing import NDArray
 from drivesizer.catalog.query import Hit
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.drive_train import friction
-from drivesizer.physics.overload import State, cold
+from drivesizer.physics.heat_step import State, cold
 from drivesizer.physics.thermal import resistance_at
-from drivesizer.prediction.sampled_parts import SampledParts, sampled_parts
 from drivesizer.prediction.set_at_voltage import (
     Heating,
+    SampledParts,
     SetAtVoltage,
     hottest_phase,
     in_the_long_run,
     over_time,
+    sampled_parts,
     set_at_voltage,
     static_hold,
     time_to_limit,
 )
-from drivesizer.results.figures_behind_checks import figure_words
+from drivesizer.results.check_kinds import figure_words
 from drivesizer.results.prediction import Band, Conditions, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show
 

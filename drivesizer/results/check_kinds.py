@@ -1,21 +1,34 @@
-"""Every check there is, declared once: its title, its unit, the figures that it rests on.
-
-One table per method, in the order in which people read them; search, terminal, reports, tolerances and closed loop read
-them here, and a column of any other name is refused. A name may stand under several methods.
-
-A figure that a check rests on is one whose lack would leave it unknown or change it, such as ``motor.resistance``. A
-word in capitals stands for figures that depend on the motor or the encoder, see ``figures_behind_checks``: ``CURRENT``,
-``COUNTS``, ``HOUSING``, ``DERATING``, ``LEVER``.
-"""
+"""Every check there is, declared once: its title, unit, the part that it concerns, the figures that it rests on."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isnan
+from typing import Any
+
+from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog.tables import ESTIMATED
+from drivesizer.catalog.view.search_view import printed_field
+from drivesizer.results.check import Check, sentence_case
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.units import show
 
 __all__ = [
-    "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "EMF", "OWN_REQUIREMENTS", "REQUIREMENTS",
-    "CheckKind", "refuse_undeclared",
+    "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "OWN_REQUIREMENTS", "PARTS", "REQUIREMENTS",
+    "figure_words", "marked_figures", "missing_figures", "part_of", "refuse_undeclared", "rests_on", "sorted_by_part",
+    "unknown_figures",
 ]  # fmt: skip
+
+
+# -- Every check there is, declared once: its title, its unit, the figures that it rests on.
+#
+# One table per method, in the order in which people read them; search, terminal, reports, tolerances and closed loop
+# read them here, and a column of any other name is refused. A name may stand under several methods.
+#
+# A figure that a check rests on is one whose lack would leave it unknown or change it, such as ``motor.resistance``.
+# A word in capitals stands for figures that depend on the motor or the encoder, see ``figures_behind_checks``:
+# ``CURRENT``, ``COUNTS``, ``HOUSING``, ``DERATING``, ``LEVER``.
 
 
 @dataclass(frozen=True, slots=True)
@@ -349,3 +362,167 @@ def refuse_undeclared(name: str) -> None:
     """Refuse a check that no method declares."""
     if name not in _NAMES:
         raise LookupError(f"check {name!r} is not declared in results/check_kinds.py")
+
+
+# -- The part of the machine that each check concerns, by which reports group them.
+
+
+_OF_PART = (  # part, and how the names of its checks begin
+    (
+        "Motor",
+        ("motor_", "winding_", "hottest_", "speed_constant", "pull_out_", "start_", "step_", "lost_", "load_angle"),
+    ),
+    ("Gearhead", ("gearhead_", "backlash_", "largest_reduction")),
+    ("Brake", ("brake_", "holding")),
+    ("Belt", ("belt_",)),
+    ("Screw", ("screw_",)),
+    ("Encoder", ("encoder_",)),
+    ("Controller", ("controller_",)),
+    ("Supply", ("supply_", "bus_")),
+    ("Brake resistor", ("resistor_", "chopper_")),
+    ("Battery", ("battery_",)),
+    ("Control loop", ("stability", "phase_margin", "tracking_error", "bandwidth")),
+)
+_MACHINE = "Machine"  # whatever concerns the drive as a whole, or the machine
+PARTS = (*(part for part, _ in _OF_PART), _MACHINE)
+
+
+def part_of(name: str) -> str:
+    """The part that a check concerns.
+
+    >>> part_of("winding_temperature"), part_of("backlash_at_load"), part_of("traction")
+    ('Motor', 'Gearhead', 'Machine')
+    """
+    return next((part for part, begins in _OF_PART if name.startswith(begins)), _MACHINE)
+
+
+def sorted_by_part(checks: Sequence[Check]) -> list[Check]:
+    """Checks sorted by part; those of one part in the order given."""
+    return sorted(checks, key=lambda check: PARTS.index(part_of(check.name)))
+
+
+# -- The catalogue figures that each check rests on: those that are unknown, and those that are not quoted.
+#
+# ``results.check_kinds`` declares them; here its words in capitals become the figures of a drive's motor.
+# ``rests_on`` names every figure whose lack would leave a check of the drive unknown or change it; a test takes them
+# away one by one and looks.
+
+
+_DERATING = ("full_current_ambient", "derating_slope", "ambient_max")
+_MODEL = ("holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", "pull_out_share")
+_GEAR = ("gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rotor_inertia", "motor.torque_constant")
+
+
+def rests_on(check: Check, drive_set: DriveSet) -> tuple[str, ...]:
+    """The figures that a check of a drive rests on, such as ``motor.resistance``; none for what has none."""
+    found: list[str] = []
+    for name in CHECKS[check.method][check.name].rests_on:
+        found += _figures_of_word(name, drive_set) if name.isupper() else [name]
+    return tuple(dict.fromkeys(found))
+
+
+def _figures_of_word(word: str, drive_set: DriveSet) -> list[str]:
+    motor, gearhead, encoder = drive_set.motor, drive_set.gearhead, drive_set.encoder
+    if word == "COUNTS":
+        absolute = encoder is not None and isnan(encoder.counts_per_turn)
+        return ["encoder.steps_per_turn" if absolute else "encoder.counts_per_turn"]
+    if word == "LEVER":  # of a radial load, where the limit has a distance
+        return [] if isnan(gearhead.max_radial_load) else ["gearhead.radial_load_distance"]
+    if word == "DERATING":
+        return ["motor.max_winding_temperature"]
+    if word == "CONTROLLER_DERATING":
+        controller = drive_set.controller
+        known = controller is not None and not isnan(controller.full_current_ambient)
+        return [f"controller.{name}" for name in _DERATING] if known else []
+    if word == "PULL_OUT":
+        return [f"motor.{name}" for name in _MODEL]
+    if motor.kind == "stepper":  # whose current is the rated one, whatever the load
+        return ["motor.nominal_current"]
+    if word == "HOUSING":
+        iron = ["motor.max_winding_temperature", "motor.nominal_current", "motor.nominal_speed"]
+        return [] if motor.kind == "brushed" else iron
+    rubbing = [f"motor.{name}" for name in ("friction_torque", "viscous_friction") if not isnan(getattr(motor, name))]
+    if len(rubbing) < 2:  # the rest is what the no-load current leaves
+        by_speed = bool(rubbing) or motor.kind != "brushed"
+        rubbing += ["motor.no_load_current", *(["motor.no_load_speed"] if by_speed else [])]
+    idle = [] if isnan(gearhead.no_load_torque) else ["gearhead.no_load_torque", "gearhead.continuous_torque"]
+    own = ["encoder.inertia"] if encoder and not isnan(encoder.inertia) else []
+    return [*_GEAR, *rubbing, *idle, *own]
+
+
+def unknown_figures(drive_set: DriveSet) -> list[list[str]]:
+    """For each unknown check its title, and which figures are not known."""
+    return [
+        [check.title, ", ".join(_lacking(check, drive_set)) or _stated(check)]
+        for check in _reported(drive_set)
+        if check.status == "unknown"
+    ]
+
+
+def _reported(drive_set: DriveSet) -> tuple[Check, ...]:
+    """Checks that a report prints: those of the method that ranked, and by physics too where that is the paper's."""
+    by_paper = any(check.method == "paper" for check in drive_set.checks)
+    return drive_set.every_check if by_paper else drive_set.own_checks
+
+
+def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
+    """The parts, or figures of parts, that a check lacks."""
+    if check.name.startswith(("resistor_", "chopper_")) and isnan(check.limit) and not isnan(check.demand):
+        return [sentence_case(check.title)]  # the limit is the resistor's own figure
+    lacking = []
+    for name in rests_on(check, drive_set):
+        role, _, field = name.partition(".")
+        part = getattr(drive_set, role)
+        if part is None:
+            lacking.append(f"any {role}")
+        elif name not in EMF and _is_unknown(getattr(part, field)):
+            lacking.append(figure_words(role, field, bool(part.inside)))
+    return list(dict.fromkeys(lacking))
+
+
+def figure_words(role: str, field: str, inside: bool = False) -> str:
+    """A figure in words; of a part inside an actuator the one that is printed of that."""
+    if inside:
+        role, field = "actuator", printed_field(role, field)
+    return f"{role} {field.removeprefix(f'{role}_').replace('_', ' ')}"
+
+
+def missing_figures(drive_set: DriveSet) -> list[str]:
+    """The parts, and figures of parts, that the unknown checks of a drive lack, each once."""
+    unknown = (check for check in drive_set.deciding if check.status == "unknown")
+    return list(dict.fromkeys(name for check in unknown for name in _lacking(check, drive_set)))
+
+
+def _is_unknown(value: Any) -> bool:
+    return isinstance(value, float) and isnan(value)
+
+
+def _stated(check: Check) -> str:
+    """The missing figures that the note of a check names, such as masses of parts; else where they belong."""
+    if check.name == "brake_fits":
+        return "a source that lists it with this motor"
+    return check.note.removeprefix("unknown: ") if check.note.startswith("unknown: ") else _OF_THE_SPEC
+
+
+_OF_THE_SPEC = "a figure of the load or of the spec"
+
+
+def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
+    """Figures that are only derived or recalled and that a check rests on: their values, confidences and checks."""
+    resting: dict[str, list[str]] = {}
+    for check in _reported(drive_set):
+        for name in rests_on(check, drive_set):
+            resting.setdefault(name, []).append(check.title)
+    found = []
+    for name, titles in resting.items():
+        role, _, field = name.partition(".")
+        part, section = getattr(drive_set, role), f"{role}s"
+        table = catalog.table(section)
+        if part is None or part.part not in table.rows:
+            continue
+        mark = catalog.confidence(section, table.rows[part.part]).get(field, "")
+        if mark in ("derived", "recalled", ESTIMATED):
+            column = columns_of(section)[field]
+            value = show(getattr(part, field), column.unit, column.kind, 3 if mark == ESTIMATED else 6)
+            found.append([figure_words(role, field), value, mark, "; ".join(dict.fromkeys(titles))])
+    return found

@@ -1,29 +1,285 @@
-"""A drive: motor, gearhead, belt, brake, encoder and controller, with its checks, figures and changes."""
+"""A drive as a record: its parts, checks, figures, losses, energy, braking, and what was estimated of it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from math import inf, isnan, nan
-from typing import Any
+from typing import Any, NamedTuple
 
-from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, Controller, Encoder, Gearhead, Motor
-from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.catalog.pull_outs import NO_PULL_OUTS, PullOuts
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, BrakeResistor, Controller, Encoder, Gearhead, Motor
+from drivesizer.catalog.more_parts import NO_PULL_OUTS, BeltDrive, PullOuts
+from drivesizer.physics.braking import released_power
 from drivesizer.physics.drive_train import MotorAndGears, drive_inertia, motor_and_gears
-from drivesizer.physics.elements.braking import released_power
-from drivesizer.results.braking import BrakingBudget
-from drivesizer.results.check import Check, Figure, Status
-from drivesizer.results.energy import EnergyBudget
-from drivesizer.results.estimated import EstimatedFigure
-from drivesizer.results.mass import MassRow
-from drivesizer.results.notebook import checks_table, html_table
-from drivesizer.results.pieces import MotorPiece
-from drivesizer.results.reliability import Reliability
-from drivesizer.results.requirement import Requirement
-from drivesizer.results.screws import ChosenScrew
-from drivesizer.units import show
+from drivesizer.physics.equation import Equation
+from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
+from drivesizer.results.check import Check, Figure, Reliability, Status
+from drivesizer.results.problem import ChosenScrew
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import from_si, show
 
-__all__ = ["Comparison", "DriveParts", "DriveSet", "Relaxation", "made_by", "section_of"]
+__all__ = [
+    "BrakingBudget", "Comparison", "Consumption", "DriveParts", "DriveSet", "EnergyBudget", "EstimatedFigure",
+    "MassRow", "MotorPiece", "Relaxation", "Requirement", "html_table", "loss_assumptions", "made_by", "section_of",
+    "share", "voltage_assumption",
+]  # fmt: skip
+
+
+# -- Figures of a drive's parts that no data sheet gives, as they were estimated from peers.
+
+
+class EstimatedFigure(NamedTuple):
+    """One figure of one part."""
+
+    part: str  # motor, gearhead, encoder, controller, actuator
+    figure: str  # column of the catalogue, or ``loss_voltage`` of a controller
+    value: float  # SI
+    low: float  # 5th percentile
+    high: float  # 95th percentile
+    kind: str
+    unit: str  # of the trade
+    law: str  # terms and peers, in words
+
+    @property
+    def title(self) -> str:
+        """Part and figure.
+
+        >>> EstimatedFigure("motor", "rotor_inertia", 1e-6, 7e-7, 2e-6, "inertia", "g*cm^2", "").title
+        'motor rotor inertia'
+        """
+        return f"{self.part} {self.figure.replace('_', ' ')}"
+
+    @property
+    def text(self) -> str:
+        """Value and band as they are printed."""
+        value, low, high = (show(figure, self.unit, self.kind, 2) for figure in (self.value, self.low, self.high))
+        return f"{value} ({low} to {high})"
+
+
+# -- Assumptions of the losses of a controller, as sentences.
+
+
+def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator[str]:
+    """Assumptions of the losses between supply and motor."""
+    bought, stage = controller or Controller(), spec.feed_of(controller).stage
+    if stage.assumed:
+        loss = show(ASSUMED_LOSS, "V", "voltage")
+        yield f"controllers lose {loss} times the motor's current, assumed: neither drop nor efficiency is printed"
+    elif bought.inside and not stage.loss:
+        yield "losses of the controller inside are in the printed figures of what it is inside of"
+    elif not stage.loss and spec.power_stage.voltage_drop is None:
+        yield "losses of the controllers not counted: neither drop nor efficiency is printed"
+    if spec.power_stage.standby is None and isnan(bought.standby_current):
+        yield "standby power of the controllers not counted: it is not printed"
+
+
+def voltage_assumption(spec: RobotSpec, controller: Controller | None, limit: float) -> str:
+    """Assumption behind the usable voltage of a controller that does not print what it takes of the supply's."""
+    feed = spec.feed_of(controller)
+    if isnan(limit) or not isnan(feed.usable):
+        return ""
+    if isnan(feed.stage.max_duty):
+        return "the controller's largest duty is not printed: the supply's voltage is the bound"
+    least, most = (show(drop, "V", "voltage") for drop in ASSUMED_BAND)
+    return f"the controller's voltage drop is not printed: {least} to {most} assumed"
+
+
+# -- The motor piece by piece of the motion: a record that every output prints.
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotorPiece:
+    """Torque and current of the motor in one piece of the motion, SI; NaN unknown."""
+
+    case: str  # load case; empty where there is only one
+    name: str  # accelerate, run, brake, rest, or the whole cycle
+    start: float  # s, of its first moment
+    duration: float  # s, of all pieces alike where they are several
+    speed: float  # rad/s, largest of the motor
+    load_torque: float  # N*m at the driven shaft of one drive, the largest with its sign
+    motor_torque: float  # N*m, the largest with its sign
+    rms_torque: float  # N*m of the motor
+    current: float  # A, largest
+    rms_current: float  # A
+
+
+# -- The bus while the drives brake: what is regenerated, the brake resistor and the power supply, as records.
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BrakingBudget:
+    """Regenerated energy, and what becomes of it; of the load case in which most is burnt."""
+
+    resistor: BrakeResistor | None  # chosen, or as the spec has it; None where none is wanted or needed
+    checks: tuple[Check, ...]  # of resistor, chopper and power supply
+    figures: tuple[Figure, ...]
+    assumptions: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """The resistor in words; empty without one."""
+        return " ".join(filter(None, (self.resistor.manufacturer, self.resistor.part))) if self.resistor else ""
+
+
+# -- A line of a mass budget.
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MassRow:
+    """One line of a mass budget."""
+
+    name: str
+    each: float  # kg; NaN is unknown
+    number: int = 1
+    band: tuple[float, float] | None = None  # kg, 5th and 95th percentile where it is estimated
+
+    @property
+    def total(self) -> float:
+        """Of all of them [kg]."""
+        return self.number * self.each
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Of all of them at both ends of the band [kg]; twice the same where it is known."""
+        low, high = self.band or (self.each, self.each)
+        return self.number * low, self.number * high
+
+    def text(self, mass: float, unit: str) -> str:
+        """A mass of the row as it is printed, with the band where it is estimated.
+
+        >>> MassRow(name="encoder", each=0.02, band=(0.005, 0.08)).text(0.02, "g")
+        '20 g (5 to 80 g)'
+        """
+        if self.band is None or not self.each > 0.0:
+            return show(mass, unit, "mass")
+        value, low, high = (show(mass * end / self.each, unit, "mass", 2) for end in (self.each, *self.band))
+        return f"{value} ({low.removesuffix(f' {unit}')} to {high})"
+
+
+# -- Consumers of a battery and how long it lasts, as records.
+
+
+Array = NDArray[np.float64]
+
+
+class Consumption(NamedTuple):
+    """One line of the table of consumers."""
+
+    name: str
+    number: int
+    mean: float  # W at the battery, over the whole time; negative where energy is regenerated
+    peak: float  # W
+    duty: float  # share of the time; NaN where it does not apply
+    assumed: bool  # its figures are a guess of the spec
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EnergyBudget:
+    """Consumers, battery, and the time and range that follow; NaN is unknown."""
+
+    battery: str  # its name
+    start: float  # share of its charge at the start
+    usable: float  # share that may be drawn
+    consumers: tuple[Consumption, ...]
+    duration: Array  # s, pieces of one cycle
+    power: Array  # W from the battery, mean of each piece
+    mean_power: float  # W
+    peak_power: float  # W
+    full_time: float  # s, until all charge is drawn
+    autonomy: float  # s, until the usable share is
+    range: float  # m in that time; NaN for what does not travel
+    required: float  # s that it must last; NaN where nothing is required
+    status: Status
+    checks: tuple[Check, ...]
+    figures: tuple[Figure, ...]
+    assumptions: tuple[str, ...]
+
+
+# -- A requirement: what a load needs of a part, with the equation that it comes from.
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Requirement:
+    """A quantity that the load requires, with the equation and the numbers it came from."""
+
+    name: str
+    title: str
+    symbol: str
+    value: Any  # SI; one figure, or a column while the search runs
+    kind: str
+    unit: str  # of the trade
+    declared: Equation | None = None  # None: given in the spec
+    inputs: dict[str, Any] = field(default_factory=dict)  # SI, by the equation's own names
+    note: str = ""
+
+    @property
+    def equation(self) -> int | None:
+        """The paper's number, None for what it does not number."""
+        return self.declared.number if self.declared else None
+
+    @property
+    def shown(self) -> float:
+        """The value in the unit of the trade."""
+        return float(from_si(self.value, self.unit, self.kind))
+
+    @property
+    def text(self) -> str:
+        """The value as it is printed."""
+        return show(self.value, self.unit, self.kind)
+
+    def at(self, index: int) -> Requirement:
+        """The figure of one candidate out of a column."""
+
+        def pick(value: Any) -> Any:
+            return float(value[index]) if getattr(value, "ndim", 0) else value
+
+        return replace(self, value=pick(self.value), inputs={k: pick(v) for k, v in self.inputs.items()})
+
+    def on(self, rows: NDArray[np.int64]) -> Requirement:
+        """The figures of some candidates out of a column."""
+
+        def pick(value: Any) -> Any:
+            return value[rows] if getattr(value, "ndim", 0) else value
+
+        return replace(self, value=pick(self.value), inputs={k: pick(v) for k, v in self.inputs.items()})
+
+
+# -- Tables for notebooks, which show what ``_repr_html_`` of a record gives.
+
+
+def html_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """An HTML table, every text escaped.
+
+    Examples
+    --------
+    >>> html_table(("a",), [("<1>",)])
+    '<table><tr><th>a</th></tr><tr><td>&lt;1&gt;</td></tr></table>'
+    """
+    from html import escape  # whose table of names takes a millisecond to load
+
+    lines = ["".join(f"<th>{escape(head)}</th>" for head in heads)]
+    lines += ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
+    return f"<table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+
+
+def checks_table(checks: Iterable[Check]) -> str:
+    """Checks with demand, limit, margin and verdict as an HTML table."""
+    rows = (
+        (check.title, check.shown(check.demand), check.shown(check.limit), share(check.margin), check.status)
+        for check in checks
+    )
+    return html_table(("check", "demand", "limit", "margin", ""), rows)
+
+
+def share(margin: float) -> str:
+    """A margin in per cent; empty where there is none."""
+    return "" if isnan(margin) else f"{100 * margin:+.0f} %"
+
+
+# -- A drive: motor, gearhead, belt, brake, encoder and controller, with its checks, figures and changes.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.results.estimated import EstimatedFigure
+from drivesizer.results.drive_set import EstimatedFigure
 
 __all__ = ["Band", "Conditions", "Predicted", "Prediction", "WarmingCourse"]
 

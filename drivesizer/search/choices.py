@@ -20,21 +20,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.view.stepper_view import has_steppers
+from drivesizer.catalog.view.mounted import has_steppers
 from drivesizer.physics.extremes import undominated
 from drivesizer.results.check import Status, verdict
 from drivesizer.results.problem import Problem
-from drivesizer.results.weights import CRITERIA, Choice, Choices, used_share, weighted_order
-from drivesizer.search.columns.bought import chosen
+from drivesizer.results.sizing import CRITERIA, Choice, Choices, used_share, weighted_order
+from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
-from drivesizer.search.least_drawn import least_power
-from drivesizer.search.machine_filter import Weigh
-from drivesizer.search.order import ranking
-from drivesizer.search.order.found import Judge, Passing
-from drivesizer.search.order.ranking import Ranking
+from drivesizer.search.columns.offers import chosen
+from drivesizer.search.in_order import Judge, Passing
+from drivesizer.search.machine_filter import Weigh, least_power
+from drivesizer.search.ranking import Ranking
 from drivesizer.search.set_record import drive_parts
-from drivesizer.spec.select import OBJECTIVES
+from drivesizer.spec.drive import OBJECTIVES
 
 __all__ = ["Picked", "choices", "criteria", "picked"]
 

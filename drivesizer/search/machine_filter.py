@@ -1,42 +1,224 @@
-"""Drives that pass the budgets of their machine."""
+"""Drives that pass the budgets of their machine: by lower bounds of their power, as columns, then one by one."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from itertools import islice
+from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.load_cases.of_machine import distance_of
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.machine.battery import Load, Pack, accepted, charging, pack_of, raised_voltage
 from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_requirements
+from drivesizer.machine.mass_budget import BELT, BY_PIECES
+from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.physics.motor_demand import demands
+from drivesizer.physics.thermal import resistance_25, resistance_at
+from drivesizer.physics.winding import Parts, heat
 from drivesizer.results.check import sentence_case
+from drivesizer.results.check_columns import CheckColumn, at_most
+from drivesizer.results.check_kinds import BATTERY_LASTING
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check, verdict
-from drivesizer.search.budget_columns import certain_failures
-from drivesizer.search.columns.candidates import Candidates
-from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.least_drawn import battery_failures
-from drivesizer.search.order.found import BudgetFilter, Evaluated, Judge, SearchResult
-from drivesizer.search.order.ranking import Ranking
+from drivesizer.search.columns.candidates import Candidates, Rows
+from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
+from drivesizer.search.columns.offers import Offers, bought, chosen, offers
+from drivesizer.search.columns.stages import brakes_of, encoders_of, felt
+from drivesizer.search.in_order import BudgetFilter, Evaluated, Judge, SearchResult
+from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import any_drive, search
 from drivesizer.search.set_record import drive_parts, drive_set
+from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
+from drivesizer.spec.drive import BOUGHT
+from drivesizer.spec.mounting import loss_at_flange
+from drivesizer.spec.robot import RobotSpec
 
 if TYPE_CHECKING:
     from drivesizer.machine.platform_budget import MechanicalBudget
 
 __all__ = [
-    "Weigh",
-    "any_in_machine",
-    "best_in_machine",
-    "divided",
-    "machine_filter",
-    "passes_budgets",
-    "shortfall",
-    "weighing",
-]
+    "Weigh", "any_in_machine", "best_in_machine", "divided", "least_power", "machine_filter", "passes_budgets",
+    "shortfall", "weighing",
+]  # fmt: skip
+
+
+# -- Drives that a battery certainly cannot feed for long enough, by a lower bound of their power without a waveform.
+#
+# A motor's mean power is no less than with its winding at the ambient's temperature all the time,
+#
+# .. math:: P \ge R_{cold} I_{rms}^2 + \overline{\tau w}
+#
+# for a winding in use is warmer, and what the makers' two constants differ by is lost (``waveform.balanced``). A
+# controller draws no less than it passes on and gives back no more than it is given, of which no more than all is
+# kept. So whatever the controller is, the battery gives that power in the mean. Both terms follow from the moments
+# of the load cycle, over as many drives as there are.
+
+
+Array = NDArray[np.float64]
+_ROUNDING = 1e-9  # of a figure
+
+
+def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np.bool_]]:
+    """The drives that certainly fail on autonomy or range of the battery; empty where neither is required."""
+    found = dict[str, NDArray[np.bool_]]()
+    battery = problem.spec.battery
+    if battery is None:
+        return found
+    for numbers in problem.machine_cases:
+        case, cycle = problem.cases[numbers[0]].spec, problem.cases[numbers[0]].cycle
+        least = np.sum([problem.cases[n].spec.load.alike * least_power(problem, n, sets) for n in numbers], axis=0)
+        energy = cycle.total * (least - _ROUNDING * np.abs(least))
+        draw, alone = Draw(energy, np.zeros_like(energy), np.full_like(energy, np.nan)), np.ones_like(energy)
+        speed = alone * distance_of(case, cycle) / cycle.total
+        feeds = feeding(case, battery, problem.catalog)
+        for check in columns_of(case, feeds, cycle.total, speed, [draw]):
+            if check.name in BATTERY_LASTING:
+                found[check.name] = found.get(check.name, False) | check.failed
+    return found
+
+
+def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
+    """Lower bound of a motor's mean power over a load case [W]; NaN where the waveform's power is unknown."""
+    found, offered = np.empty(len(sets.motor)), offers(problem)
+    for belt in np.unique(sets.belt).tolist():
+        rows = np.flatnonzero(sets.belt == belt)
+        found[rows] = _behind(problem, offered, number, belt, sets.on(rows))
+    return found
+
+
+def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: Candidates) -> Array:
+    """The same of drives behind one belt."""
+    cycles = [case.at_belt.behind(belt) for case in problem.cases]
+    catalog, ambient = problem.catalog, problem.cases[number].spec.environment.ambient
+    motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
+    encoder = Rows(catalog.encoders, encoders_of(problem, offered, cycles, sets.motor, gearhead["ratio"]))
+    brake = brakes_of(problem, offered, cycles, Parts(motor, gearhead, encoder, None), sets.brake)
+    braked = felt(cycles[number], Parts(motor, gearhead, encoder, None, brake))
+    demand = demands(cycles[number], motor, gearhead, encoder, braked)
+    cold = np.asarray(resistance_at(resistance_25(motor), ambient))
+    turning = demand.total_ratio * (demand.coefficients @ cycles[number].moments[:, SPEED])
+    at_flange = loss_at_flange(problem.cases[number].spec, cycles[number], gearhead)
+    winding = heat(ambient, cycles[number], demand, motor, from_gearhead=at_flange).winding
+    known = demand.complete & np.isfinite(winding) & np.isfinite(motor["max_winding_temperature"])
+    return np.where(known, cold * demand.rms_current**2 + turning, np.nan)
+
+
+# -- Many drives against the budgets of their machine at once: which of them certainly fail, and on which budget.
+#
+# By the energies, the largest power and the masses of each, as columns. What needs each moment of the battery's
+# current is left to the drive's own record (``budgets``), which decides: nothing is rejected here that would pass
+# there.
+
+
+_NEARLY = 1e-3  # of a limit: what misses it by less is judged by its record
+
+
+def certain_failures(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
+    """The drives that certainly fail on each budget of the machine."""
+    sets, found = whole.candidates, dict[str, NDArray[np.bool_]]()
+    for check in (*_masses(whole), *_prices(whole), *_batteries(whole)):
+        with np.errstate(invalid="ignore"):
+            missed = ~((1.0 + check.margin) >= (1.0 + check.needed) * (1.0 - _NEARLY))
+        falls = check.failed & missed
+        if whole.spec.select.unknown == "reject":
+            falls = falls | ~(check.passed | check.failed)
+        found[check.name] = found.get(check.name, False) | np.broadcast_to(falls, len(sets.motor))
+    return found
+
+
+# --- mass -------------------------------------------------------------------------------------------------------------
+
+
+def _masses(whole: Evaluation) -> list[CheckColumn]:
+    """The known mass of the machine with each drive, of what is estimated the least."""
+    spec, sets = whole.spec, whole.candidates
+    if spec.budget is None or not spec.budget.weighs:
+        return []
+    from drivesizer.machine.platform_budget import machine_mass, mass_columns
+
+    catalog = whole.catalog.ends[0] if whole.catalog.ends else whole.catalog
+    parts = chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=spec.wants_encoder)
+    of_drive = bought(catalog, sets, parts, "mass", BOUGHT, 1 if whole.catalog.ends else None)
+    each = np.vstack([of_drive, _belts(whole.problem, sets)])
+    battery = pack_of(spec.battery, catalog).mass if spec.battery else None
+    rest = machine_mass(spec.budget, (), platform=spec.platform, battery=battery)
+    known = spec.load.motors * np.nansum(each, axis=0) + rest.known
+    lacking = np.isnan(each).any(axis=0) | bool(rest.unknown)
+    load = whole.problem.machine.load
+    return mass_columns(known, lacking, spec.budget.mass, load.mass if isinstance(load, WheeledVehicle) else None)
+
+
+# --- price ------------------------------------------------------------------------------------------------------------
+
+
+def _prices(whole: Evaluation) -> list[CheckColumn]:
+    """The known price of all drives, without belt, screw and supply."""
+    spec, sets = whole.spec, whole.candidates
+    if spec.budget is None or spec.budget.price is None:
+        return []
+    parts = chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=spec.wants_encoder)
+    each = bought(whole.catalog, sets, parts, "price", BOUGHT)
+    for name, least in reversed(BY_PIECES):
+        if spec.load.motors >= least:
+            of_several = bought(whole.catalog, sets, parts, name, BOUGHT[:2])
+            each[:2] = np.where(np.isnan(of_several), each[:2], of_several)
+    column = at_most("price", spec.load.motors * np.nansum(each, axis=0), spec.budget.price)
+    return [replace(column, passed=column.passed & ~np.isnan(each).any(axis=0))]
+
+
+def _belts(problem: Problem, sets: Candidates) -> Array:
+    """Mass of belt, pulleys and gear of each ratio; the least where they are not out of the catalogues."""
+    mass, belt = np.zeros(len(sets.motor)), problem.spec.belt
+    least = nan if not problem.catalog.ends else BELT[1][0]
+    own = least if belt is None or belt.mass is None else belt.mass
+    for ratio in np.unique(sets.belt).tolist():
+        drive = problem.belt_drive(ratio)
+        bought = [part.mass for part in drive.parts.values()] if drive else [own if ratio != 1.0 else 0.0]
+        mass[sets.belt == ratio] = np.sum(bought)
+    gear = problem.spec.gear
+    if gear is not None:
+        mass += nan if gear.mass is None else gear.mass
+    return mass
+
+
+# --- battery ----------------------------------------------------------------------------------------------------------
+
+
+def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
+    """Autonomy and peaks of the battery in each load case of the machine."""
+    problem, battery = whole.problem, whole.spec.battery
+    if battery is None:
+        return
+    machines = problem.machine_cases
+    for numbers in machines:
+        part = replace(problem, cases=tuple(problem.cases[n] for n in numbers))
+        at_hand = len(machines) == 1 and bool(whole.figures)  # the paper's method has none
+        figures = whole.figures if at_hand else figures_by_physics(part, whole.candidates)
+        case, cycle = part.spec, part.cases[0].cycle
+        drawn = figures["energy"] + case.supply.regeneration * figures["returned"]
+        draw = Draw(drawn, figures["returned"], figures["power"])
+        idle = draw._replace(drawn=np.zeros_like(drawn), returned=np.zeros_like(drawn))
+        feeds: Feeding = feeding(case, battery, problem.catalog)
+        speed = np.full_like(drawn, distance_of(case, cycle) / cycle.total)
+        yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))])
+        yield from _charging(case, feeds.pack, draw.returned / cycle.total)
+
+
+def _charging(case: RobotSpec, pack: Pack, returned: Array) -> tuple[CheckColumn, ...]:
+    """Checks of the least charge power: its peak is no less than its mean over the cycle [W]."""
+    back, rest = accepted(case) * returned, pack.emf(pack.start)
+    least = Load(mean=nan, peak=nan, rms=nan, back=back, speed=nan, charge=pack.start)
+    return charging(case, pack, least._replace(highest=raised_voltage(pack, back, rest)))
+
+
+# -- Drives that pass the budgets of their machine.
 
 
 _FIRST = 4  # times as many drives as are wanted are computed in full at first

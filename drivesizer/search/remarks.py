@@ -6,19 +6,18 @@ import math
 from collections.abc import Iterable
 from math import isnan
 
-from drivesizer.load_cases.warnings import grip_warning, starts_farther_on
-from drivesizer.machine import pulleys
+from drivesizer.load_cases.of_machine import grip_warning, starts_farther_on
+from drivesizer.machine import problem as pulleys
 from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.results.check_kinds import unknown_figures
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.figures_behind_checks import unknown_figures
-from drivesizer.results.objectives import objective_figure
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import unstated_ambient, unstated_supply, unstated_temperature
+from drivesizer.results.sizing import objective_figure
 from drivesizer.search.machine_filter import shortfall
+from drivesizer.search.set_record import STEPPER_ASSUMPTIONS
 from drivesizer.search.shortlist import Shortlist
-from drivesizer.search.stepper_figures import STEPPER_ASSUMPTIONS
-from drivesizer.spec.altitude import altitude_words
-from drivesizer.spec.mounting import mounting_words
+from drivesizer.spec.mounting import altitude_words, mounting_words
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 

@@ -1,10 +1,11 @@
-"""One candidate as a record: parts, sums, requirements and checks."""
+"""One candidate as a record: parts, sums, requirements, checks, figures of a stepper."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -13,35 +14,84 @@ from numpy.typing import NDArray
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.catalog.parts import one_row
 from drivesizer.machine.budgets import MachineBudget, regeneration
-from drivesizer.machine.motor_pieces import motor_pieces
+from drivesizer.machine.part_curves import curves_of, torque_of_part
 from drivesizer.machine.problem import quickest_winding
-from drivesizer.machine.pull_out import curves_of
-from drivesizer.machine.set_cycle import set_cycle, turned, warming
-from drivesizer.machine.warm_up import warm_up
+from drivesizer.machine.set_cycle import motor_pieces, set_cycle, turned, warm_up, warming
+from drivesizer.physics.braking import Stop
 from drivesizer.physics.cycle_at_gearhead import SPEED
-from drivesizer.physics.elements.braking import Stop
-from drivesizer.physics.overload import State, cold, overload_time
+from drivesizer.physics.heat_step import State, cold, overload_time
+from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.torque_above import torque_above
-from drivesizer.results.braking import BrakingBudget
-from drivesizer.results.check import Check, Figure, Status, gravest, verdict
-from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation
-from drivesizer.results.pieces import MotorPiece
-from drivesizer.results.reliability import Reliability
-from drivesizer.search.both_methods import compared
-from drivesizer.search.columns.bought import CONTROLLING, bought, chosen
+from drivesizer.results.check import Check, Figure, Reliability, Status, gravest, verdict
+from drivesizer.results.drive_set import BrakingBudget, DriveParts, DriveSet, MotorPiece, Relaxation
+from drivesizer.results.problem import Problem
+from drivesizer.search import ranking
 from drivesizer.search.columns.brakes import stops
 from drivesizer.search.columns.controllers import none_suits
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
-from drivesizer.search.columns.shaft_limits import life_of_gearheads
-from drivesizer.search.columns.shaft_loads import shaft_loads
-from drivesizer.search.estimated import estimated, resolved_checks
-from drivesizer.search.order import ranking
-from drivesizer.search.order.ranking import Ranking
-from drivesizer.search.stepper_figures import stepper_figures
-from drivesizer.spec.select import OBJECTIVES
+from drivesizer.search.columns.offers import CONTROLLING, bought, chosen
+from drivesizer.search.columns.shaft_limits import life_of_gearheads, shaft_loads
+from drivesizer.search.open_checks import estimated, resolved_checks
+from drivesizer.search.ranking import Ranking
+from drivesizer.search.search import compared
+from drivesizer.spec.drive import OBJECTIVES
 
-__all__ = ["drive_in_brief", "drive_parts", "drive_set"]
+__all__ = ["STEPPER_ASSUMPTIONS", "drive_in_brief", "drive_parts", "drive_set"]
+
+
+# -- Figures of a stepper with its load that have no limit of their own.
+
+
+STEPPER_ASSUMPTIONS = (
+    "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well",
+    "a stepper's driver gives the current that it is set to, the rated one where control.phase_current gives none, and "
+    "that of control.idle_current from the beginning of a rest; it loses 2 R I^2, at high speed less; holding and "
+    "pull-out torque go with it, at high speed, where the voltage limits, they fall less",
+    "pull-out torque is that of the printed curve of the highest voltage that the lowest supply reaches, compressed "
+    "along the speed to a lower one; without a curve that of the ideal two-phase model times an estimated share",
+    "a stepper's own friction is in its pull-out torque; losses of its driver are not counted",
+    "rotor and load turn as one body: neither lost steps at a resonance nor a soft coupling are in the checks",
+)
+
+_STEPPER_TABLE = (
+    ("energy", "Energy per cycle, all drives", "energy", "J"),
+    ("returned", "Regenerated energy per cycle", "energy", "J"),
+    ("power", "Largest supply power, all drives", "power", "W"),
+    ("joule_heat", "Heat of both windings, mean", "power", "W"),
+    ("peak_current", "Amplitude of the phase current to set", "current", "A"),
+    ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
+    ("pull_out_at_rest", "Pull-out torque at low speed", "torque", "N*m"),
+    ("pull_out_at_speed", "Pull-out torque at the highest speed", "torque", "N*m"),
+    ("step_rate", "Full steps per second at the highest speed", "frequency", "Hz"),
+    ("natural_frequency", "Natural frequency with the load, held", "frequency", "Hz"),
+    ("start_rate", "Full steps per second without a ramp, no load torque", "frequency", "Hz"),
+)
+
+
+def stepper_figures(problem: Problem, parts: DriveParts, values: dict[str, float]) -> tuple[Figure, ...]:
+    """Figures of a drive with a stepper: what it draws, its step rates and how it swings with its load."""
+    motor, cycle = parts.motor, problem.cases[0].cycle
+    steps, total = 4.0 * motor.pole_pairs, parts.total_ratio
+    rotor = motor.rotor_inertia
+    inertia = parts.inertia() + float(cycle.inertia) / total**2
+    fastest = float(np.abs(cycle.speed).max()) * total
+    speeds, volts = np.array([0.0, fastest]), problem.spec.supply.lowest
+    at_rest, at_speed = torque_of_part(problem.catalog, motor.part, speeds, volts).tolist()
+    starts = start_speed_with(motor.start_speed, rotor, inertia, 0.0, motor.holding_torque)
+    own = {
+        "pull_out_at_rest": at_rest,
+        "pull_out_at_speed": at_speed,
+        "step_rate": fastest * steps / (2.0 * pi),
+        "natural_frequency": float(natural_frequency(motor.pole_pairs, motor.holding_torque, inertia)),
+        "start_rate": float(starts) * steps / (2.0 * pi),
+    }
+    found = values | own
+    return tuple(Figure(name=n, title=t, value=found[n], kind=k, unit=u) for n, t, k, u in _STEPPER_TABLE)
+
+
+# -- One candidate as a record: parts, sums, requirements and checks.
+
 
 _NO_BUDGET = MachineBudget()
 

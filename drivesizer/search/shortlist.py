@@ -1,40 +1,378 @@
-"""From a spec to the best drives: with the drive's mass, by search, by the machine's budgets, by probability.
-
-``sizing`` makes a full result of it, ``study`` a row for each variant.
-"""
+"""From a spec to the best drives: parts offered, a screw, the drive's own mass, search, budgets."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+import fnmatch
+from collections import Counter
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from drivesizer.catalog import DIRECT, Catalog
-from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.machine.budgets import check_battery, machine_requirements
+from drivesizer.catalog import DIRECT, Catalog, Table, load, singular
+from drivesizer.catalog.more_parts import Screw as Part
+from drivesizer.catalog.view.mounted import STEPPER, view_for
+from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
+from drivesizer.load_cases.profile import located, profile_of
+from drivesizer.loads.course import Course, course
+from drivesizer.loads.screw import Screw, ScrewChoice, own_limits
+from drivesizer.loads.stage_losses import force_along
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.machine.budgets import check_battery, drive_mass, machine_requirements, mass_without_drive
+from drivesizer.machine.mass_budget import settle
+from drivesizer.machine.problem import problem
+from drivesizer.physics.load_cycle import Ends
+from drivesizer.results.check import Reliability, Uncertainty
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts, DriveSet
-from drivesizer.results.problem import Problem
-from drivesizer.results.reliability import Reliability, Uncertainty
-from drivesizer.results.weights import Choices
-from drivesizer.search.both_methods import other_checks
+from drivesizer.results.problem import (
+    ChosenScrew,
+    Problem,
+    chosen_of,
+    leaves_open,
+    screw_figures,
+    wants_screw,
+    with_screw,
+)
+from drivesizer.results.sizing import Choices, objective_figure
 from drivesizer.search.columns.controllers import matching, offered_buses, offers
-from drivesizer.search.machine_filter import Weigh, divided, machine_filter, weighing
-from drivesizer.search.order.families import family_firsts, family_of
-from drivesizer.search.order.found import Judge, SearchResult
-from drivesizer.search.order.ranking import COUNTED, Ranking, names_of
-from drivesizer.search.order.sifting import Progress
-from drivesizer.search.own_mass import depends_on_ranking, problem_with_drive_mass
-from drivesizer.search.search import search
+from drivesizer.search.columns.evaluation import smallest_margin
+from drivesizer.search.columns.limits import own_limit
+from drivesizer.search.in_order import Judge, SearchResult, family_firsts, family_of
+from drivesizer.search.machine_filter import Weigh, best_in_machine, divided, machine_filter, weighing
+from drivesizer.search.ranking import COUNTED, Progress, Ranking, names_of, title_of
+from drivesizer.search.search import other_checks, search
 from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
+from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
 
 if TYPE_CHECKING:
     from drivesizer.search.uncertainty.run import SampledDrives
 
-__all__ = ["Shortlist", "shortlist"]
+__all__ = ["Shortlist", "load_parts", "pair_of", "problem_with_drive_mass", "problem_with_screw", "shortlist"]
+
+
+# -- The parts out of which a spec's drive is chosen: its catalogues as the search takes them, or two parts by number.
+
+
+def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
+    """The catalogues that a spec names, or one that was loaded, for the search."""
+    if catalog is None:
+        try:
+            catalog = load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
+        except UnknownCatalogError as error:
+            raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
+    _offers_motors(spec, catalog)
+    estimates = spec.select.estimates == "on"
+    return view_for(catalog, spec.select.motor.kind, estimates, spec.control.phase_current)
+
+
+def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:
+    """Refuse catalogues without a motor of the kind that the spec selects: steppers, or anything else."""
+    steppers = spec.select.motor.kind == STEPPER
+    if steppers and not len(catalog.steppers):
+        where = spec.where(("select", "catalogs"))
+        named = ", ".join(spec.select.catalogs)
+        raise InputError(f"{where}: {named} without steppers; expected e.g. stepperonline")
+    if not steppers and len(catalog.steppers) and not len(catalog.motors) and not len(catalog.actuators):
+        where = spec.where(("select", "catalogs"))
+        raise InputError(f"{where}: only steppers are in them; expected select: {{motor: {{kind: {STEPPER}}}}}")
+
+
+def pair_of(catalog: Catalog, motor: str, gearhead: str, volts: float) -> tuple[int, int]:
+    """Rows of a motor and a gearhead."""
+    row = _row(catalog, "motors", motor, catalog.motors.at_voltage(volts))
+    box = str(catalog.motors["inside"][row])
+    if box and gearhead in ("", box):
+        return row, catalog.gearheads.rows[box]
+    if not gearhead:
+        raise InputError(f"--gearhead: motor {quoted(motor)} needs one; expected a part number, or {DIRECT} for none")
+    other = _row(catalog, "gearheads", gearhead)
+    whole = box or str(catalog.gearheads["inside"][other])
+    if whole:
+        raise InputError(f"--gearhead: {quoted(whole)} is an actuator, which has motor and gearhead inside")
+    return row, other
+
+
+def _row(catalog: Catalog, section: str, part: str, counts: NDArray[np.bool_] | None = None) -> int:
+    table = catalog.table(section)
+    rows = [row for row in table.called(part) if counts is None or counts[row]]
+    if not rows:
+        raise InputError(f"{singular(section)} {quoted(part)} is in no catalogue{nearest(part, table.rows)}")
+    if len(rows) > 1:
+        names = ", ".join(table["part"][rows].tolist())
+        raise InputError(f"{singular(section)} {quoted(part)} is several parts; expected one of {names}")
+    return rows[0]
+
+
+# -- A screw out of the catalogues: of each lead the smallest that holds, and of all leads that of the best drive.
+#
+# The limits of a screw itself do not hang on what drives it. So each lead needs one screw only, and the search runs
+# once for each lead, as often as for as many belt ratios: another lead is another load cycle, with another inertia
+# and efficiency, not the same one scaled.
+
+
+_KINDS = {"ball_screw": ("ball",), "lead_screw": ("trapezoidal", "lead")}  # in the catalogues, by kind of load
+_SURE = ("pass", "open", "unknown", "fail")
+_NO_EFFICIENCY = "efficiency unknown"
+
+
+class _Case(NamedTuple):
+    """A load case of a screw, whatever its lead."""
+
+    spec: RobotSpec
+    course: Course
+    force: Ends  # N, on the nut of one screw
+
+
+class _ScrewOfLead(NamedTuple):
+    """The screw of a lead, or why there is none."""
+
+    lead: float  # m
+    screw: Part | None
+    failed: str  # the limit that most of its screws fail
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Tried:
+    """A lead with its screw and the best drive for it."""
+
+    problem: Problem
+    best: DriveSet | None
+
+    @property
+    def chosen(self) -> ChosenScrew:
+        """Of the machine's length."""
+        assert self.problem.screw is not None
+        return self.problem.screw
+
+
+def problem_with_screw(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[Problem, tuple[str, ...]]:
+    """The sizing problem of a machine with the screw out of the catalogues that suits its drive best."""
+    held = _smallest_by_lead(spec, catalog)
+    screws = [one.screw for one in held if one.screw is not None]
+    if not screws:
+        raise InputError(f"{spec.where(('load', 'screw'))}: no screw holds: the leads {_reasons(held)}")
+    problems = [_with_screw(spec, catalog, screw) for screw in screws]
+    tried = [_Tried(problem=one, best=best_in_machine(one, objective)) for one in problems]
+    able = [one for one in tried if one.best is not None]
+    if able:
+        chosen = able[int(np.lexsort(_order(able, objective)[::-1])[0])].problem
+    else:
+        chosen = max(problems, key=lambda one: _nearness(one, objective))
+    return chosen, (_words(held, tried, objective),)
+
+
+def _with_screw(spec: RobotSpec, catalog: Catalog, screw: Part) -> Problem:
+    """The problem with one screw."""
+    return replace(problem(with_screw(spec, screw), catalog), screw=chosen_of(spec, screw))
+
+
+# --- the screw of each lead -------------------------------------------------------------------------------------------
+
+
+def _smallest_by_lead(spec: RobotSpec, catalog: Catalog) -> list[_ScrewOfLead]:
+    """For each lead of the catalogues the smallest screw that holds in all load cases; known limits before unknown."""
+    rows, table = _screw_rows(spec, catalog), catalog.screws
+    cases = [_case(one) for _, one in spec.load_cases if leaves_open(one)]
+    found = []
+    for lead in np.unique(table["lead"][rows]).tolist():
+        same = rows[table["lead"][rows] == lead]
+        order = np.lexsort((table["part"][same], table["dynamic_load"][same], table["diameter"][same]))
+        found.append(_smallest(lead, (table.record(int(row)) for row in same[order]), cases))
+    return found
+
+
+def _smallest(lead: float, screws: Iterator[Part], cases: Sequence[_Case]) -> _ScrewOfLead:
+    unsure, failed = None, Counter[str]()
+    for screw in screws:
+        fails, lacks = _screw_verdict(screw, cases)
+        if fails:
+            failed[fails] += 1
+        elif not lacks:
+            return _ScrewOfLead(lead, screw, "")
+        elif unsure is None:
+            unsure = screw
+    return _ScrewOfLead(lead, unsure, failed.most_common(1)[0][0] if failed and unsure is None else "")
+
+
+def _screw_verdict(screw: Part, cases: Sequence[_Case]) -> tuple[str, bool]:
+    """The first limit that a screw fails, and whether one is unknown."""
+    lacks = False
+    for case in cases:
+        load: Any = case.spec.load
+        load = load.model_copy(update=screw_figures(load, screw))
+        if load.efficiency is None and load.thread_friction is None:
+            return _NO_EFFICIENCY, False
+        with located(case.spec):
+            limits = own_limits(load, case.course, case.force)
+        for own in limits:
+            check = own_limit(case.spec, own)
+            if check is not None and check.failed.any():
+                return CHECKS["physics"][own.name].title.removeprefix("Screw ").partition(",")[0], False
+            lacks |= check is not None and not check.passed.all()
+    return "", lacks
+
+
+def _case(spec: RobotSpec) -> _Case:
+    load: Any = spec.load
+    moved = course(profile_of(spec))
+    return _Case(spec, moved, force_along(moved, load, spec.environment.gravity, load.mass) / load.motors)
+
+
+def _screw_rows(spec: RobotSpec, catalog: Catalog) -> NDArray[np.int64]:
+    """Rows of the screws of the required kind, maker and size."""
+    load, table = spec.load, catalog.screws
+    assert isinstance(load, Screw)
+    assert load.screw is not None
+    good = np.isin(table["kind"], _KINDS[load.kind]) & ~table.excluded & (table["lead"] > 0.0)
+    for rows in _conditions(load.screw, table):
+        good &= rows
+    found = np.flatnonzero(good)
+    if not len(found):
+        listed = len(np.flatnonzero(np.isin(table["kind"], _KINDS[load.kind]) & ~table.excluded))
+        there = f"{listed} of that kind" if listed else "none: select.catalogs needs some that do, e.g. thk, or all"
+        raise InputError(
+            f"{spec.where(('load', 'screw'))}: no such screw in the catalogues that the spec names; they list {there}"
+        )
+    return found
+
+
+def _conditions(choice: ScrewChoice, table: Table[Any]) -> Iterator[NDArray[np.bool_]]:
+    """Masks of the screws that meet each part of a choice."""
+    for name, column in (("maker", "manufacturer"), ("family", "family"), ("part", "part")):
+        wanted = getattr(choice, name)
+        if wanted is not None:
+            texts = np.char.lower(table[column])
+            yield np.array([any(fnmatch.fnmatchcase(str(t), w.lower()) for w in wanted) for t in texts], bool)
+    for name in ("diameter", "lead"):
+        yield table[name] >= (getattr(choice, f"{name}_min") or 0.0) * (1.0 - 1e-9)
+        most = getattr(choice, f"{name}_max")
+        yield table[name] <= (inf if most is None else most) * (1.0 + 1e-9)
+    if choice.play_max is not None:
+        yield table["axial_play"] <= choice.play_max
+
+
+# --- the best of them -------------------------------------------------------------------------------------------------
+
+
+def _order(able: Sequence[_Tried], objective: Ranking) -> tuple[NDArray[np.float64], ...]:
+    """Columns that order leads, the first one first.
+
+    Status of their best drives, objectives of which the screw's share is unknown, the objective, the screw's size.
+    """
+    best: list[Any] = [one.best for one in able]
+    sure = np.array([float(_SURE.index(one.status)) for one in best])
+    value = np.zeros(len(able))
+    weights = (
+        {part.objective: part.weight for part in objective} if not isinstance(objective, str) else {objective: 1.0}
+    )
+    for name in names_of(objective):
+        value += weights[name] * _shares(np.array([_figure(one, name) for one in able]), name)
+    size = np.array([one.chosen.least_mass for one in able])
+    unknown = np.array([float(sum(isnan(_screw_share(one, name)) for name in weights)) for one in able])
+    return sure, unknown, value, size
+
+
+def _figure(one: _Tried, name: str) -> float:
+    """An objective of the best drive, of mass and price with the screw's as far as that is known."""
+    assert one.best is not None
+    own = _screw_share(one, name)
+    return objective_figure(one.best, name).value + (0.0 if isnan(own) else own)
+
+
+def _screw_share(one: _Tried, name: str) -> float:
+    """Share of the screw in an objective; NaN unknown."""
+    return {"mass": one.chosen.least_mass, "price": one.chosen.screw.price}.get(name, 0.0)
+
+
+def _shares(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+    """Figures as shares of the best of them, less is better; unknown ones behind all others."""
+    if OBJECTIVES[name].more_is_better:
+        values = 1.0 / np.maximum(1.0 + values, 1e-9)
+    least = np.nanmin(values, initial=inf)
+    return np.nan_to_num(values / least if 0.0 < least < inf else values, nan=1e9)
+
+
+def _nearness(one: Problem, objective: Ranking) -> float:
+    """The smallest margin of the closest rejected drive."""
+    found = search(one, top=1, objective=objective, misses=1)
+    return float(smallest_margin(found.evaluation.checks)[0]) if len(found.evaluation.candidates.motor) else -inf
+
+
+# --- words ------------------------------------------------------------------------------------------------------------
+
+
+def _words(held: Sequence[_ScrewOfLead], tried: Sequence[_Tried], objective: Ranking) -> str:
+    """The leads and the best drive of each, in a sentence."""
+    drives = "; ".join(_drive_of(one, objective) for one in tried)
+    left = _reasons(held)
+    without = f"; no screw holds of {left}" if left else ""
+    return f"the best drive for the smallest screw of each lead, by {title_of(objective)}: {drives}{without}"
+
+
+def _drive_of(one: _Tried, objective: Ranking) -> str:
+    part = one.chosen.screw
+    screw = f"{show(part.lead, 'mm', 'length')} {part.manufacturer} {part.part}"
+    if one.best is None:
+        return f"{screw}: none"
+    figure = objective_figure(one.best, objective).text if isinstance(objective, str) else ""
+    beside = f" and a screw of {show(one.chosen.least_mass, 'g', 'mass', 3)}" if objective == "mass" else ""
+    return f"{screw}: {one.best.motor_name} {figure}{beside}".rstrip()
+
+
+def _reasons(held: Sequence[_ScrewOfLead]) -> str:
+    """Leads without a screw that holds, by the limit that most of its screws fail."""
+    leads: dict[str, list[str]] = {}
+    for one in held:
+        if one.screw is None:
+            leads.setdefault(one.failed, []).append(f"{one.lead * 1e3:.4g}")
+    return "; ".join(f"{', '.join(several)} mm ({reason})" for reason, several in leads.items())
+
+
+# -- The sizing problem of a machine whose mass includes that of its own drive, or whose screw is left open.
+
+
+_SAME = 1e-9  # kg: of drives out of a catalogue one is found again, or another is heavier
+_ITERATED = frozenset({"mass_sized_for"})  # holds once the rounds have settled, and not before
+
+
+def depends_on_ranking(spec: RobotSpec) -> bool:
+    """Whether the problem of a machine hangs on what ranks drives: by its own drive's mass, or a screw left open."""
+    counts = spec.budget is not None and spec.budget.drive_counts and isinstance(spec.load, WheeledVehicle)
+    return counts or wants_screw(spec)
+
+
+def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[Problem, tuple[str, ...]]:
+    """The sizing problem of a machine, with the mass of its drive or the screw that the spec leaves to the search."""
+    load = spec.load
+    if wants_screw(spec):
+        return problem_with_screw(spec, catalog, objective)
+    if not depends_on_ranking(spec) or not isinstance(load, WheeledVehicle):
+        return problem(spec, catalog), ()
+
+    def weighing(mass: float) -> RobotSpec:
+        return spec.model_copy(update={"load": load.model_copy(update={"mass": mass})})
+
+    def sized(mass: float) -> tuple[float, str] | None:
+        heavy = problem(weighing(mass), catalog)
+        best = best_in_machine(heavy, objective, _ITERATED)
+        return (drive_mass(heavy, best), best.label) if best else None
+
+    settled = settle(sized, mass_without_drive(spec, catalog), tolerance=_SAME)
+    mass = settled.total if settled.carries_itself else settled.steps[-1].total
+    return problem(weighing(mass), catalog), (f"the drive's own mass counts, as far as it is known: {settled.words}",)
+
+
+# -- From a spec to the best drives: with the drive's mass, by search, by the machine's budgets, by probability.
+#
+# ``sizing`` makes a full result of it, ``study`` a row for each variant.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,19 +1,170 @@
-"""Validation errors of a spec, a line each: ``file:line: field: found; expected, example``."""
+"""Messages on a spec, a line each: field, found, expected; unknown keys; what contradicts another section."""
 
 from __future__ import annotations
 
 import difflib
 import re
-from typing import Any
+from types import UnionType
+from typing import Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.spec.keys import known_keys, meant, models_at, models_of
+from drivesizer.loads.kinds import MODULES
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.spec.drive import DIRECT, DirectStage, GearheadStage
+from drivesizer.spec.motions import Track, Waypoints
+from drivesizer.spec.sections import Lives
 from drivesizer.units import KINDS, noun
 
-__all__ = ["explained"]
+__all__ = ["PAPER_TREATS", "explained", "has_names", "known_keys", "models_at", "models_of", "refuse_contradictions"]
+
+
+# -- Keys of a spec: those that are known at a place, and which one an unknown key stands for.
+
+
+# What others call a field: the first of these that is known at its place, or elsewhere in the file, is proposed.
+_OTHER_WORDS = {
+    "accel": ("acceleration", "acceleration_time"),
+    "ambient_temperature": ("ambient",),
+    "angle": ("incline", "slope", "distance"),
+    "bus_voltage": ("nominal",),
+    "displacement": ("distance",),
+    "dwell": ("rest_time",),
+    "dwell_time": ("rest_time",),
+    "friction": ("friction_coefficient", "rolling_resistance", "friction_torque"),
+    "gear_ratio": ("ratio",),
+    "inclination": ("incline", "slope"),
+    "max_voltage": ("max",),
+    "min_voltage": ("min",),
+    "moment_of_inertia": ("inertia",),
+    "move": ("distance",),
+    "mu": ("friction_coefficient",),
+    "pause": ("rest_time",),
+    "payload": ("mass",),
+    "pitch": ("lead",),
+    "radius": ("diameter", "wheel_diameter", "pulley_diameter"),
+    "stroke": ("distance",),
+    "temperature": ("ambient",),
+    "travel": ("distance",),
+    "velocity": ("speed",),
+    "voltage": ("nominal", "nominal_voltage"),
+    "weight": ("mass",),
+}
+_FEW = 3  # places of a key that are named
+
+
+def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
+    """Return what an unknown key stands for."""
+    key = str(path[-1])
+    if re.match(r"[0-9]", key):
+        return "a comma ends a field between { and }; a number has a decimal point, e.g. 3.6 km/h"
+    known = known_keys(model, path[:-1], data)
+    named = next((word for word in _OTHER_WORDS.get(key, ()) if word in known), None)
+    if named:
+        return f"did you mean {quoted(named)}?"
+    kinds = (_other_kind(model, path, word) for word in (key, *_OTHER_WORDS.get(key, ())))
+    return next(filter(None, kinds), "") or _other_group(model, key) or _nearest(key, known)
+
+
+def _other_kind(model: type[BaseModel], path: Path_, word: str) -> str:
+    """The profiles or kinds with a word that the one of the file lacks; empty where none has it."""
+    # of load and motion, each one of several models, and of each stage of the transmission
+    owners = [model] if len(path) == 2 or (len(path) == 3 and isinstance(path[1], int)) else []
+    fields = [m.model_fields[str(path[0])] for m in owners if path[0] in m.model_fields]
+    models = [m for field in fields for m in models_of(field) if word in m.model_fields]
+    for name in ("profile", "kind"):
+        having = [m.model_fields[name].annotation for m in models if name in m.model_fields]
+        named = [str(kind) for annotation in having for kind in get_args(annotation)]
+        if named:
+            return f"{'it' if word == path[-1] else quoted(word)} belongs to {name}: {' or '.join(named)}"
+    return ""
+
+
+def _other_group(model: type[BaseModel], key: str) -> str:
+    """The groups of the file that have a key, or what it is called there; empty where none has it, or too many."""
+    places = [
+        f"{group}.{word}"
+        for word in (key, *_OTHER_WORDS.get(key, ()))
+        for group, field in model.model_fields.items()
+        if any(word in one.model_fields for one in models_of(field))
+    ]
+    return f"expected {' or '.join(places)}" if 0 < len(places) <= _FEW else ""
+
+
+def _nearest(key: str, known: list[str]) -> str:
+    close = difflib.get_close_matches(key, known, 1, 0.5)
+    return f"did you mean {quoted(close[0])}?" if close else f"expected one of {', '.join(known)}"
+
+
+def known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
+    """Names of the fields at a path."""
+    return list(dict.fromkeys(name for m in models_at(model, path, data) for name in m.model_fields))
+
+
+def models_at(model: type[BaseModel], path: Path_, data: Any) -> list[type[BaseModel]]:
+    """Models of a path; `kind` or `profile` decides between them."""
+    return _reached(model, path, data)[0]
+
+
+def has_names(model: type[BaseModel], path: Path_, data: Any) -> bool:
+    """Whether the keys at a path are names that the user gives, such as joints."""
+    return _reached(model, path, data)[1]
+
+
+def _reached(model: type[BaseModel], path: Path_, data: Any) -> tuple[list[type[BaseModel]], bool]:
+    """Models of a path, and whether the keys there are names by which each has one of these models."""
+    models: list[type[BaseModel]] = [model]
+    by_name = False
+    for step in path:
+        try:
+            data = data[step]
+        except (TypeError, KeyError, IndexError):
+            data = None
+        if isinstance(step, str) and not by_name:
+            fields = [m.model_fields[step] for m in models if step in m.model_fields]
+            models = [found for f in fields for found in models_of(f)]
+            by_name = any(_is_by_name(f.annotation) for f in fields)
+        elif isinstance(step, str):
+            by_name = False
+        found = data if isinstance(data, dict) else {}
+        models = [m for m in models if _is_named(m, found)] or models
+    return models, by_name
+
+
+def _is_by_name(annotation: Any) -> bool:
+    """Whether a type is a group of fields by names of the user's, or may be one."""
+    if get_origin(annotation) in (Union, UnionType):
+        return any(map(_is_by_name, get_args(annotation)))
+    return get_origin(annotation) is dict
+
+
+def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
+    """Whether the field that selects a model, kind or profile, names this one."""
+    named = {key: model.model_fields[key] for key in ("kind", "profile") if key in model.model_fields}
+    return any(data.get(key, field.default) in get_args(field.annotation) for key, field in named.items())
+
+
+def models_of(field: FieldInfo) -> list[type[BaseModel]]:
+    """Models that a field is of, or may be, by its type or by what marks it."""
+    return [found for part in (field.annotation, *field.metadata) for found in models_in(part)]
+
+
+def models_in(annotation: Any) -> list[type[BaseModel]]:
+    """Models that a type is, or may be."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if hasattr(annotation, "models"):  # a figure that may be a group of fields too
+        return list(annotation.models)
+    if get_origin(annotation) in (Union, UnionType, list) or get_origin(annotation) is not None:
+        return [found for inner in get_args(annotation) for found in models_in(inner)]
+    return []
+
+
+# -- Validation errors of a spec, a line each: ``file:line: field: found; expected, example``.
+
 
 # beginnings of validators' messages that state what was found
 _ALONE = (
@@ -191,3 +342,200 @@ def _default(model: type[BaseModel], path: Path_, data: Any) -> str:
 
 def _some(model: type[BaseModel], path: Path_) -> str:
     return ", ".join(known_keys(model, path, None)[:4])
+
+
+# -- Sections of a spec that contradict each other: what is refused where each of them by itself is right.
+
+
+PAPER_TREATS = (
+    "the paper treats a wheeled_vehicle without wind on a trapezoid that decelerates as it accelerates, in one case"
+)
+
+_MOST_SHARED = 0.999  # of the time, that load cases may take of the machine as specified
+_OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw", "ball_screw")
+
+
+def refuse_contradictions(spec: Any) -> None:
+    """Raise the first contradiction between sections of a ``RobotSpec`` as a ValueError that names the field."""
+    for agree in (
+        _chained, _mounted, _moved, _motor_kind_conflicts, _wheel_conflicts,
+        _burning, _overhung, _lasting, _equipped, _braked, _alternating, _required,
+    ):  # fmt: skip
+        agree(spec)
+
+
+def _chained(spec: Any) -> None:
+    """Stages behind each other as machines have them."""
+    kinds = [stage.kind for stage in spec.transmission]
+    behind = ["belt" if kind == "belt" else "gear" for kind in kinds[1:]]
+    if (
+        not isinstance(spec.transmission[0], GearheadStage | DirectStage)
+        or len(set(behind)) != len(behind)
+        or ({"gearhead", DIRECT} & set(kinds[1:]))
+    ):
+        raise ValueError(
+            "transmission must be a gearhead or direct, or one of them and then a belt, a gear, or one of each"
+        )
+    _check_gear(spec)
+    named = spec.select.gearhead.named.values()
+    if spec.is_direct and {name for names in named for name in names} - {DIRECT}:
+        raise ValueError(f"select: with kind: {DIRECT} as transmission there is none; leave gearhead out")
+
+
+def _check_gear(spec: Any) -> None:
+    """Refuse a gear where nothing behind it would know of it."""
+    gear, belt = spec.gear, spec.belt
+    if gear is None:
+        return
+    if spec.platform is not None:
+        raise ValueError(f"transmission: a {gear.kind} drives no wheel of a platform; expected a gearhead or belt")
+    if not spec.gear_before_belt or belt is None:
+        return
+    if gear.has_own_torque and belt.ratio is None:
+        raise ValueError(
+            f"transmission: inertia and friction of a {gear.kind} before a belt need the one ratio of the belt; "
+            "expected ratio, or the belt before it"
+        )
+    if belt.pulleys is not None and (belt.max_tension or belt.max_speed):
+        raise ValueError(
+            f"transmission: max_tension and max_speed of pulleys behind a {gear.kind} are not checked; expected "
+            "the belt before it, or ratio with pulley_diameter"
+        )
+
+
+def _mounted(spec: Any) -> None:
+    """A mounting where heat is computed."""
+    if spec.mounting is not None and spec.steps:
+        raise ValueError("mounting: the heat of steppers is not computed; leave it out")
+    if spec.mounting is not None and spec.method == "paper":
+        raise ValueError("mounting: the paper's method knows no heat; leave it out, or method: physics")
+
+
+def _moved(spec: Any) -> None:
+    """A motion that the load takes."""
+    recorded = spec.load.kind == "recorded"
+    if recorded and spec.motion is not None:
+        raise ValueError("motion: a recorded load brings its own motion; leave this one out")
+    if not recorded and spec.motion is None:
+        raise ValueError("motion is missing; expected fields such as speed, acceleration_time, cruise_time")
+    if spec.carries and (spec.platform is not None or not spec.load.takes_payload):
+        what = "platform" if spec.platform else spec.load.kind
+        raise ValueError(f"motion: a {what} takes no payload that changes; expected load cases")
+
+
+def _motor_kind_conflicts(spec: Any) -> None:
+    """Fields of steppers and of the paper's method where they are."""
+    if spec.needs.start_speed is not None and not spec.steps:
+        raise ValueError("needs.start_speed: it is of steppers; expected select: {motor: {kind: stepper}}")
+    own = {"microsteps", "phase_current", "idle_current", "damping_ratio"} & spec.control.model_fields_set
+    if own and not spec.steps:
+        raise ValueError(f"control.{min(own)}: it is of steppers; expected select: {{motor: {{kind: stepper}}}}")
+    if foreign := spec.tolerances.foreign(steps=spec.steps):
+        raise ValueError(foreign)
+    if spec.method == "paper" and spec.steps:
+        raise ValueError("method: the paper treats DC motors, no steppers; expected method: physics")
+    if spec.method == "paper" and not spec.paper_applies:
+        raise ValueError(f"method: {PAPER_TREATS}; expected method: physics")
+
+
+def _wheel_conflicts(spec: Any) -> None:
+    """A platform on the wheels of its load."""
+    if spec.platform is None:
+        if isinstance(spec.motion, Track | Waypoints):
+            raise ValueError("motion: a trajectory moves a platform; expected a section platform with its wheels")
+        return
+    if not isinstance(spec.load, WheeledVehicle):
+        raise ValueError("platform: it stands on the wheels of a load of kind wheeled_vehicle; leave it out")
+    driven, wanted = sum(place.driven for place in spec.platform.places), spec.load.driven_wheels
+    if driven != wanted:
+        raise ValueError(
+            f"platform: {driven} of its wheels are driven; expected as many as load.driven_wheels, {wanted}"
+        )
+    if spec.load.driven_share is not None:
+        raise ValueError("load.driven_share: each wheel's share follows from the platform; leave it out")
+    if not sum(payload.mass for payload in spec.platform.payloads) < spec.load.mass:
+        raise ValueError("platform: expected payloads that leave some of load.mass, which includes them")
+
+
+def _burning(spec: Any) -> None:
+    """A brake resistor that burns what nothing else takes."""
+    section = spec.brake_resistor
+    if section is None:
+        return
+    if spec.battery is not None or spec.supply.kind == "battery":
+        raise ValueError("brake_resistor: the battery takes what is regenerated; leave one of them out")
+    if section.chopper_voltage is not None and section.chopper_voltage <= spec.supply.nominal:
+        raise ValueError(
+            f"brake_resistor: a chopper at {section.chopper_voltage:g} V burns what the supply delivers; "
+            f"expected chopper_voltage above nominal, {spec.supply.nominal:g} V"
+        )
+
+
+def _overhung(spec: Any) -> None:
+    """A shaft on which something acts."""
+    shaft, stages, needs = spec.shaft, spec.transmission, spec.needs
+    if shaft is None:
+        return
+    carries = shaft.carries_load
+    if carries and len(stages) > 1:
+        raise ValueError(f"shaft.carries_load: the {stages[1].kind} is on this shaft, not the load; leave it out")
+    if carries and spec.load.kind not in _OVERHUNG:
+        raise ValueError(
+            f"shaft.carries_load: a {spec.load.kind} has no known force on its shaft; expected needs.radial_load"
+        )
+    if carries and spec.platform is not None and shaft.wheel_load is None:
+        raise ValueError("shaft: expected wheel_load, for loads on the wheels of a platform differ")
+    if not carries and len(stages) == 1 and needs.radial_load is needs.axial_load is needs.tilting_moment is None:
+        raise ValueError("shaft: nothing acts on it; expected carries_load, a belt or gear, or needs.radial_load")
+
+
+def _lasting(spec: Any) -> None:
+    """Lives of what there is."""
+    lives, load = spec.needs.life, spec.load
+    if not isinstance(lives, Lives):
+        return
+    if lives.screw is not None and MODULES[load.kind] != "screw":
+        raise ValueError(f"needs.life.screw: a {load.kind} has no screw; leave it out")
+    if lives.screw is not None and getattr(load, "screw", None) is getattr(load, "dynamic_load", None) is None:
+        raise ValueError("needs.life.screw: it follows from a ball screw's rating; expected load.dynamic_load")
+    if spec.is_direct and (lives.gearhead or lives.output_bearing) is not None:
+        raise ValueError(f"needs.life: with kind: {DIRECT} as transmission there is no gearhead; leave it out")
+    if lives.output_bearing is not None and spec.shaft is None:
+        raise ValueError("needs.life.output_bearing: nothing is known to load it; expected a section shaft")
+
+
+def _equipped(spec: Any) -> None:
+    """Equipment on a battery."""
+    if spec.equipment and spec.battery is None:
+        raise ValueError("equipment: it draws from a battery; expected a section battery")
+    for one in spec.equipment:
+        try:
+            one.share(spec.mission.duration if spec.mission else None)
+        except ValueError as error:
+            raise ValueError(f"equipment: {error}") from None
+
+
+def _braked(spec: Any) -> None:
+    """One brake, and one that closes at rest where there is one."""
+    if spec.control.at_rest == "brake" and not spec.wants_brake:
+        raise ValueError("control.at_rest: there is no brake; expected needs: {hold_unpowered: true}, or a brake")
+    if spec.brake and spec.select.brake.named:
+        raise ValueError("brake: it has figures of its own; expected brake or select.brake, not both")
+
+
+def _alternating(spec: Any) -> None:
+    """Load cases that share the time."""
+    shares = [case.share for case in spec.cases if case.share is not None]
+    if not shares:
+        return
+    if sum(shares) > _MOST_SHARED:
+        raise ValueError(f"cases: their shares are {100.0 * sum(shares):g} % together; expected less than 100 %")
+    motions = [motion for case in spec.cases if case.share is not None for motion in case.motion]
+    if isinstance(spec.motion, Track | Waypoints) or {"trajectory", "waypoints"} & {*motions}:
+        raise ValueError("cases: wheels of a platform on a trajectory do not alternate; leave share out")
+
+
+def _required(spec: Any) -> None:
+    """A distance of what travels."""
+    if spec.requirements and spec.requirements.travel and not isinstance(spec.load, WheeledVehicle):
+        raise ValueError(f"requirements.travel: a {spec.load.kind} does not travel; leave it out, or give speed")

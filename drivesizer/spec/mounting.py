@@ -1,26 +1,115 @@
-"""Section of a spec on the mounting of the motor: what carries its heat away, and what of the gearhead's loss heats it.
+"""The drive's surroundings in a spec: what carries its heat away, thin air, loads on its shaft, a holding brake."""
 
-Makers print the thermal resistance from housing to ambient, R_th2, of a mounting of their own. The kinds are shares of
-it, with bands:
+from __future__ import annotations
 
-- ``metal_flange``: 0.5 (0.2 to 0.8). maxon prints the operating range of its DCX motors at half R_th2 too, and up to
-  80 % less on a good heat sink (recalled, not quoted); Faulhaber prints recommended values at 55 % less (3564 B);
-  Copley prints 18 to 30 % less with a plate of 25 x 25 x 2.5 cm (ServoTube 38).
-- ``insulated``: 1.2 (1 to 1.45). maxon's figures are of a plastic plate already; motors that are rated on a plate lose
-  it: Copley prints 0.87 to 0.50 K/W without and 0.61 to 0.41 K/W with one, 22 to 43 % more.
-- ``plate``: a thermal resistance of its own beside the housing's, both to ambient.
-"""
-
-from typing import Any, Literal, NamedTuple, Self
+import math
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Part, Ratio, Section, ThermalResistance, default
+from drivesizer.files.fields import (
+    Consumed,
+    Duration,
+    Energy,
+    Factor,
+    Force,
+    Inertia,
+    Mass,
+    Part,
+    Pause,
+    Power,
+    Price,
+    Quantity,
+    Ratio,
+    Section,
+    ThermalResistance,
+    Thickness,
+    TorqueAbove,
+    Turning,
+    Voltage,
+    default,
+)
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import flange_loss
+from drivesizer.spec.sections import Environment
 
-__all__ = ["Mounting", "Share", "loss_at_flange", "mounting_words"]
+__all__ = [
+    "Mounting", "OwnBrake", "Shaft", "altitude_words", "controller_needed", "loss_at_flange", "motor_needed",
+    "mounting_words", "rise_left", "rise_needed",
+]  # fmt: skip
+
+
+# -- Thin air: margins by which thermal ratings must exceed the demand above 1000 m.
+#
+# Ratings hold up to 1000 m. Above, IEC 60034-1 takes 1 % of the permitted rise per 100 m, to 4000 m:
+#
+# .. math:: k = 1 - \frac{h - 1000\,\mathrm{m}}{10\,000\,\mathrm{m}}, \qquad
+#           ΔT \le k \, ΔT_{max}, \quad I_{rms} \le \sqrt{k} \, I_N
+#
+# Controllers lose 1 % of their continuous current per 100 m, I ≤ k I_N (ABB, ACS880-14 hardware manual, altitude
+# derating). No rating is changed: the margin m that a check requires becomes (1 + m) / k - 1, or with √k.
+#
+# Printed: a SIMOTICS S-1FK2 motor has 0.95, 0.89 and 0.84 of its torque at 2000, 3000 and 4000 m in 40 °C (Siemens,
+# configuration manual A5E46927724B, derating factors); √k is 0.949, 0.894 and 0.837.
+
+
+_RATED, _PER_ALL = 1000.0, 10_000.0  # m: up to which ratings hold, and over which all of a rise would be lost
+
+
+def rise_left(surroundings: Environment) -> float:
+    """Share of the permitted rise that is left at an altitude.
+
+    >>> rise_left(Environment(altitude="2000 m")), rise_left(Environment(altitude="500 m"))
+    (0.9, 1.0)
+    """
+    return 1.0 - max(0.0, surroundings.altitude - _RATED) / _PER_ALL
+
+
+def rise_needed(spec: Any, margin: float | None = None) -> float:
+    """Margin that a rise of temperature must leave in a spec's surroundings."""
+    return _raised(spec.margins.temperature if margin is None else margin, rise_left(spec.environment))
+
+
+def motor_needed(spec: Any, margin: float | None = None) -> float:
+    """Margin that a motor's RMS current or torque must leave there."""
+    return _raised(spec.margins.torque if margin is None else margin, math.sqrt(rise_left(spec.environment)))
+
+
+def controller_needed(spec: Any, margin: float | None = None) -> float:
+    """Margin that a controller's continuous current must leave there."""
+    return _raised(spec.margins.torque if margin is None else margin, rise_left(spec.environment))
+
+
+def _raised(margin: float, left: float) -> float:
+    return margin if left == 1.0 else (1.0 + margin) / left - 1.0
+
+
+def altitude_words(spec: Any) -> tuple[str, ...]:
+    """The assumption behind these margins, as a sentence; nothing up to 1000 m."""
+    left = rise_left(spec.environment)
+    if left == 1.0 or spec.method != "physics":
+        return ()
+    lost, less = (100.0 * (1.0 - x) for x in (left, math.sqrt(left)))
+    return (
+        f"at {spec.environment.altitude:g} m the winding's rise must stay {lost:.3g} % below the permitted one and the "
+        f"motor's RMS current {less:.3g} % below its nominal one (IEC 60034-1: 1 % of the rise per 100 m above "
+        f"1000 m), the controller's {lost:.3g} % (1 % per 100 m); these are in the margins that the checks require",
+    )
+
+
+# -- Section of a spec on the mounting of the motor: what carries its heat away, and what of the gearhead's loss heats
+# it.
+#
+# Makers print the thermal resistance from housing to ambient, R_th2, of a mounting of their own. The kinds are
+# shares of it, with bands:
+#
+# - ``metal_flange``: 0.5 (0.2 to 0.8). maxon prints the operating range of its DCX motors at half R_th2 too, and up
+# to 80 % less on a good heat sink (recalled, not quoted); Faulhaber prints recommended values at 55 % less (3564 B);
+# Copley prints 18 to 30 % less with a plate of 25 x 25 x 2.5 cm (ServoTube 38). - ``insulated``: 1.2 (1 to 1.45).
+# maxon's figures are of a plastic plate already; motors that are rated on a plate lose it: Copley prints 0.87 to
+# 0.50 K/W without and 0.61 to 0.41 K/W with one, 22 to 43 % more. - ``plate``: a thermal resistance of its own
+# beside the housing's, both to ambient.
 
 
 class Share(NamedTuple):
@@ -113,3 +202,74 @@ def mounting_words(spec: Any) -> tuple[str, ...]:
     if one.gear_loss_share:
         found.append(f"{100.0 * one.gear_loss_share:g} % of the gearhead's loss heats the motor's housing")
     return tuple(found)
+
+
+# -- Section of a spec on what acts on the output shaft of gearhead or motor.
+
+
+ToothAngle = Annotated[float, Quantity("angle", least=0.0, most=math.radians(45.0))]
+
+
+class Shaft(Section):
+    """Overhung shaft of gearhead, or motor: pulley or pinion of the next stage, or what of the load it carries."""
+
+    distance: Thickness | None = Field(
+        default=None,
+        description="of the radial force from the mounting face of gearhead or motor; where not given that of the "
+        "maker's limit",
+    )
+    carries_load: bool = Field(
+        default=False,
+        description="that the load's wheel, pinion, pulley, drum or screw has no bearing of its own, but this shaft's",
+    )
+    wheel_load: Force | None = Field(
+        default=None, description="of the floor on a carried wheel; an equal part of the weight where not given"
+    )
+    pressure_angle: ToothAngle = default("20 deg", description="of a pinion's teeth")
+    helix_angle: ToothAngle = default("0 deg", description="of a pinion's teeth")
+    belt_pretension: Force | None = Field(
+        default=None,
+        description="of each strand at rest; where not given only the least force of a belt is known",
+    )
+    load_factor: Factor = Field(default=1.5, description="f_w of the bearing's life: 1 smooth, 1.5, 3 with impacts")
+    static_safety: Factor = Field(default=1.5, description="of the bearing: 1.5, 2 with impacts, 3 for precision")
+
+
+# -- Section of a spec on a holding brake of its own, and what is required of one.
+
+
+_FIGURES = {"torque": "static_torque", "voltage": "supply", "length": "added_length"}  # others have the same name
+
+
+class OwnBrake(Section):
+    """A holding brake with figures of its own, in place of one out of the catalogues."""
+
+    torque: TorqueAbove = Field(description="static, that it holds at least")
+    dynamic_torque: TorqueAbove | None = Field(default=None, description="while it slips")
+    at: Literal["motor", "load"] = Field(default="motor", description="whose shaft it sits on")
+    inertia: Inertia | None = Field(default=None, description="that turns with that shaft; estimated where not given")
+    power: Power | None = Field(default=None, description="of its coil while released; estimated where not given")
+    holding_power: Consumed | None = Field(default=None, description="that keeps it released, where that is less")
+    voltage: Voltage | None = Field(default=None, description="of its coil")
+    mass: Mass | None = Field(default=None, description="estimated where not given")
+    length: Thickness | None = Field(default=None, description="that it adds to the motor")
+    price: Price | None = None
+    release_time: Duration | None = None
+    engage_time: Pause | None = Field(default=None, description="until it has its torque")
+    max_speed: Turning | None = Field(default=None, description="of its shaft")
+    energy_per_stop: Energy | None = Field(default=None, description="permitted in one emergency stop")
+    total_energy: Energy | None = Field(default=None, description="of all emergency stops in its life")
+    emergency_stops: Annotated[int, Field(ge=1)] | None = Field(default=None, description="permitted in its life")
+
+    @model_validator(mode="after")
+    def _one_in_all(self) -> Self:
+        if self.total_energy is not None and not self.total_energy >= (self.energy_per_stop or 0.0):
+            raise ValueError("total_energy: expected at least energy_per_stop, as it is that of all stops")
+        return self
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """Columns of the catalogue, as far as given [SI]; arrays over samples."""
+        given = {_FIGURES.get(name, name): getattr(self, name) for name in type(self).model_fields if name != "at"}
+        known = {name: value for name, value in given.items() if value is not None}
+        return known | {"shaft": "load" if self.at == "load" else ""}

@@ -1,40 +1,248 @@
-"""Sections of a spec on its platform, the passages it must fit through, and its mass budget.
+"""Sections of a spec on its platform: wheels, passages, mass budget, path following, errors of the robot model."""
 
-Places are in the robot's frame: x forward, y to the left, the reference point at the origin; those of passages are in
-the world.
-"""
+from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from drivesizer.files.fields import (
+    Angle,
     Bearing,
     Coefficient,
     Counterweight,
+    Duration,
+    Inertia,
+    InertiaAbove,
     Length,
     Mass,
+    Part,
     Place,
     Price,
     Quantity,
     Section,
     Speed,
     Thickness,
+    TorqueAbove,
     Turning,
     all_defaults,
     default,
     no_entries,
 )
-from drivesizer.files.inertia import Inertia, InertiaAbove
 from drivesizer.platform.envelope import Passage, Size
+from drivesizer.platform.wheels import Misjudged, Payload, Wheel, table_wheel
 from drivesizer.platform.wheels import Platform as Record
-from drivesizer.spec.following import Following
-from drivesizer.spec.misjudged import Unknown
-from drivesizer.spec.wheels import CasterPlace, Layout, WheelPlace
 
-__all__ = ["Budget", "CentreOfMass", "Item", "Limits", "PassageSection", "PayloadSection", "Platform", "SizeSection"]
+__all__ = ["Budget", "Following", "Limits", "PassageSection", "Platform"]
+
+
+# -- Section of a spec on the wheels of a platform: one by one, or by a layout.
+#
+# A wheel is placed by x and y, or by the columns of the paper's Table 1. All places are in the robot's frame: x
+# forward, y to the left, the reference point at the origin.
+
+
+RollerAngle = Annotated[float, Quantity("angle", least=-math.radians(85.0), most=math.radians(85.0))]
+Kind = Literal["mecanum", "omni", "fixed"]
+
+
+class WheelPlace(Section):
+    """One wheel: its place, its direction of rolling, and whether it is driven."""
+
+    kind: Kind = Field(description="fixed: no rollers, held sideways; also one that is steered to an angle")
+    x: Place | None = Field(default=None, description="of the contact point; or give distance and alpha")
+    y: Place | None = None
+    heading: Bearing | None = Field(default=None, description="where it rolls; forward where not given")
+    distance: Length | None = Field(default=None, description="L of Table 1")
+    alpha: Bearing | None = Field(default=None, description="α of Table 1")
+    beta: Bearing | None = Field(default=None, description="β of Table 1; forward where not given")
+    roller_angle: RollerAngle | None = Field(default=None, description="γ, of a mecanum wheel")
+    driven: bool = True
+
+    @model_validator(mode="after")
+    def _placed(self) -> Self:
+        by_table, by_place = (self.distance, self.alpha, self.beta), (self.x, self.y, self.heading)
+        given = (by_place, by_table) if self.distance is None else (by_table, by_place)
+        if given[0][0] is None or given[0][1] is None or any(v is not None for v in given[1]):
+            raise ValueError("give x and y with heading, or distance and alpha with beta, one of both")
+        if (self.roller_angle is not None) != (self.kind == "mecanum"):
+            raise ValueError("give roller_angle for a mecanum wheel, such as 45 deg or -45 deg, and for no other")
+        return self
+
+    def record(self, radius: float, **more: float) -> Wheel:
+        """The wheel of a radius [m], with further figures of all wheels."""
+        gamma = self.roller_angle or 0.0
+        kind = {"held": self.kind == "fixed", "drive": "motor" if self.driven else "free"}
+        if self.distance is not None and self.alpha is not None:
+            beta = math.pi / 2 - self.alpha if self.beta is None else self.beta
+            return table_wheel(self.distance, self.alpha, beta, gamma, radius, **kind, **more)
+        assert self.x is not None and self.y is not None
+        heading = self.heading or 0.0
+        return Wheel(x=self.x, y=self.y, radius=radius, heading=heading, roller_angle=gamma, **kind, **more)  # type: ignore[arg-type]
+
+
+class Mecanum(Section):
+    """Four mecanum wheels in a rectangle: front right, front left, rear left, rear right."""
+
+    kind: Literal["mecanum"]
+    wheelbase: Length = Field(description="between the axles")
+    track: Length = Field(description="between the contact points of an axle")
+    roller_angle: RollerAngle = default("45 deg", description="γ of the front right and the rear left wheel")
+
+    @property
+    def places(self) -> list[WheelPlace]:
+        """The wheels one by one."""
+        x, y, gamma = self.wheelbase / 2, self.track / 2, self.roller_angle
+        corners = ((x, -y, gamma), (x, y, -gamma), (-x, y, gamma), (-x, -y, -gamma))
+        return [_place("mecanum", *corner) for corner in corners]
+
+    @model_validator(mode="after")
+    def _crossed(self) -> Self:
+        if self.roller_angle <= 0.0:
+            raise ValueError("expected roller_angle above 0: other rollers hold the platform badly in turning")
+        return self
+
+
+class Differential(Section):
+    """Two fixed wheels on one axle, right and left; casters carry the rest."""
+
+    kind: Literal["differential"]
+    track: Length = Field(description="between the contact points")
+    x: Place = default("0 mm", description="of the axle")
+
+    @property
+    def places(self) -> list[WheelPlace]:
+        """The wheels one by one."""
+        return [_place("fixed", self.x, y) for y in (-self.track / 2, self.track / 2)]
+
+
+class Omni(Section):
+    """Omni wheels on a circle, each rolling along it; the first in front."""
+
+    kind: Literal["omni"]
+    radius: Length = Field(description="of the circle, from the reference point to a contact point")
+    number: Annotated[int, Field(ge=3, le=12)] = 3
+
+    @property
+    def places(self) -> list[WheelPlace]:
+        """The wheels one by one."""
+        angles = (2 * math.pi * i / self.number for i in range(self.number))
+        return [
+            _place("omni", self.radius * math.cos(a), self.radius * math.sin(a), heading=a + math.pi / 2)
+            for a in angles
+        ]
+
+
+def _place(kind: Kind, x: float, y: float, gamma: float | None = None, heading: float = 0.0) -> WheelPlace:
+    return WheelPlace.model_construct(kind=kind, x=x, y=y, roller_angle=gamma, heading=heading)
+
+
+Layout = Annotated[Mecanum | Differential | Omni, Field(discriminator="kind")]
+
+
+class CasterPlace(Section):
+    """A caster."""
+
+    x: Place
+    y: Place
+    rolling_resistance: Part | None = Field(default=None, description="C_rr; that of the wheels if not given")
+
+
+# -- Section of a spec on errors of the robot model of a platform.
+
+
+Off = Annotated[float, Quantity("dimensionless", least=-0.9, most=9.0)]
+Each = Annotated[list[Off], Field(min_length=1, max_length=100)]
+
+
+class UnknownPayload(Section):
+    """Something on the platform that the robot model does not know."""
+
+    mass: Mass
+    x: Place = default("0 mm")
+    y: Place = default("0 mm")
+    height: Thickness = default("0 mm")
+
+
+class Unknown(Section):
+    """Differences of the true platform from its robot model, for path following."""
+
+    radius: Off | Each = Field(default=0, description="share by which wheels are larger, of all or of each")
+    lever: Off = Field(default=0, description="share by which the wheels stand farther out")
+    toe: Bearing = default("0 deg", description="added to the heading of the wheels")
+    mass: Off = Field(default=0, description="share by which it is heavier")
+    inertia: Off = 0.0
+    payload: UnknownPayload | None = None
+    rolling_resistance: Off = Field(default=0, description="added to C_rr")
+    roller_resistance: Off = Field(default=0, description="added to that of the rollers")
+    motor: Off | Each = Field(default=0, description="share by which motors are stronger; -5 % is weak")
+
+    @property
+    def record(self) -> Misjudged:
+        """The same as a plain record, as the simulation takes it."""
+        given = {name: getattr(self, name) for name in type(self).model_fields if name != "payload"}
+        errors: dict[str, Any] = {
+            name: tuple(value) if isinstance(value, list) else value for name, value in given.items()
+        }
+        carried = self.payload
+        load = Payload(mass=carried.mass, x=carried.x, y=carried.y, height=carried.height) if carried else None
+        return Misjudged(**errors, payload=load)
+
+
+# -- Sections of a spec on path following: controllers, floor and measured errors.
+
+
+Damping = Annotated[float, Quantity("damping", above=0.0)]
+Restoring = Annotated[float, Quantity("torsional_stiffness", least=0.0)]
+Name = Annotated[str, Field(min_length=1, max_length=60)]
+
+
+class Measured(Section):
+    """Largest errors measured with a real robot on the path, printed beside the simulated ones."""
+
+    name: Name
+    position: Length
+    heading: Angle
+
+
+class Following(Section):
+    """Controllers, floor and comparisons for `drivesizer drive --follow`."""
+
+    speed_loop: Literal["PI", "P"] = Field(default="PI", description="of each driven wheel")
+    speed_gain: Damping | None = Field(default=None, description="at a wheel; designed where not given")
+    speed_integral: Restoring | None = Field(default=None, description="at a wheel, of PI; designed where not given")
+    period: Duration = default("1 ms", description="of the speed loops")
+    pose_period: Duration = default("50 ms", description="between two poses that are fed back")
+    torque_limit: TorqueAbove | None = Field(
+        default=None,
+        description="at a wheel; what the controller's peak current and the gearhead give, where not given",
+    )
+    rotor_inertia: Inertia | None = Field(
+        default=None, description="of motor and gearhead at a wheel; that of the drive where not given"
+    )
+    slip_speed: Speed = default("10 mm/s", description="at which a wheel's slip would meet the grip, at rest")
+    creep: Coefficient = Field(default=0, description="what rolling adds to it, as a share of the rolling speed")
+    compare: bool = Field(
+        default=False, description="whether both models are driven with either loop, with and without what is misjudged"
+    )
+    measured: Annotated[list[Measured], Field(max_length=20)] = no_entries()
+
+    @model_validator(mode="after")
+    def _of_its_loop(self) -> Self:
+        if self.speed_loop == "P" and self.speed_integral is not None and not self.compare:
+            raise ValueError("speed_integral: a speed_loop P has none; leave it out, or take PI")
+        if self.pose_period < self.period:
+            raise ValueError("pose_period: expected no less than period, that of the speed loops")
+        return self
+
+
+# -- Sections of a spec on its platform, the passages it must fit through, and its mass budget.
+#
+# Places are in the robot's frame: x forward, y to the left, the reference point at the origin; those of passages are
+# in the world.
+
 
 AccelerationLimit = Annotated[float, Quantity("acceleration", above=0.0)]
 JerkLimit = Annotated[float, Quantity("jerk", above=0.0)]
@@ -42,7 +250,6 @@ TurningAcceleration = Annotated[float, Quantity("angular_acceleration", above=0.
 TurningJerk = Annotated[float, Quantity("angular_jerk", above=0.0)]
 Slip = Annotated[float, Quantity("dimensionless", least=0.0, most=0.9)]
 Small = Annotated[float, Quantity("angle", least=0.0, most=math.pi / 2)]
-Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 # --- mass and size ----------------------------------------------------------------------------------------------------

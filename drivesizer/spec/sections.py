@@ -1,8 +1,10 @@
-"""The sections of robot.yaml that are not load, motion, transmission, loop, choice, battery or platform."""
+"""Sections of robot.yaml on the machine: its purpose, load cases, surroundings, supply, margins, lives."""
+
+from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from drivesizer.files.fields import (
     Allowance,
@@ -31,13 +33,85 @@ from drivesizer.files.fields import (
     Torque,
     TorqueAbove,
     Turning,
+    Velocity,
     Voltage,
     all_defaults,
     default,
+    no_entries,
 )
-from drivesizer.spec.lives import Life
 
-__all__ = ["Case", "Environment", "Margins", "Mission", "Needs", "PaperFactors", "PowerStage", "Supply", "TitleBlock"]
+__all__ = [
+    "Case", "Environment", "Lives", "Margins", "Mission", "Needs", "PaperFactors", "PowerStage", "Requirements",
+    "Supply", "TitleBlock", "required_life",
+]  # fmt: skip
+
+
+# -- Required life: of all parts that have one, or of some of them by name.
+
+
+LifeOf = Literal["screw", "gearhead", "output_bearing"]
+
+
+class Lives(Section):
+    """Life of parts by name, in hours of the cycle, rests included; of the others none is required."""
+
+    screw: Duration | None = Field(default=None, description="of a ball screw")
+    gearhead: Duration | None = Field(default=None, description="of its gears, by its rated life")
+    output_bearing: Duration | None = Field(default=None, description="of the gearhead's output, under section shaft")
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        if self.screw is self.gearhead is self.output_bearing is None:
+            raise ValueError("give screw, gearhead or output_bearing, or one time for all, e.g. life: 20000 h")
+        return self
+
+
+Life = Annotated[
+    Annotated[Duration, Tag("of all")] | Annotated[Lives, Tag("by part")],
+    Discriminator(lambda given: "by part" if isinstance(given, dict | Lives) else "of all"),
+]
+
+
+def required_life(life: Any, part: LifeOf) -> Any:
+    """Life that is required of a part.
+
+    Examples
+    --------
+    >>> required_life(3600.0, "screw"), required_life(Lives(gearhead="1 h"), "screw")
+    (3600.0, None)
+    """
+    return getattr(life, part) if isinstance(life, Lives) else life
+
+
+# -- Section of a spec on what the machine is for, as far as no other section has it.
+
+
+class Travel(Section):
+    """A distance that a vehicle must cover in a time."""
+
+    distance: Length
+    within: Duration
+
+
+class Requirements(Section):
+    """Requirements on the machine; autonomy and range stand in `battery`, doors in `platform`, the mass in `budget`."""
+
+    travel: Travel | None = Field(default=None, description="by a vehicle, at the mean speed of its motion")
+    speed: Velocity | None = Field(default=None, description="that the motion must reach")
+    devices: Annotated[list[Annotated[str, Field(min_length=1, max_length=60)]], Field(max_length=100)] = no_entries(
+        description="that it must carry: names of `equipment`, of `others` of `budget` or of payloads"
+    )
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.travel is None and self.speed is None and not self.devices:
+            raise ValueError("give travel, speed or devices, e.g. travel: {distance: 7 km, within: 80 min}")
+        if len(set(self.devices)) != len(self.devices):
+            raise ValueError("expected devices with names of their own")
+        return self
+
+
+# -- The sections of robot.yaml that are not load, motion, transmission, loop, choice, battery or platform.
 
 
 class PaperFactors(Section):

@@ -10,14 +10,13 @@ from pydantic import BaseModel
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.fields import Quantity
-from drivesizer.files.yaml_overlay import overlay
-from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.files.yaml_source import Path_, YamlSource, overlay
 from drivesizer.loads.kinds import AXES
-from drivesizer.spec.keys import has_names, known_keys, models_at
+from drivesizer.spec.any_spec import is_machine
+from drivesizer.spec.machine import WHOLE, AxisFields, MachineFields
+from drivesizer.spec.messages import has_names, known_keys, models_at
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import Either
-from drivesizer.spec.several_axes.any_spec import is_machine
-from drivesizer.spec.several_axes.machine_file import WHOLE, AxisFields, MachineFields
 from drivesizer.units import to_si
 
 __all__ = ["changed", "kind_of", "path_of", "unknown_field"]

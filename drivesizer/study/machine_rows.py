@@ -12,14 +12,11 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import AxisSizing
-from drivesizer.search.order.ranking import Ranking
+from drivesizer.search.ranking import Ranking
+from drivesizer.spec.machine import read_machine
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import RobotSection
-from drivesizer.spec.several_axes.machine_file import read_machine
-from drivesizer.study.best import Best
-from drivesizer.study.column import Row
-from drivesizer.study.columns import variant_rows
-from drivesizer.study.machine_columns import machine_row
+from drivesizer.study.columns import Best, Row, machine_row, variant_rows
 from drivesizer.study.plan import Job
 
 __all__ = ["machine_rows"]

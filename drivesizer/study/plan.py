@@ -1,33 +1,358 @@
-"""A study as a plan: the number of its variants, and the variant of each number.
-
-The last of sampled fields, catalogues and objectives changes fastest. No list of variants is ever made: a grid's
-variant follows from its number, a Latin hypercube's from its row of shares. Only the points that refinement adds
-(``refine``) are a list: each round of them follows the variants before it.
-"""
+"""study.yaml as a plan: its schema, axes with their values, the number of variants, and the variant of each number."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
-from drivesizer.errors import InputError, quoted
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.fields import Names, Section, exactly_one
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
-from drivesizer.search.order.ranking import objective_of, title_of
-from drivesizer.spec.several_axes.any_spec import is_machine
-from drivesizer.spec.several_axes.machine_file import read_machine
-from drivesizer.study.axes import Axis, Place, axes_of, once
-from drivesizer.study.machine_job import machine_job
-from drivesizer.study.schema import Hypercube, StudyFile, schema_of
+from drivesizer.search.ranking import objective_of, title_of
+from drivesizer.spec.any_spec import is_machine
+from drivesizer.spec.machine import read_machine
+from drivesizer.spec.messages import explained
+from drivesizer.spec.tolerances import has_tolerance, tolerance
+from drivesizer.study.fields import kind_of, path_of, unknown_field
+from drivesizer.units import number, scale, to_si
 
-__all__ = ["MOST", "Job", "Places", "Plan", "Variant", "read_study"]
+__all__ = ["MOST", "Job", "Places", "Plan", "StudyFile", "Variant", "read_study"]
+
+
+# -- The schema of study.yaml.
+#
+# ``axes`` reads the varied fields, because the spec defines a field's kind of quantity.
+
+
+class Hypercube(Section):
+    """A Latin hypercube: every field's range in as many equal parts as there are samples, one sample in each."""
+
+    latin_hypercube: Annotated[int, Field(ge=1)] = Field(description="how many samples")
+    seed: Annotated[int, Field(ge=0)] = Field(
+        default=0, description="of the random numbers; the same seed gives the same samples"
+    )
+
+
+Sampling = Annotated[
+    Annotated[Literal["grid"], Tag("grid")] | Annotated[Hypercube, Tag("latin_hypercube")],
+    Discriminator(lambda value: "latin_hypercube" if isinstance(value, dict) else "grid"),
+]
+
+
+def _several(example: str) -> BeforeValidator:
+    """A list with at least one entry; a single text is refused."""
+
+    def checked(value: object) -> object:
+        if not isinstance(value, list) or not value:
+            raise ValueError(f"is no list with entries; expected e.g. {example}")
+        return value
+
+    return BeforeValidator(checked)
+
+
+def _fields(value: object) -> object:
+    if not isinstance(value, dict) or not value:
+        raise ValueError("is no group of fields; expected e.g. load.mass: [30 kg, 45 kg]")
+    return value
+
+
+class StudyFile(Section):
+    """A study.yaml: which variants of which spec are sized."""
+
+    spec: str | None = Field(default=None, min_length=1, description="the robot.yaml or machine that is varied")
+    specs: Annotated[list[str], _several("[light.yaml, heavy.yaml]")] | None = Field(
+        default=None, description="several specs instead, unchanged"
+    )
+    axis: str | None = Field(
+        default=None, min_length=1, description="of a machine the one that is tabled; the whole machine if not given"
+    )
+    vary: Annotated[dict[str, Any], BeforeValidator(_fields)] | None = Field(
+        default=None, description="by field, such as load.mass: a range or a list"
+    )
+    sampling: Sampling = Field(default="grid", description="every combination, or a Latin hypercube")
+    refine: Annotated[int, Field(ge=0, le=6)] = Field(
+        default=0, description="how often the steps of ranges are halved where the best drive changes"
+    )
+    catalogs: Annotated[list[Names], _several("[[maxon], [maxon, faulhaber]]")] | None = Field(
+        default=None, description="each entry in place of the spec's catalogues"
+    )
+    objectives: Annotated[list[str], _several("[mass, price]")] | None = Field(
+        default=None, description="each in place of the spec's, such as mass=2,price=1"
+    )
+    top: Annotated[int, Field(ge=1, le=100)] = Field(default=1, description="how many drives of each variant")
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        exactly_one(self, "spec", "specs")
+        if self.specs and self.vary:
+            raise ValueError("vary: expected spec, the one that is varied, not specs")
+        if isinstance(self.sampling, Hypercube) and not self.vary:
+            raise ValueError("sampling: expected fields under vary that the Latin hypercube samples")
+        if isinstance(self.sampling, Hypercube) and self.refine:
+            raise ValueError("refine: a Latin hypercube has no steps to halve; expected sampling: grid, or no refine")
+        return self
+
+
+def schema_of(source: YamlSource) -> StudyFile:
+    """The checked content of a study.yaml."""
+    if not isinstance(source.data, dict):
+        raise InputError(f"{source.name}: expected fields such as spec, vary, sampling, objectives")
+    try:
+        return StudyFile.model_validate(source.data)
+    except ValidationError as error:
+        raise explained(error, source, StudyFile) from None
+
+
+# -- Axes of a study: a field of the spec and its values.
+#
+# A value is written into the spec as text with its unit and read by the spec's own strict reader. So every variant
+# can be repeated by hand, and the spec alone decides which values a field accepts.
+
+
+_RANGE = "e.g. {from: 30 kg, to: 60 kg, steps: 4}"
+_DIGITS = 12  # of a value inside a range, to hide rounding errors
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """A field and its values: a list, or a range of which a Latin hypercube takes any."""
+
+    name: str  # as in a message: load.mass, transmission[2].ratio
+    path: Path_
+    kind: str = ""  # of its quantity; empty where it is none
+    unit: str = ""  # of its figures in tables, as the study spells it
+    values: tuple[Any, ...] = ()  # as they go into the spec
+    span: tuple[float, float] | None = None  # of a range, in that unit
+
+    @property
+    def head(self) -> str:
+        """Name and unit, as the head of a column."""
+        return f"{self.name} ({self.unit})" if self.unit else self.name
+
+    def text(self, figure: float) -> str:
+        """A figure as it goes into the spec."""
+        return f"{figure!r} {self.unit}".rstrip()
+
+    def table_value(self, value: Any) -> Any:
+        """A value as tables show it: a number in the axis's unit, or text."""
+        if not self.kind:
+            return value if isinstance(value, int) and not isinstance(value, bool) else _text(value)
+        return _figure(value, self.kind, self.unit)
+
+    @property
+    def stepped(self) -> bool:
+        """Whether it is a range with steps."""
+        return self.span is not None and bool(self.values)
+
+    def at(self, place: int, parts: int) -> Any:
+        """The value at a place, counted in parts of a step where it is a range with steps."""
+        if not self.stepped:
+            return self.values[place]
+        whole, rest = divmod(place, parts)
+        if not rest:
+            return self.values[whole]
+        low, high = self.span or (0.0, 0.0)
+        return self.text(_between(low, high, place, (len(self.values) - 1) * parts))
+
+    def sample(self, share: float) -> Any:
+        """The value at a share of the range or the list, 0 to below 1."""
+        if self.span is None:
+            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+        low, high = self.span
+        return self.text(float(f"{low + share * (high - low):.{_DIGITS}g}"))
+
+
+def _between(low: float, high: float, place: int, places: int) -> float:
+    """The figure of a step; to the same bits with twice as many steps, as twice is exact."""
+    return float(f"{low + (high - low) * place / places:.{_DIGITS}g}")
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list) and not any(isinstance(one, dict | list) for one in value):
+        return " + ".join(map(str, value))
+    if value is None or isinstance(value, str):
+        return value or ""
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _figure(value: Any, kind: str, unit: str) -> float:
+    """A quantity in one of its kind's units; exactly as written where it has that unit."""
+    figure, own = number(str(value))
+    if own == unit:
+        return figure
+    factor, offset = scale(unit, kind) if unit else (1.0, 0.0)
+    return float(f"{float((to_si(value, kind) - offset) / factor):.{_DIGITS}g}")
+
+
+def axes_of(source: YamlSource, spec: YamlSource, vary: dict[str, Any], grid: bool) -> tuple[Axis, ...]:
+    """Axes of a study's section ``vary``."""
+    return tuple(_axis(Place(source, ("vary", name)), spec, name, given, grid) for name, given in vary.items())
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Place in the study, for messages."""
+
+    source: YamlSource
+    path: Path_
+
+    def error(self, text: object, *further: str | int) -> InputError:
+        """Error at this place, to be raised."""
+        return InputError(f"{self.source.where((*self.path, *further))}: {text}")
+
+
+def once(place: Place, given: Sequence[Any]) -> None:
+    """Refuse a list that has an entry twice."""
+    seen: set[str] = set()
+    for n, value in enumerate(given):
+        if repr(value) in seen:
+            raise place.error(f"{quoted(value)} is given twice", n)
+        seen.add(repr(value))
+
+
+def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> Axis:
+    axes = spec.data.get("axes") or {} if is_machine(spec) else {}
+    path = path_of(name, axes)
+    if path is None:
+        raise place.error(f"is no field; expected one of {spec.name}, e.g. load.mass or transmission[2].ratio")
+    if ("select", "catalogs") in pairwise(path):
+        raise place.error("expected them in the study's own list, catalogs")
+    if wrong := unknown_field(spec, path):
+        raise place.error(wrong)
+    kind = kind_of(spec, path, _first(given))
+    if isinstance(given, dict):
+        return _range(place, Axis(name=name, path=path, kind=kind), given, grid)
+    if not isinstance(given, list) or not given:
+        raise place.error(f"expected a list of values, e.g. [24 V, 48 V], or a range, {_RANGE}")
+    for n, value in enumerate(given):
+        if kind:
+            _checked(place, value, kind, n)
+    once(place, given)
+    if not kind or any(has_tolerance(str(value)) for value in given):  # shown as written
+        return Axis(name=name, path=path, values=tuple(given))
+    return Axis(name=name, path=path, kind=kind, unit=number(str(given[0]))[1], values=tuple(given))
+
+
+def _first(given: Any) -> Any:
+    """The first value of a list or range, without its tolerance."""
+    value = given.get("from") if isinstance(given, dict) else given[0] if isinstance(given, list) and given else given
+    try:
+        return tolerance(value).nominal if isinstance(value, str) and has_tolerance(value) else value
+    except InputError:  # refused at its place
+        return value
+
+
+def _checked(place: Place, value: Any, kind: str, *further: str | int) -> float:
+    """A quantity in SI, the nominal one where it has a tolerance; an error at its place where it is none."""
+    try:
+        return to_si(tolerance(value).nominal if isinstance(value, str) and has_tolerance(value) else value, kind)
+    except InputError as error:
+        raise place.error(error, *further) from None
+
+
+def _range(place: Place, axis: Axis, given: dict[str, Any], grid: bool) -> Axis:
+    known = ("from", "to", "steps") if grid else ("from", "to")
+    for key in given:
+        if key == "steps" and not grid:
+            raise place.error("a Latin hypercube divides the range itself; leave steps out", key)
+        if key not in known:
+            raise place.error(f"unknown key; expected {', '.join(known)}{nearest(key, known)}", key)
+    for key in known:
+        if key not in given:
+            raise place.error(f"{key} is missing; expected a range, {_RANGE}")
+    if not axis.kind:
+        raise place.error("is no quantity; expected a list of values")
+    for key in ("from", "to"):
+        if has_tolerance(str(given[key])):
+            raise place.error(f"{quoted(given[key])} has a tolerance; expected a plain quantity, {_RANGE}", key)
+    low, high = (_checked(place, given[key], axis.kind, key) for key in ("from", "to"))
+    if not low < high:
+        raise place.error(f"{quoted(given['from'])} is not below {quoted(given['to'])}; expected from below to")
+    unit = number(str(given["from"]))[1]
+    span = number(str(given["from"]))[0], _figure(given["to"], axis.kind, unit)
+    found = Axis(name=axis.name, path=axis.path, kind=axis.kind, unit=unit, span=span)
+    return _stepped(place, found, given["steps"]) if grid else found
+
+
+def _stepped(place: Place, axis: Axis, steps: Any) -> Axis:
+    """The axis with the values of its steps, both ends included."""
+    if isinstance(steps, bool) or not isinstance(steps, int) or steps < 2:
+        raise place.error(f"{quoted(steps)} is not a whole number from 2; both ends are steps", "steps")
+    if steps > 100_000:
+        raise place.error(f"{quoted(steps)} is too many; expected at most 100000", "steps")
+    low, high = axis.span or (0.0, 0.0)
+    figures = [_between(low, high, n, steps - 1) for n in range(steps - 1)] + [high]
+    return replace(axis, values=tuple(axis.text(figure) for figure in figures))
+
+
+# -- Subject of a study of machines: one axis of them, or the whole machine with the names of its axes.
+
+
+def is_several(source: YamlSource) -> bool:
+    """Whether a document is a machine of several axes, or of a robot's joints; one of a single axis is that spec."""
+    return is_machine(source) and ("robot" in source.data or len(source.data["axes"] or ()) != 1)
+
+
+def machine_job(source: YamlSource, study: StudyFile, specs: Sequence[YamlSource]) -> dict[str, Any]:
+    """Fields of a study's job that are of machines."""
+    names = study.specs or [study.spec or ""]
+    several = [is_several(spec) for spec in specs]
+    if any(several) and not all(several):
+        odd = several.index(not several[0])
+        kinds = ["the spec of one axis", "a machine of several axes"]
+        text = f"is {kinds[several[odd]]}, and the first is {kinds[several[0]]}; expected specs of one kind"
+        raise Place(source, ("specs", odd)).error(f"{quoted(names[odd])} {text}")
+    if study.axis is not None:
+        for name, spec in zip(names, specs, strict=True):
+            _has_axis(Place(source, ("axis",)), spec, name, study.axis)
+        return {"machine": several[0], "axis": study.axis}
+    if not several[0]:
+        return {}
+    if study.top > 1:
+        text = "a machine has one choice of drives; expected 1, or axis: NAME for the drives of one"
+        raise Place(source, ("top",)).error(f"{quoted(study.top)}: {text}")
+    members = dict.fromkeys(name for spec in specs for name in _axes(spec))
+    return {"machine": True, "members": tuple(members)}
+
+
+def _has_axis(place: Place, spec: YamlSource, called: str, name: str) -> None:
+    """Refuse an axis that a machine does not have."""
+    if not is_machine(spec):
+        raise place.error(f"{quoted(called)} is a spec of one axis; leave axis out")
+    known = list(spec.data.get("axes") or ())
+    if name not in known and "robot" in spec.data:
+        known = _axes(spec)
+    if name not in known:
+        hint = nearest(name, known) or f"; expected one of {', '.join(known)}"
+        raise place.error(f"there is no axis {quoted(name)}{hint}")
+
+
+def _axes(spec: YamlSource) -> list[str]:
+    """Names of the axes, with those of a robot's joints that move."""
+    if "robot" not in spec.data:
+        return list(spec.data["axes"] or ())
+    from drivesizer.multi_axis.axis_sizings import with_joints  # what computes joints is loaded where there are any
+
+    machine, _ = with_joints(read_machine(spec))
+    return [axis.name for axis in machine.axes]
+
+
+# -- A study as a plan: the number of its variants, and the variant of each number.
+#
+# The last of sampled fields, catalogues and objectives changes fastest. No list of variants is ever made: a grid's
+# variant follows from its number, a Latin hypercube's from its row of shares. Only the points that refinement adds
+# (``refine``) are a list: each round of them follows the variants before it.
+
 
 Places = tuple[int, ...]  # of a point on each axis; of ranges counted in the smallest parts of their steps
 MOST = 10_000_000  # variants of a study

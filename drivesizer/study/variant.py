@@ -10,16 +10,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.view.stepper_view import STEPPER, view_for
+from drivesizer.catalog.view.mounted import STEPPER, view_for
 from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.search.order.ranking import objective_of, title_of
+from drivesizer.search.ranking import objective_of, title_of
+from drivesizer.spec.any_spec import is_machine
+from drivesizer.spec.machine import read_machine
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.spec.several_axes.any_spec import is_machine
-from drivesizer.spec.several_axes.machine_file import read_machine
-from drivesizer.study.best import best
-from drivesizer.study.column import Row
-from drivesizer.study.columns import failed, variant_rows
+from drivesizer.study.columns import Row, best, failed, variant_rows
 from drivesizer.study.fields import changed
 from drivesizer.study.plan import Job, Variant
 from drivesizer.version import __version__

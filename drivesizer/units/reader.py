@@ -1,8 +1,4 @@
-"""Text to SI and back: the number is parsed here, its unit must be listed for the kind of quantity.
-
-What a listed unit is in SI comes from the one pint registry (definitions in ``units.txt``) and is kept in
-``units.json``, so that reading needs no pint.
-"""
+"""Text to SI and back: the number is parsed here, its unit must be listed for the kind of quantity."""
 
 from __future__ import annotations
 
@@ -14,9 +10,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.units.hints import as_quotient, with_points
-from drivesizer.units.kinds import KINDS
-from drivesizer.units.ranges import RANGES, outside
+from drivesizer.units.kinds import KINDS, RANGES, outside
 
 if TYPE_CHECKING:
     import pint
@@ -24,6 +18,54 @@ if TYPE_CHECKING:
 __all__ = [
     "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "scale", "show", "tabulate", "to_si",
 ]  # fmt: skip
+
+
+# -- Cures for numbers that are written in another way: with commas, or as a ratio.
+
+
+def with_points(text: str) -> str:
+    """A number with commas as it is to be written; where they may part thousands, both ways.
+
+    >>> with_points("45,5 kg"), with_points("1.234,5 kg"), with_points("1,234 kg"), with_points("1,234,567 g")
+    ('45.5 kg', '1234.5 kg', '1.234 kg, or 1234 kg', '1234567 g')
+    """
+    whole, _, last = text.rpartition(",")
+    if "," in whole or "." in last:
+        return text.replace(",", "")
+    written = f"{whole.replace('.', '')}.{last}"
+    return f"{written}, or {whole}{last}" if "." not in whole and re.match(r"[0-9]{3}(?![0-9])", last) else written
+
+
+def as_quotient(value: float, rest: str) -> str:
+    """A ratio as the one number that is meant; empty for anything else.
+
+    Parameters
+    ----------
+    value
+        The number that its text starts with.
+    rest
+        What follows it, as the ``:3`` of 1:3.
+
+    Returns
+    -------
+    str
+        The cure.
+
+    Examples
+    --------
+    >>> as_quotient(1.0, ":3"), as_quotient(1.0, " kg")
+    ('write the quotient, 0.333333', '')
+    """
+    below = re.fullmatch(r"\s*[:/]\s*([0-9]+(?:\.[0-9]*)?)", rest)
+    divisor = float(below.group(1)) if below else 0.0
+    return f"write the quotient, {value / divisor:g}" if divisor else ""
+
+
+# -- Text to SI and back: the number is parsed here, its unit must be listed for the kind of quantity.
+#
+# What a listed unit is in SI comes from the one pint registry (definitions in ``units.txt``) and is kept in
+# ``units.json``, so that reading needs no pint.
+
 
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
 _CHARACTERS = str.maketrans("·⋅×µμ²³¹⁻−′″\u00a0\u202f", "***uu231--'\"  ") | {ord("Ω"): "ohm", 0x2126: "ohm"}

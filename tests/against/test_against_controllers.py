@@ -15,9 +15,9 @@ import pytest
 from scipy.linalg import expm
 from textbook_machine import RUBS, SHAFT, STEEP, driven, on_slope, task_of, textbook
 
-from drivesizer.control.cascade import Cascade, Rates
-from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, simulate
+from drivesizer.control.gains import CascadeRequirements, design_cascade
+from drivesizer.control.validation import Cascade, Rates
 
 RATES = Rates(4e-5, 4e-4, 1.2e-3)  # s: current, velocity, position
 

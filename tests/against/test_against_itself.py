@@ -11,7 +11,7 @@ from textbook_machine import PERIOD, RUBS, net, on_slope, slower, task_of
 
 from drivesizer.control.drive_train import Regime
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, simulate
-from drivesizer.control.voltage_loop_design import design
+from drivesizer.control.gains import design
 
 structures = pytest.mark.parametrize("structure", ["voltage PID", "cascade"])
 

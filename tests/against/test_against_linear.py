@@ -16,6 +16,7 @@ from textbook_machine import PERIOD, on_slope, slower, task_of
 
 from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.engine import Drive, Supply, Task, simulate
+from drivesizer.control.gains import design
 from drivesizer.control.loop_models import (
     dc_motor,
     from_error,
@@ -24,7 +25,6 @@ from drivesizer.control.loop_models import (
     voltage_open_loop,
 )
 from drivesizer.control.validation import Gains
-from drivesizer.control.voltage_loop_design import design
 
 FREE = Supply(voltage=math.inf)
 BUMP = (0.0, 0.0204, 0.08, 0.14, 0.3), (1.0, 1.0, 1.02, 0.99, 0.99)  # s, m/s

@@ -25,11 +25,9 @@ import numpy as np
 import pytest
 from textbook_machine import PERIOD, SHAFT, on_slope, slower, task_of
 
-from drivesizer.control.cascade import Cascade, Rates
-from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate
-from drivesizer.control.validation import Gains
-from drivesizer.control.voltage_loop_design import design
+from drivesizer.control.gains import CascadeRequirements, design, design_cascade
+from drivesizer.control.validation import Cascade, Gains, Rates
 
 mujoco = pytest.importorskip("mujoco", "3.7", reason="MuJoCo with its dcmotor actuator is not installed")
 

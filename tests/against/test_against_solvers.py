@@ -21,7 +21,7 @@ import pytest
 from textbook_machine import PERIOD, RUBS, SAGS, SHAFT, STEEP, driven, net, on_slope, task_of, textbook
 
 from drivesizer.control.engine import Drive, Resolution, Task, simulate
-from drivesizer.control.voltage_loop_design import design
+from drivesizer.control.gains import design
 
 # --- the machine
 

@@ -18,14 +18,14 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.motor_demand import demands
-from drivesizer.physics.stress import Parts, heat, stress
-from drivesizer.search.columns import exactly
+from drivesizer.physics.winding import Parts, heat, stress
+from drivesizer.search.columns import limits_over_time
 from drivesizer.search.columns import limits_over_time as wave
+from drivesizer.search.columns.brakes import encoders_for, offered_encoders
 from drivesizer.search.columns.candidates import Candidates, Rows, candidates
 from drivesizer.search.columns.controllers import controllers, usable_controllers
-from drivesizer.search.columns.encoders import encoders_for, offered_encoders
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.search.columns.waveform_bounds import bounds
+from drivesizer.search.columns.limits_over_time import bounds
 from drivesizer.search.search import search
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
@@ -299,7 +299,7 @@ def test_the_ranking(name, objective, worked, catalog, monkeypatch):
     """The whole order of the same sets, as the search gives it."""
     spec, sets, mine = worked(name)
     one_each = sets.on(np.flatnonzero(sets.belt == spec.belt_ratios[0]))
-    monkeypatch.setattr("drivesizer.search.order.sifting.pairs", lambda *_, **__: one_each)
+    monkeypatch.setattr("drivesizer.search.ranking.pairs", lambda *_, **__: one_each)
     found = search(problem(spec, catalog), top=10**6, objective=objective, misses=0)
     expected = ranked(spec, sets, mine, objective, controlling=controlling(spec, catalog, sets))
     assert found.counts.considered == len(mine)
@@ -381,7 +381,7 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
     row = controllers(spec, catalog, pairs.motor, asked.rms_current, under.current.value, cold, usable=usable).row
     parts = Parts(motor, head, encoder, Rows(catalog.controllers, row))
     low, high = bounds(spec, at, asked, warm, under, parts)
-    exact, same_again = exactly.exact(spec, at, asked, warm, under, parts)
+    exact, same_again = limits_over_time.exact(spec, at, asked, warm, under, parts)
     known = ~np.isnan(exact.winding) & ~np.isnan(exact.power) & ~np.isnan(exact.above)
     known &= ~(exact.winding > motor["max_winding_temperature"])  # what fails by its heat needs no other bound
     np.testing.assert_array_equal(exact.voltage[known], same_again.voltage[known])

@@ -21,8 +21,8 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.motor_demand import demands
-from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
-from drivesizer.physics.stress import Parts
+from drivesizer.physics.stepper import PULL_OUT_SHARE
+from drivesizer.physics.winding import Parts
 from drivesizer.search.columns.brakes import at_motor, brake_limits
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate

@@ -22,7 +22,7 @@ from specs import poorer
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.export import export_of
-from drivesizer.output.export.gains import torque_law
+from drivesizer.output.export.common import torque_law
 from drivesizer.output.export.mjcf import render
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size

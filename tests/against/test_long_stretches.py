@@ -12,11 +12,10 @@ from types import SimpleNamespace
 import pytest
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.closed_loop.run import without_limits
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine import Drive, MotorHeat, Resolution, Supply, Task, simulate
-from drivesizer.control.validation import Gains
+from drivesizer.control.validation import Cascade, Gains
 from drivesizer.physics.thermal import TwoBodies
 
 R, K_T, RATIO, E, LOAD, SPEED = 2.32, 0.0234, 9.1, 0.72, 0.17, 30.0  # ohm, N*m/A, 1, 1, N*m, rad/s at the shaft

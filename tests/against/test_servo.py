@@ -13,15 +13,14 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.closed_loop import run as closed_loop_run
-from drivesizer.control.closed_loop import set_up
+from drivesizer.control.closed_loop import run as set_up
 from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.drive_train import Regime, modes
-from drivesizer.control.validation import Validation
+from drivesizer.control.validation import Cascade, Validation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.at_shaft import motion_of
+from drivesizer.load_cases.platform import motion_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
@@ -309,7 +308,7 @@ def restless(monkeypatch):
 
 def test_a_profile_with_more_samples_than_are_simulated_is_refused_in_plain_words(monkeypatch):
     spec, long = spec_of(), restless(monkeypatch)
-    monkeypatch.setattr("drivesizer.control.closed_loop.long_motion.LONGEST", 1000)
+    monkeypatch.setattr("drivesizer.control.closed_loop.run.LONGEST", 1000)
     with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a slower control"):
         validate(spec, chosen(spec), profile=long)
 

@@ -149,7 +149,7 @@ _SCHEMAS = {"size", "machine", "predict"}
 def _validator(of: str) -> Any:
     import jsonschema
 
-    from drivesizer.output.json.prediction import prediction_schema
+    from drivesizer.output.json.behaviour import prediction_schema
     from drivesizer.output.json.schema import machine_report_schema, report_schema
 
     made = {"size": report_schema, "machine": machine_report_schema, "predict": prediction_schema}

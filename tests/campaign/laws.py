@@ -48,7 +48,7 @@ from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.sizing import size
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 __all__ = ["LAWS", "Case", "broken"]
 

@@ -18,8 +18,8 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult
+from drivesizer.spec.machine import load_machine
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.spec.several_axes.machine_file import load_machine
 
 __all__ = [
     "DRIVES",

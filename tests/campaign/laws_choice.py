@@ -18,13 +18,13 @@ from drivesizer.errors import InputError
 from drivesizer.machine.problem import problem
 from drivesizer.results.drive_set import Relaxation
 from drivesizer.results.problem import Problem
-from drivesizer.search.order import ranking
-from drivesizer.search.order.sifting import Sifted, sifted
-from drivesizer.search.parts_offered import load_parts
+from drivesizer.search import ranking
+from drivesizer.search.ranking import Sifted, sifted
 from drivesizer.search.relaxations import changes_for, relaxations
+from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import size
+from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import OBJECTIVES
 
 __all__ = ["more_to_choose_from", "one_part", "proposals"]
 

@@ -22,12 +22,11 @@ from case import Case, laid
 from changes import damaged_bytes
 
 from drivesizer import cli
-from drivesizer.commands.ends import ended
-from drivesizer.commands.usage import parsed
+from drivesizer.commands.ends import ended, parsed
 from drivesizer.files import cache, text
 from drivesizer.live.engine import JOBS, done
+from drivesizer.live.guard import REQUESTS, request_of
 from drivesizer.live.held import EngineMemory
-from drivesizer.live.requests import REQUESTS, request_of
 from drivesizer.study import run as study_run
 from drivesizer.study import variant
 from drivesizer.study.local import tasks

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load, shipped
-from drivesizer.catalog.estimates.assumed import ASSUMED, DENSITY, estimates_by_rated_current
-from drivesizer.catalog.estimates.estimate import estimates
+from drivesizer.catalog.estimates.estimate import ASSUMED, DENSITY, estimates, estimates_by_rated_current
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.physics.thermal import resistance_25
 

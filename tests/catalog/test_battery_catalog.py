@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load, shipped
-from drivesizer.catalog.discharges import Discharges
-from drivesizer.catalog.laws.check import Finding, check
+from drivesizer.catalog.law_check import Finding, check
+from drivesizer.catalog.more_parts import Discharges
 from drivesizer.errors import CatalogError
 
 HOUR = 3600.0

@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 
 from drivesizer.catalog import PARTS, Catalog, load, shipped
 from drivesizer.catalog.catalog_file import parse
-from drivesizer.catalog.joining import joined
 from drivesizer.catalog.parts import printed
+from drivesizer.catalog.tables import joined
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.controllers import selected
-from drivesizer.spec.select import Choice
+from drivesizer.spec.drive import Choice
 
 ACME = """\
 catalog: 1

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import PARTS, CacheWarning, Catalog, columns_of, load
-from drivesizer.catalog.compiled import recall, store
+from drivesizer.catalog.tables import recall, store
 from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.files.cache import folder
 

@@ -12,10 +12,19 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, Table, load, shipped
-from drivesizer.catalog.estimates import of_catalog
+from drivesizer.catalog.estimates import estimate
 from drivesizer.catalog.estimates.estimate import estimates, estimates_of, shipped_laws, written
-from drivesizer.catalog.estimates.fit import fit, fits, left_out, widening
-from drivesizer.catalog.estimates.laws import LAWS, Law, column, constructions_of, members_of
+from drivesizer.catalog.estimates.laws import (
+    LAWS,
+    Law,
+    column,
+    constructions_of,
+    fit,
+    fits,
+    left_out,
+    members_of,
+    widening,
+)
 from drivesizer.catalog.identities import as_printed
 
 
@@ -272,17 +281,17 @@ def test_a_changed_law_does_not_read_what_was_kept(tmp_path, monkeypatch, catalo
     folders = {"drivesizer.catalog.estimates": tmp_path / "laws", "drivesizer.physics": tmp_path / "physics"}
     for package, folder in folders.items():
         shutil.copytree(str(resources.files(package)), folder, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(of_catalog.resources, "files", folders.__getitem__)
+    monkeypatch.setattr(estimate.resources, "files", folders.__getitem__)
     monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path / "cache"))
 
     def kept():
-        of_catalog.estimates_kept(catalog)
+        estimate.estimates_kept(catalog)
         (file,) = (tmp_path / "cache").iterdir()
         return file.name
 
     before = kept()
     assert kept() == before
-    names = {"laws.py", "estimate.py", "assumed.py", "fit.py", "of_catalog.py", "fitted.json", "constructions.yaml"}
+    names = {"laws.py", "estimate.py", "fitted.json", "constructions.yaml"}
     assert names <= {file.name for file in (tmp_path / "laws").iterdir()}
     for file in (*(tmp_path / "laws" / name for name in sorted(names)), tmp_path / "physics" / "thermal.py"):
         file.write_bytes(file.read_bytes() + b"\n")

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.catalog import load, shipped
-from drivesizer.catalog.estimates.family_limits import LIMITS, FamilyLimit, family_limits, limit_records
+from drivesizer.catalog.estimates.estimate import LIMITS, FamilyLimit, family_limits, limit_records
 from drivesizer.cli import app
 
 PARTS = """

@@ -4,7 +4,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.catalog import load
-from drivesizer.catalog.exchange.guessing import guessed
+from drivesizer.catalog.importing import guessed
 from drivesizer.cli import app
 
 TABLE = """Order no.,Series,Rated voltage,Idle speed,Max. continuous torque,Rated current,Terminal resistance,Kt,\

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.laws.check import check
-from drivesizer.catalog.pull_outs import PullOuts
+from drivesizer.catalog.law_check import check
+from drivesizer.catalog.more_parts import PullOuts
 from drivesizer.errors import CatalogError
 
 RPM = np.pi / 30.0

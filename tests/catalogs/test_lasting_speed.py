@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.physics.lasting_speed import exceeded, lasting_speeds, mean_running
+from drivesizer.physics.load_cycle import exceeded, lasting_speeds, mean_running
 from drivesizer.results.ratings import continuous_speed_limit
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec

@@ -22,8 +22,7 @@ from rows import hold
 from scipy.optimize import brentq
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, columns_of, load, shipped
-from drivesizer.catalog.lookup import origins
-from drivesizer.catalog.query import Hit, every, open_catalogs
+from drivesizer.catalog.query import Hit, every, open_catalogs, origins
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.units import from_si, to_si
 

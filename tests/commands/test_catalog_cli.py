@@ -13,12 +13,9 @@ import pytest
 from catalog_texts import MAP, SHEET
 
 from drivesizer.catalog import PARTS, columns_of, load, query, shipped
-from drivesizer.catalog.compare import side_by_side
 from drivesizer.catalog.conditions import option, where
-from drivesizer.catalog.coverage import coverage
-from drivesizer.catalog.exchange.exporting import digits, plain, safe
-from drivesizer.catalog.lookup import find, origins, partners
-from drivesizer.catalog.query import Hit, open_catalogs, select
+from drivesizer.catalog.exporting import digits, plain, safe
+from drivesizer.catalog.query import Hit, coverage, find, open_catalogs, origins, partners, select, side_by_side
 
 SMALL = """\
 catalog: 1

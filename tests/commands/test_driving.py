@@ -15,10 +15,10 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import load_cases
-from drivesizer.load_cases.platform_drive import driving, over_time, with_trajectory
-from drivesizer.machine.permitted_speed import permitted_speeds
+from drivesizer.load_cases.platform import driving, over_time, with_trajectory
+from drivesizer.machine.platform_budget import permitted_speeds
 from drivesizer.machine.supply_power import drive_power, together
-from drivesizer.output.platform_table import SPEEDS
+from drivesizer.output.platform import SPEEDS
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 

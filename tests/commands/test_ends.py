@@ -305,7 +305,7 @@ def test_closed_streams_are_no_fault(folder):
 
 
 def test_a_lock_that_cannot_be_written_is_one_line(tmp_path, monkeypatch):
-    from drivesizer.study.lock import locked
+    from drivesizer.study.store import locked
 
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")

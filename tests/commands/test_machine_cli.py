@@ -10,11 +10,11 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer import cli
-from drivesizer.commands.starting import MACHINES, starter
+from drivesizer.commands.setup import MACHINES, starter
 from drivesizer.errors import InputError
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.terminal.several_axes import machine_sizing
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

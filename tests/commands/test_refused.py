@@ -10,15 +10,14 @@ from small_catalogue import CATALOGUE, MAP, TABLE
 from starters import STARTERS
 
 from drivesizer.catalog import load, shipped
-from drivesizer.catalog.exchange.import_map import plan
-from drivesizer.catalog.exchange.importing import import_table
+from drivesizer.catalog.importing import import_table, plan
 from drivesizer.errors import CatalogError, DrivesizerError, InputError
 from drivesizer.files.yaml_source import YamlSource, read
 from drivesizer.results.check_columns import at_most
 from drivesizer.sizing import explained, size
 from drivesizer.spec.robot import load_spec, read_spec
 from drivesizer.units import KINDS
-from drivesizer.units.ranges import RANGES
+from drivesizer.units.kinds import RANGES
 
 FLYWHEEL = (STARTERS / "flywheel.yaml").read_text(encoding="utf-8")
 

@@ -7,10 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.commands import setup, sizing, starting
+from drivesizer.commands import setup, sizing
+from drivesizer.commands import setup as starting
+from drivesizer.spec.any_spec import load_any
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import load_spec
-from drivesizer.spec.several_axes.any_spec import load_any
-from drivesizer.spec.several_axes.machine import MachineSpec
 
 
 @pytest.fixture

@@ -13,19 +13,23 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from drivesizer.control.cascade import Cascade, Rates, controller_gains, rates
-from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
-from drivesizer.control.cascade_rules import (
+from drivesizer.control.drive_train import DriveTrain, Regime, elastic, modes
+from drivesizer.control.gains import (
+    CascadeRequirements,
+    design_cascade,
     feedforward,
+    loop_warnings,
     magnitude_optimum,
     most_bandwidth,
     natural_frequency,
     pole_placement,
+    resolution_warning,
+    resonance_warning,
+    shortest_ramp,
     spread_of,
     symmetrical_optimum,
 )
-from drivesizer.control.drive_train import DriveTrain, Regime, elastic, modes
-from drivesizer.control.loop_analysis import analyse, frequency_response, loop_of
+from drivesizer.control.loop_design import analyse, frequency_response, loop_of
 from drivesizer.control.loop_models import (
     current_open_loop,
     dc_motor,
@@ -35,8 +39,7 @@ from drivesizer.control.loop_models import (
     velocity_open_loop,
     voltage_open_loop,
 )
-from drivesizer.control.loop_warnings import loop_warnings, resolution_warning, resonance_warning, shortest_ramp
-from drivesizer.control.validation import Gains
+from drivesizer.control.validation import Cascade, Gains, Rates, controller_gains, rates
 from drivesizer.errors import InputError
 from drivesizer.loads.course import Profile
 
@@ -488,7 +491,7 @@ def test_a_bandwidth_below_the_friction_s_own_is_refused():
 
 
 def test_design_loads_neither_control_nor_scipy():
-    code = "import sys, drivesizer.control.loop_warnings, drivesizer.control.cascade_design; print(*sys.modules)"
+    code = "import sys, drivesizer.control.gains, drivesizer.control.gains; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert not {"control", "scipy.signal", "scipy.linalg", "matplotlib", "numba"} & set(loaded)
 

@@ -15,19 +15,17 @@ import pytest
 import yaml
 from scipy.linalg import expm
 
-from drivesizer.control.cascade import Rates, rates
-from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.drive_train import Regime, drive_train, modes
 from drivesizer.control.engine import Drive, Resolution, Supply, Task, simulate
-from drivesizer.control.loop_analysis import analyse
-from drivesizer.control.loop_design import designed
-from drivesizer.control.voltage_loop_design import design
+from drivesizer.control.gains import CascadeRequirements, design, design_cascade
+from drivesizer.control.loop_design import analyse, designed
+from drivesizer.control.validation import Rates, rates
 from drivesizer.errors import InputError
 from drivesizer.output.export import export_of, ros2_control
 from drivesizer.physics.counted_speed import Counts
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
-from drivesizer.spec.control import Control, Plant
+from drivesizer.spec.drive import Control, Plant
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

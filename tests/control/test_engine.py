@@ -10,7 +10,7 @@ import pytest
 from engine_tasks import FAR, MOTOR, PERIOD, SERVO, figure, gains, machine, open_drive, saturated_by_solver
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.drive_train import Regime, drive_train, modes
+from drivesizer.control.drive_train import Regime, columns, discretised, drive_train, generators, modes
 from drivesizer.control.engine import (
     CurrentLimit,
     Drive,
@@ -19,16 +19,15 @@ from drivesizer.control.engine import (
     Supply,
     Task,
     batch,
-    repeats,
+    laps,
     sample_loop,
     simulate,
     simulate_many,
 )
-from drivesizer.control.linear_modes import columns, discretised, generators
+from drivesizer.control.gains import design
 from drivesizer.control.loop_models import from_error, voltage_open_loop
-from drivesizer.control.voltage_loop_design import design
 from drivesizer.errors import InputError
-from drivesizer.physics.overload import State, steady_state
+from drivesizer.physics.heat_step import State, steady_state
 from drivesizer.sizing import explain
 
 # --- the modes and the machine
@@ -310,7 +309,7 @@ def test_cycles_that_repeat_are_added(heat, monkeypatch):
     task = Task(time=(0.0, 0.2, 0.8, 1.0, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=60)
     added = simulate(drive, task)
     for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
-        monkeypatch.setattr(repeats, name, -1.0)  # nothing repeats
+        monkeypatch.setattr(laps, name, -1.0)  # nothing repeats
     simulated = simulate(drive, task)
     assert figure(added, "steps") < 0.1 * figure(simulated, "steps")
     for name in ("time", "rms_current", "energy_in", "copper_heat", "speed_error_square", "angle"):

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from drivesizer.control.open_loop import kernel as stepper
-from drivesizer.control.open_loop import simulation
+from drivesizer.control.open_loop import run
 from drivesizer.files import machine_code
 from drivesizer.files.machine_code import SlowWarning, all_kernels, files_of
 
 KERNELS = {one.functions[-1].__name__: one for one in all_kernels()}
-MOTION = simulation.Motion(time=(0.0, 0.01, 0.02), speed=(0.0, 8.0, 0.0))
+MOTION = run.Motion(time=(0.0, 0.01, 0.02), speed=(0.0, 8.0, 0.0))
 
 
 @pytest.fixture(params=KERNELS)
@@ -25,11 +25,11 @@ def kernel(request):
 
 def moved():
     """Figures of a stepper's short move."""
-    one = simulation.Stepper(
+    one = run.Stepper(
         teeth=50.0, torque=np.array([0.5, 0.3, 0.1]), top_speed=90.0, microstep=0.01, damping_ratio=0.1,
         motor_inertia=3e-6,
     )  # fmt: skip
-    return simulation.simulate(one, MOTION).figures
+    return run.simulate(one, MOTION).figures
 
 
 def test_every_kernel_is_translated_as_its_sources_are(kernel):
@@ -71,7 +71,7 @@ def test_without_machine_code_it_is_the_same_and_said_to_be_slow(monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
     with pytest.warns(SlowWarning, match="a stepper runs some hundred times slower, for there is no machine code"):
         plain = machine_code.machine_code(stepper.KERNEL)
-    monkeypatch.setattr(simulation, "compiled", lambda: plain)
+    monkeypatch.setattr(run, "compiled", lambda: plain)
     assert moved() == pytest.approx(by_machine_code, rel=1e-9)
 
 
@@ -82,7 +82,7 @@ def test_what_has_changed_is_translated_anew(tmp_path, monkeypatch):
     monkeypatch.setattr(machine_code.Kernel, "library", library)
     by_machine_code, anew = moved(), machine_code.machine_code(stepper.KERNEL)
     assert list(tmp_path.iterdir()) == [library]
-    monkeypatch.setattr(simulation, "compiled", lambda: anew)
+    monkeypatch.setattr(run, "compiled", lambda: anew)
     assert moved() == by_machine_code
 
 

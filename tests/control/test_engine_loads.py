@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from engine_tasks import FAR, MOTOR, PERIOD, figure, gains, machine, open_drive, saturated_by_solver
 
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.engine import Drive, MotorHeat, Supply, Task, simulate
-from drivesizer.physics.overload import State, steady_state
+from drivesizer.control.validation import Cascade
+from drivesizer.physics.heat_step import State, steady_state
 from drivesizer.physics.thermal import TwoBodies
 
 # --- regenerated energy

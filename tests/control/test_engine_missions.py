@@ -16,11 +16,13 @@ from drivesizer.control.engine import (
     Resolution,
     Supply,
     Task,
-    repeats,
+    laps,
     simulate,
-    task_pieces,
 )
-from drivesizer.physics.overload import State, steady_state
+from drivesizer.control.engine import (
+    task as task_pieces,
+)
+from drivesizer.physics.heat_step import State, steady_state
 
 SET = machine(friction=1e-3, forward_torque=0.3, backward_torque=-0.3)
 HEAT = MotorHeat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3, loss_viscous=1e-6)
@@ -36,7 +38,7 @@ def all_simulated(monkeypatch, drive, task):
     """The same with nothing alike."""
     with monkeypatch.context() as patch:
         for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
-            patch.setattr(repeats, name, -1.0)
+            patch.setattr(laps, name, -1.0)
         return simulate(drive, task, rows=0, most_steps=10**9)
 
 

@@ -10,8 +10,8 @@ import pytest
 from engine_tasks import PERIOD, gains, machine
 from starters import STARTERS
 
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.engine import Drive, Supply, Task, simulate
+from drivesizer.control.validation import Cascade
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec

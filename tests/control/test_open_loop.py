@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.open_loop import simulation
-from drivesizer.control.open_loop.simulation import Motion, Stepper, least_share, simulate
+from drivesizer.control.open_loop import run
+from drivesizer.control.open_loop.run import Motion, Stepper, least_share, simulate
 from drivesizer.errors import InputError
-from drivesizer.physics.stepper.starting import start_speed
+from drivesizer.physics.stepper import start_speed
 
 T, J, P = 0.5, 1e-4, 50.0
 FULL = 2.0 * math.pi / 200.0
@@ -177,7 +177,7 @@ def test_a_ramp_stands_for_pulses_that_come_fast(monkeypatch: pytest.MonkeyPatch
     """Microsteps of 1/16 beyond 256 a swing are a ramp: as if each were a pulse."""
     one = stepper(microstep=FULL / 16.0, damping_ratio=0.1)
     ramp = simulate(one, FAST)
-    monkeypatch.setattr(simulation, "_RAMP", math.inf)
+    monkeypatch.setattr(run, "_RAMP", math.inf)
     pulses = simulate(one, FAST)
     assert ramp.figures["steps"] < 0.8 * pulses.figures["steps"]
     assert ramp.figures["end_error"] == pytest.approx(pulses.figures["end_error"], abs=1e-5)
@@ -185,6 +185,6 @@ def test_a_ramp_stands_for_pulses_that_come_fast(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_motion_of_days_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulation, "_MOST", 1000)
+    monkeypatch.setattr(run, "_MOST", 1000)
     with pytest.raises(InputError, match="more than 1000 steps of a stepper's simulation; expected a shorter one by"):
         simulate(stepper(), Motion(time=(0.0, 1e9), speed=(70.0, 70.0)))

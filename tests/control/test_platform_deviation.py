@@ -10,13 +10,11 @@ from following_paths import AHEAD, CURVED, STIFF, robot
 from routes import route
 
 from drivesizer import explain, size
-from drivesizer.control.path_following.deviation import deviation, extremes
-from drivesizer.control.path_following.following import follow, sampled
+from drivesizer.control.path_following.following import deviation, extremes, follow, sampled
 from drivesizer.control.path_following.runs import drawn, follow_runs, wheel_drive
 from drivesizer.errors import InputError
-from drivesizer.load_cases.platform_drive import driving, with_trajectory
-from drivesizer.load_cases.platform_record import platform_of
-from drivesizer.output.report.figures.path import path_and_errors
+from drivesizer.load_cases.platform import driving, platform_of, with_trajectory
+from drivesizer.output.report.figures.machine import path_and_errors
 from drivesizer.output.report.figures.style import named
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.spec.robot import load_spec

@@ -10,17 +10,21 @@ from following_paths import AHEAD, CURVED, LEVER, STIFF, STRAIGHT, cart, robot
 from platforms import MASS, RADIUS, WHEEL, car, mecanum
 from routes import route
 
-from drivesizer.control.path_following.deviation import deviation, extremes
-from drivesizer.control.path_following.following import Followed, follow
-from drivesizer.control.path_following.pose_control import SpeedLoop, pose_loop, speed_loop
+from drivesizer.control.path_following.following import (
+    Followed,
+    SpeedLoop,
+    deviation,
+    extremes,
+    follow,
+    pose_loop,
+    speed_loop,
+)
 from drivesizer.control.path_following.slip import Contact
 from drivesizer.errors import InputError
-from drivesizer.platform.contact_loads import Ground
-from drivesizer.platform.dynamics import dynamics
+from drivesizer.platform.dynamics import Ground, dynamics
 from drivesizer.platform.kinematics import kinematics
-from drivesizer.platform.misjudged import EXACT, Misjudged, actual
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.platform.wheels import Payload, Platform, without_motor
+from drivesizer.platform.wheels import EXACT, Misjudged, Payload, Platform, actual, without_motor
 
 
 def worst(found):

@@ -12,8 +12,7 @@ from drivesizer.control.path_following import following, kernel_loop
 from drivesizer.control.path_following.following import drive
 from drivesizer.control.path_following.slip import Contact, grip, grip_slope
 from drivesizer.errors import InputError
-from drivesizer.platform.contact_loads import Ground, contact_loads
-from drivesizer.platform.dynamics import acceleration, dynamics
+from drivesizer.platform.dynamics import Ground, acceleration, contact_loads, dynamics
 from drivesizer.platform.kinematics import wheel_speeds
 from drivesizer.platform.wheels import Caster, Platform, without_motor
 

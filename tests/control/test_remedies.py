@@ -7,12 +7,11 @@ from types import SimpleNamespace
 import pytest
 import yaml
 
-from drivesizer.control.remedies import rounded_ramps
+from drivesizer.control.closed_loop.checks import rounded_ramps
 from drivesizer.control.validation import Validation
 from drivesizer.load_cases.profile import profile_of
-from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.sections.section import Content, text_of
 from drivesizer.output.report.sections.summary import outcome_texts
-from drivesizer.output.report.sections.texts import text_of
 from drivesizer.simulate import validate, with_remedies
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec

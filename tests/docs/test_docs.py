@@ -12,9 +12,9 @@ from catalog_texts import MAP, SHEET
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.spec.any_spec import is_machine
+from drivesizer.spec.machine import read_machine
 from drivesizer.spec.robot import read_spec
-from drivesizer.spec.several_axes.any_spec import is_machine
-from drivesizer.spec.several_axes.machine_file import read_machine
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from docs_pages import bare, signs
 
-from drivesizer.output import formula
+from drivesizer.output import derivation
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
 from drivesizer.platform import matrix_equation
 from drivesizer.platform.matrix_equation import PLATFORM
@@ -19,10 +19,10 @@ MATRICES = [PLATFORM[number] for number in sorted(PLATFORM)]
 @pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
 def test_an_equation_on_the_page_is_the_one_at_the_terminal(declared):
     """Another notation of the same syntax tree: what is read from left to right and from top to bottom is the same."""
-    for form, paper in ((formula.computed(declared), False), (declared.printed, True)):
+    for form, paper in ((derivation.computed(declared), False), (declared.printed, True)):
         if form:
             made = mathematics.mathml(latex.expression(form, paper=paper), "block")
-            assert signs(made) == signs(formula.text(form, paper=paper))
+            assert signs(made) == signs(derivation.text(form, paper=paper))
             assert made.count("<mfrac>") >= (1 if "/" in form and "1 / 2" not in form else 0)
             assert made.count("<msqrt>") == form.count("sqrt(") + form.count("(1 / 2)")
 

@@ -11,10 +11,10 @@ from docs_pages import ROOT, blocks, held_against_the_page, page, rows
 
 from drivesizer.control.path_following.runs import follow_runs
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.platform_drive import driving
+from drivesizer.load_cases.platform import driving
+from drivesizer.output.json import behaviour as json_driving
 from drivesizer.output.json import documents as json_documents
-from drivesizer.output.json import driving as json_driving
-from drivesizer.platform import printed_forms
+from drivesizer.platform import robot_figures
 from drivesizer.platform.matrix_equation import PLATFORM
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.spec.robot import read_spec
@@ -27,8 +27,8 @@ MATRICES = [PLATFORM[number] for number in sorted(PLATFORM)]
 def test_the_page_of_the_paper_names_what_fails_of_the_platform():
     told = rows(page("paper"), "### The platform's printed form")
     numbers = [int(n) for row in told for n in re.findall(r"\(#?(\d+)\)\]", row[0])]
-    assert numbers == [e.number for e in MATRICES if any(printed_forms.finding(e))]
-    assert not any(printed_forms.finding(e).units for e in MATRICES)
+    assert numbers == [e.number for e in MATRICES if any(robot_figures.finding(e))]
+    assert not any(robot_figures.finding(e).units for e in MATRICES)
 
 
 def test_every_budget_check_is_on_its_page():

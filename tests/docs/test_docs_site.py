@@ -18,11 +18,11 @@ from docs_pages import ROOT, Loads, blocks, held_against_the_page, page, rows
 from drivesizer import size, validate
 from drivesizer.equations import nominal_speed
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output import formula
+from drivesizer.output import derivation
 from drivesizer.output.json import documents as json_documents
-from drivesizer.output.json import file as json_file
+from drivesizer.output.json import documents as json_file
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
-from drivesizer.platform import printed_forms
+from drivesizer.platform import robot_figures
 from drivesizer.platform.matrix_equation import PLATFORM
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.sizing import explain
@@ -104,7 +104,7 @@ def test_every_equation_of_the_platform_is_on_the_page_with_its_units(site):
         for term in (*declared.terms, declared.result):
             assert html.escape(term.meaning, quote=False) in part
             assert term.unit.replace("*", "·").replace("^2", "²") in part
-        assert ("Fails the value check" in part) == bool(printed_forms.finding(declared).values)
+        assert ("Fails the value check" in part) == bool(robot_figures.finding(declared).values)
     assert text.count("Fails the value check") == 5
 
 
@@ -117,13 +117,13 @@ def test_every_equation_is_on_the_page_with_its_units(site):
         anchor = f"eq-{declared.number}" if declared.number else declared.name.replace("_", "-")
         assert anchor in seen.ids
         assert all(html.escape(term.meaning, quote=False) in text for term in declared.terms)
-    assert text.count("Fails the unit check") == sum(bool(formula.printed_failure(e)) for e in EVERY) == 2
+    assert text.count("Fails the unit check") == sum(bool(derivation.printed_failure(e)) for e in EVERY) == 2
 
 
 def test_the_page_of_the_paper_names_what_fails():
     told = rows(page("paper"), "## Where the printed form cannot be followed")
     numbers = [int(n) for row in told for n in re.findall(r"\((\d+)\)", row[0])]
-    assert numbers == [e.number for e in EVERY if formula.printed_failure(e)]
+    assert numbers == [e.number for e in EVERY if derivation.printed_failure(e)]
 
 
 @pytest.mark.parametrize(("reserve", "chosen"), [(0.706, 27), (0.904, 27), (0.905, 35)])

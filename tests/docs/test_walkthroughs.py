@@ -11,8 +11,7 @@ from pdf_text import texts_of
 
 from drivesizer import size
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.part_totals import totals
-from drivesizer.output.parts import machine_parts
+from drivesizer.output.parts import machine_parts, totals
 from drivesizer.output.report import write
 from drivesizer.spec.robot import read_spec
 

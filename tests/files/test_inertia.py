@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
-from drivesizer.files.inertia import DENSITIES, Solid, moment
+from drivesizer.files.fields import DENSITIES, Solid, moment
 from drivesizer.load_cases import load_cycle
 from drivesizer.search.uncertainty.uncertain_figures import applied
 from drivesizer.spec.robot import load_spec

@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Pairs, Table, columns_of
-from drivesizer.catalog.laws.check import Finding, check
-from drivesizer.catalog.laws.law import Law
-from drivesizer.catalog.laws.parts import LAWS
+from drivesizer.catalog.law import Law
+from drivesizer.catalog.law_check import Finding, check
+from drivesizer.catalog.laws_of_parts import LAWS
 
 EMPTY = Pairs(*(np.zeros(0, np.int32) for _ in range(3)))
 
@@ -49,7 +49,7 @@ def alone(catalog: Catalog, section: str) -> Catalog:
 def held_to(catalog: Catalog, laws: Sequence[Law]) -> list[Finding]:
     """What some of the laws find: of one broken figure the others need not be checked, there are hundreds."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("drivesizer.catalog.laws.check.LAWS", laws)
+        patch.setattr("drivesizer.catalog.law_check.LAWS", laws)
         return check(catalog)
 
 

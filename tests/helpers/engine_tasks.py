@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.control.engine import (
     Drive,
     Supply,
     Task,
 )
-from drivesizer.control.validation import Gains
+from drivesizer.control.validation import Cascade, Gains
 from drivesizer.physics.thermal import TwoBodies
 
 PERIOD = 4e-4

@@ -17,8 +17,7 @@ from synthetic_validation import synthetic_validation
 import drivesizer
 from drivesizer.control.validation import Validation
 from drivesizer.files.yaml_source import read
-from drivesizer.results.sizing import SizingResult
-from drivesizer.results.weights import Choice, Choices
+from drivesizer.results.sizing import Choice, Choices, SizingResult
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 HOSTILE = "</td></script><script>alert(3)</script>&amp; {{ 7*7 }} 測試"  # a family of motors

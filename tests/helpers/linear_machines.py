@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 from textbook_machine import SHAFT
 
-from drivesizer.control.cascade import Rates
-from drivesizer.control.cascade_design import CascadeRequirements, design_cascade
 from drivesizer.control.drive_train import Regime
+from drivesizer.control.gains import CascadeRequirements, design_cascade
+from drivesizer.control.validation import Rates
 
 ENDS = ((3.0, Regime.FORWARD_DRIVING), (-6.0, Regime.FORWARD_BRAKING))  # slope in degrees, mode
 

@@ -6,7 +6,7 @@ from math import asin, log, nan, pi
 
 import numpy as np
 
-from drivesizer.control.loop_records import Bode, Loop
+from drivesizer.control.validation import Bode, Loop
 
 
 def lag(name: str, gain: float, period: float, direction: str = "", turns: int = 0) -> Loop:

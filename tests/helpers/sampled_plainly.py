@@ -14,8 +14,8 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import applied, case_paths
+from drivesizer.spec.drive import ControllerChoice
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import ControllerChoice
 from drivesizer.spec.tolerances import ControllerTolerances, GearheadTolerances, MotorTolerances
 
 FACTORS = {"motor": MotorTolerances, "gearhead": GearheadTolerances, "controller": ControllerTolerances}

@@ -18,9 +18,7 @@ from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.set_record import drive_parts
 from drivesizer.sizing import load_parts
-from drivesizer.spec.several_axes.carried import carrying
-from drivesizer.spec.several_axes.machine import MachineSpec
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import MachineSpec, carrying, load_machine
 
 JOINTS = ("shoulder", "elbow", "wrist")
 _CATALOG = """

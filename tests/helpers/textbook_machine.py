@@ -11,7 +11,7 @@ from specs import poorer
 
 from drivesizer.control.drive_train import drive_train
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task
-from drivesizer.control.voltage_loop_design import design
+from drivesizer.control.gains import design
 from drivesizer.sizing import explain
 
 PERIOD = 4e-4  # s, of the EPOS4's speed loop

@@ -9,7 +9,7 @@ import stepper_catalog
 import yaml
 from forty_motors import catalogue
 
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 __all__ = ["STEPPER", "two_axes"]
 

@@ -14,14 +14,14 @@ from typing import Any
 
 import pytest
 
-from drivesizer.commands.proving import proven
+from drivesizer.commands.common import proven
 from drivesizer.errors import InputError
 from drivesizer.files import text as text_files
 from drivesizer.live.engine import JOBS, done
 from drivesizer.live.held import EngineMemory, StoppedError
+from drivesizer.output.derivation import margin
 from drivesizer.output.json import documents
 from drivesizer.output.report import write
-from drivesizer.output.text import margin
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 

@@ -21,8 +21,7 @@ from live_server import Serving, reply, serving
 
 from drivesizer.live import guard
 from drivesizer.live.engine import JOBS
-from drivesizer.live.guard import LARGEST, Guard
-from drivesizer.live.requests import REQUESTS
+from drivesizer.live.guard import LARGEST, REQUESTS, Guard
 
 POLICY = {"x-content-type-options": "nosniff", "referrer-policy": "no-referrer", "x-frame-options": "DENY",
           "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin"}  # fmt: skip

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from drivesizer.live.spec_file import content, fields, saved
+from drivesizer.live.server import content, fields, saved
 
 TEXT = "name: Wägelchen\nload: 5 kg\n"
 

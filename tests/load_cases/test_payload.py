@@ -6,7 +6,7 @@ import yaml
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.at_shaft import at_shaft, motion_of, remaining_torque
+from drivesizer.load_cases.platform import at_shaft, motion_of, remaining_torque
 from drivesizer.search.uncertainty.uncertain_figures import applied
 from drivesizer.spec.robot import load_spec
 

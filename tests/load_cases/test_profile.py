@@ -14,7 +14,8 @@ from pydantic import ValidationError
 from rows import hold
 
 from drivesizer.errors import FieldError, InputError
-from drivesizer.files import csv_columns, csv_numbers
+from drivesizer.files import csv_columns
+from drivesizer.files import csv_columns as csv_numbers
 from drivesizer.load_cases.profile import (
     from_csv,
     harmonic,

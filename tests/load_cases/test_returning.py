@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.warnings import starts_farther_on
+from drivesizer.load_cases.of_machine import starts_farther_on
 from drivesizer.simulate import validate
 from drivesizer.sizing import explained, size
 from drivesizer.spec.robot import read_spec

@@ -13,7 +13,7 @@ from specs import HEAT, without
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.at_shaft import at_shaft, motion_of, remaining_torque
+from drivesizer.load_cases.platform import at_shaft, motion_of, remaining_torque
 from drivesizer.loads.course import Profile
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size

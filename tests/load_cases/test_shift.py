@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle, shift
-from drivesizer.load_cases.shift import counts, cycle_of_shift
+from drivesizer.load_cases import load_cycle, of_machine
+from drivesizer.load_cases.of_machine import counts, cycle_of_shift
 from drivesizer.machine.problem import problem
 from drivesizer.physics.load_cycle import LoadCycle, rms
 from drivesizer.simulate import hardest_case, validate
@@ -65,7 +65,7 @@ def test_an_unknown_inertia_of_any_case_is_that_of_the_shift(unknown: str, monke
         made = load_cycle(one)
         return replace(made, inertia=nan) if (one is specs[0]) == (unknown == "as specified") else made
 
-    monkeypatch.setattr(shift, "load_cycle", cycle)
+    monkeypatch.setattr(of_machine, "load_cycle", cycle)
     assert isnan(cycle_of_shift(spec).inertia)
 
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.at_shaft import at_shaft
-from drivesizer.loads.fixed_gear import FixedGear, through_gear
+from drivesizer.load_cases.platform import at_shaft
+from drivesizer.loads.stage_losses import FixedGear, through_gear
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.load_cycle import LoadCycle, integral
 from drivesizer.search.columns.limits import load_limits, lost_at_load

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.platform_wheels import floor_friction
-from drivesizer.load_cases.warnings import grip_warning
+from drivesizer.load_cases.of_machine import grip_warning
+from drivesizer.load_cases.platform import floor_friction
 from drivesizer.loads.course import Profile
 from drivesizer.loads.kinds import AXES
 from drivesizer.physics.load_cycle import integral, rms

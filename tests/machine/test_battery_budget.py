@@ -14,12 +14,11 @@ from specs import HEAT, estimates_off, without
 from drivesizer.catalog import Catalog, load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.battery_pack import pack_of, run_time
+from drivesizer.machine.battery import pack_of, run_time
 from drivesizer.machine.energy_budget import charge_over_mission, energy_budget
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.physics.battery import peukert_time
-from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.energy import EnergyBudget
+from drivesizer.results.drive_set import DriveSet, EnergyBudget
 from drivesizer.results.sizing import Check
 from drivesizer.sizing import explain
 from drivesizer.spec.battery import Battery, Consumer

@@ -10,8 +10,7 @@ import pytest
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.battery_checks import Load, battery_checks, raised_voltage
-from drivesizer.machine.battery_pack import Pack, pack_of
+from drivesizer.machine.battery import Load, Pack, battery_checks, pack_of, raised_voltage
 from drivesizer.physics.battery import polarised_voltage
 from drivesizer.results.sizing import Check
 from drivesizer.sizing import size

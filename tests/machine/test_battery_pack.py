@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.errors import InputError
-from drivesizer.machine.battery_pack import Pack, capacity_needed, pack_of, run_time, strings_needed
+from drivesizer.machine.battery import Pack, capacity_needed, pack_of, run_time, strings_needed
 from drivesizer.spec.battery import Battery, Consumer
 
 HOUR = 3600.0

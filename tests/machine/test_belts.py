@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
-from drivesizer.machine import pulleys
+from drivesizer.machine import problem as pulleys
 from drivesizer.machine.problem import problem
-from drivesizer.physics.elements.belt import (
+from drivesizer.physics.belt import (
     belt_length,
     centre_distance,
     pitch_diameter,
@@ -27,8 +27,8 @@ from drivesizer.physics.elements.belt import (
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.sizing import explain, load_parts, size
+from drivesizer.spec.drive import Pulleys
 from drivesizer.spec.robot import load_spec
-from drivesizer.spec.transmission import Pulleys
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

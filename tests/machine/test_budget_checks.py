@@ -12,15 +12,23 @@ from trajectories import joined, piece, straight
 
 from drivesizer import size
 from drivesizer.errors import InputError
-from drivesizer.load_cases.platform_record import platform_of
-from drivesizer.load_cases.requirement_checks import requirement_checks
+from drivesizer.load_cases.of_machine import requirement_checks
+from drivesizer.load_cases.platform import platform_of
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.machine.platform_budget import mass_part, platform_part, worst_case_budget
-from drivesizer.machine.platform_checks import PlatformOnFloor, envelope_checks, grip_checks, machine_mass, mass_checks
-from drivesizer.machine.platform_checks import stability_checks as footing
+from drivesizer.machine.platform_budget import (
+    PlatformOnFloor,
+    envelope_checks,
+    grip_checks,
+    machine_mass,
+    mass_checks,
+    mass_part,
+    platform_part,
+    worst_case_budget,
+)
+from drivesizer.machine.platform_budget import stability_checks as footing
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.results.mass import MassRow
+from drivesizer.results.drive_set import MassRow
 from drivesizer.sizing import explain
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import load_spec

@@ -13,8 +13,8 @@ from specs import estimates_off
 from starters import starter
 
 from drivesizer.catalog import Catalog
-from drivesizer.machine.energy_flow import EnergyFlow, energy_flow
 from drivesizer.machine.set_cycle import set_cycle
+from drivesizer.machine.supply_power import EnergyFlow, energy_flow
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from drivesizer import size
 from drivesizer.errors import InputError
 from drivesizer.machine.mass_budget import drive_rows, mass_budget, settle
-from drivesizer.results.mass import MassRow
+from drivesizer.results.drive_set import MassRow
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

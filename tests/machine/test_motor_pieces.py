@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Motor
-from drivesizer.catalog.no_gearhead import NO_GEARHEAD
 from drivesizer.catalog.parts import OneRow
+from drivesizer.catalog.tables import NO_GEARHEAD
 from drivesizer.load_cases import load_cycle
-from drivesizer.machine.motor_pieces import motor_pieces
+from drivesizer.machine.set_cycle import motor_pieces
 from drivesizer.output.json import documents
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.pieces import PIECES
+from drivesizer.output.report.sections.cycle import PIECES
+from drivesizer.output.report.sections.section import Content
 from drivesizer.output.terminal.sizing import sizing
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.motor_demand import demands

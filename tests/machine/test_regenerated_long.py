@@ -8,8 +8,7 @@ import pytest
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine import supply_power
 from drivesizer.machine.problem import problem
-from drivesizer.machine.regenerated import regenerated, regenerated_of
-from drivesizer.machine.supply_power import drive_power
+from drivesizer.machine.supply_power import drive_power, regenerated, regenerated_of
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 

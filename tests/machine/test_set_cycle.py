@@ -12,10 +12,9 @@ from starters import BODIES, starter
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import NO_GEARHEAD
-from drivesizer.machine.efficiency import operation
-from drivesizer.machine.energy_flow import energy_flow
-from drivesizer.machine.set_cycle import Warming, set_cycle, warming, waveform
-from drivesizer.machine.warm_up import finer, warm_up
+from drivesizer.machine.operating_field import operation
+from drivesizer.machine.set_cycle import Warming, finer, set_cycle, warm_up, warming, waveform
+from drivesizer.machine.supply_power import energy_flow
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.sizing import size

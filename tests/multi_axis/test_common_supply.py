@@ -12,7 +12,7 @@ from kernel_cycles import supplied
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.waiting import static_torque
+from drivesizer.load_cases.profile import static_torque
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.problem import problem
@@ -20,7 +20,7 @@ from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
 from drivesizer.results.check import worst_of_cases
-from drivesizer.results.machine_power import MachinePower
+from drivesizer.results.machine import MachinePower
 from drivesizer.sizing import explain, load_parts
 from drivesizer.spec.robot import RobotSpec, read_spec
 

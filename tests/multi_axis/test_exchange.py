@@ -10,10 +10,19 @@ import numpy as np
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.regenerated import regenerated_of
-from drivesizer.machine.supply_power import DrivePower
-from drivesizer.multi_axis.exchange import common_period, exchanged, fitted, from_start, summed_up
-from drivesizer.multi_axis.phases import AtAnyPhase, longest_run_of_two, returned_over_phases, share_above, worst_start
+from drivesizer.machine.supply_power import DrivePower, regenerated_of
+from drivesizer.multi_axis.phases import (
+    AtAnyPhase,
+    common_period,
+    exchanged,
+    fitted,
+    from_start,
+    longest_run_of_two,
+    returned_over_phases,
+    share_above,
+    summed_up,
+    worst_start,
+)
 from drivesizer.physics.power_stage import Feed, PowerStage
 from drivesizer.spec.robot import RobotSpec, read_spec
 

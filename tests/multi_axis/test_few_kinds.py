@@ -11,9 +11,16 @@ import pytest
 from small_arms import arm, every_combination
 
 from drivesizer.errors import InputError
-from drivesizer.multi_axis.combinations import Choice, Combination, best_combination
-from drivesizer.multi_axis.few_kinds import Kind, Permitted, fewer_kinds, within
-from drivesizer.multi_axis.offered_kinds import kind_of
+from drivesizer.multi_axis.combinations import (
+    Choice,
+    Combination,
+    Kind,
+    Permitted,
+    best_combination,
+    fewer_kinds,
+    kind_of,
+    within,
+)
 from drivesizer.multi_axis.sizing import size_machine
 
 ORDER = ("hand", "wrist", "elbow", "base")

@@ -18,7 +18,7 @@ from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 TRAPEZOID = {"speed": "0.5 m/s", "acceleration_time": "0.2 s", "cruise_time": "0.3 s"}
 LAW = {"profile": "move", "law": "modified_sine", "distance": "150 mm", "time": "0.4 s"}

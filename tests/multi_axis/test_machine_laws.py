@@ -13,7 +13,7 @@ from small_arms import JOINTS, arm
 from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.sizing import size
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 
 @pytest.fixture(scope="module")

@@ -12,18 +12,17 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.machine.supply_power import DrivePower, side_by_side
-from drivesizer.multi_axis.machine_power import machine_power
-from drivesizer.multi_axis.shared_sections import shared_sections
+from drivesizer.multi_axis.axis_sizings import machine_power
+from drivesizer.multi_axis.common_supply import shared_sections
 from drivesizer.multi_axis.sizing import laden, size_machine
-from drivesizer.output.json.documents import as_text
-from drivesizer.output.json.machine import machine_document
+from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema
-from drivesizer.output.parts_of_axes import machine_parts_of_axes
+from drivesizer.output.parts import machine_parts_of_axes
 from drivesizer.output.terminal.several_axes import machine_sizing
 from drivesizer.results.check import tightest
 from drivesizer.results.machine import MachineSizing
+from drivesizer.spec.machine import load_machine
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.several_axes.machine_file import load_machine
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

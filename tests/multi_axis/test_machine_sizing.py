@@ -23,9 +23,8 @@ from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.set_record import drive_parts
 from drivesizer.sizing import explain, load_parts, size
+from drivesizer.spec.machine import MachineSpec, load_machine
 from drivesizer.spec.robot import load_spec
-from drivesizer.spec.several_axes.machine import MachineSpec
-from drivesizer.spec.several_axes.machine_file import load_machine
 from drivesizer.units import show
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

@@ -12,18 +12,16 @@ import numpy as np
 import pytest
 
 from drivesizer.machine.problem import problem
-from drivesizer.multi_axis.common_supply import AxisPower
-from drivesizer.multi_axis.machine_power import machine_power, over_tolerances
-from drivesizer.multi_axis.shared_sections import shared_sections
+from drivesizer.multi_axis.axis_sizings import machine_power, over_tolerances
+from drivesizer.multi_axis.common_supply import AxisPower, shared_sections
+from drivesizer.multi_axis.sampled_supply import uncertain_machine
 from drivesizer.multi_axis.sizing import size_machine
-from drivesizer.multi_axis.uncertain_axes import uncertain_machine
-from drivesizer.output.json.documents import as_text
-from drivesizer.output.json.machine import machine_document
+from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema
 from drivesizer.output.terminal.several_axes import machine_sizing
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

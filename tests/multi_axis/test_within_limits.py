@@ -9,12 +9,11 @@ from math import inf
 import numpy as np
 import pytest
 
-from drivesizer.multi_axis.combinations import Choice
-from drivesizer.multi_axis.machine_power import machine_power
+from drivesizer.multi_axis.axis_sizings import machine_power
+from drivesizer.multi_axis.combinations import Choice, cheapest_first
 from drivesizer.multi_axis.sizing import size_machine
-from drivesizer.multi_axis.within_limits import cheapest_first
 from drivesizer.results.machine import MachineSizing
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 CURRENT = "supply_current"
 MACHINE = {

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from drivesizer.output.report.html.choices_plot import choices_plot, unbeaten
-from drivesizer.results.weights import Choice
+from drivesizer.output.report.html.candidate_plots import choices_plot, unbeaten
+from drivesizer.results.sizing import Choice
 
 
 def drives(count: int, seed: int) -> list[Choice]:

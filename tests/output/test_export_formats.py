@@ -15,11 +15,11 @@ import yaml
 import yourdfpy
 from specs import poorer
 
-from drivesizer.control.cascade import Cascade
+from drivesizer.control.validation import Cascade
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.export import FORMATS, accept, export_of, files, mjcf, ros2_control, sdf, urdf, write
-from drivesizer.output.export.gains import torque_law
+from drivesizer.output.export.common import torque_law
 from drivesizer.output.export.json_document import document, export_schema, render
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec, read_spec

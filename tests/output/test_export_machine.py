@@ -16,19 +16,18 @@ import yourdfpy
 from small_arms import catalogue
 
 from drivesizer.errors import InputError
-from drivesizer.joints.inverse_dynamics import torques_of
-from drivesizer.joints.record import Array
+from drivesizer.joints.inverse_dynamics import Array, torques_of
 from drivesizer.load_cases import driven_shaft_cycle
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.export import files as exported
-from drivesizer.output.export.gains import torque_law
+from drivesizer.output.export.common import torque_law
 from drivesizer.output.export.machine import MachineExport, machine_export, write_machine
-from drivesizer.output.export.machine.joint_motor import lossless
+from drivesizer.output.export.mjcf import lossless
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.machine import MachineSizing
 from drivesizer.simulate import validate
 from drivesizer.spec.description import read_description
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

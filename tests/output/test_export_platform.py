@@ -18,18 +18,16 @@ import yourdfpy
 from small_arms import catalogue
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of, trajectory_of
+from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
 from drivesizer.output.export import export_of
 from drivesizer.output.export import files as exported
-from drivesizer.output.export.gains import torque_law
-from drivesizer.output.export.machine.joint_motor import lossless
-from drivesizer.output.export.platform import PlatformExport, platform_export, write_platform
-from drivesizer.output.export.platform.record import split
-from drivesizer.platform.dynamics import acceleration, wheel_torques
-from drivesizer.platform.motion import motion
+from drivesizer.output.export.common import torque_law
+from drivesizer.output.export.mjcf import lossless
+from drivesizer.output.export.platform import PlatformExport, platform_export, split, write_platform
+from drivesizer.platform.dynamics import acceleration, motion, wheel_torques
 from drivesizer.sizing import explain
 from drivesizer.spec.description import read_description
-from drivesizer.spec.from_urdf import spec_of
+from drivesizer.spec.from_description import spec_of
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from drivesizer.output.report.figures.layout import once
-from drivesizer.output.report.figures.style import drawn, placed
+from drivesizer.output.report.figures.style import drawn, once, placed
 
 FORMS = [("typeset", "svg"), ("svg", "typeset"), ("svg", "png", "typeset"), ("svg", "svg", "svg"), ("png", "png")]
 

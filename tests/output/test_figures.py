@@ -14,13 +14,11 @@ from synthetic_validation import labels, synthetic_validation
 from drivesizer.files.yaml_source import read
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
-from drivesizer.output.report.figures import load_and_loop
-from drivesizer.output.report.figures.field import torque_speed
-from drivesizer.output.report.figures.field_panels import panels, paper_points
-from drivesizer.output.report.figures.motion import speed_profile
-from drivesizer.output.report.figures.pareto_front import trade_off
-from drivesizer.output.report.figures.style import STYLE, named
-from drivesizer.output.report.figures.time_strips import Window, thinned, windows
+from drivesizer.output.report.figures import cycle
+from drivesizer.output.report.figures.choice import trade_off
+from drivesizer.output.report.figures.cycle import speed_profile
+from drivesizer.output.report.figures.field import panels, paper_points, torque_speed
+from drivesizer.output.report.figures.style import STYLE, Window, named, thinned, windows
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
@@ -30,10 +28,10 @@ from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
 def drawn(result: SizingResult) -> dict[str, bytes]:
     return {
         "profile": speed_profile(result.spec),
-        "load": load_and_loop.load_over_time([("", load_cycle(result.spec))]),
+        "load": cycle.load_over_time([("", load_cycle(result.spec))]),
         "field": torque_speed(panels(result.problem, result.sets[0], result.requirements)),
         "front": trade_off(["1", "2"], ["one", "two"], [270.0, 340.0], [328.3, nan], ["mass (g)", "price (EUR)"]),
-        "loop": load_and_loop.closed_loop(synthetic_validation(result)),
+        "loop": cycle.closed_loop(synthetic_validation(result)),
     }
 
 
@@ -122,7 +120,7 @@ def table(folder: Path, motion: str, more: str = "") -> RobotSpec:
 def test_every_motion_has_its_curve(motion, tmp_path):
     spec = table(tmp_path, motion)
     assert MOTIONS[motion] <= labels(speed_profile(spec))
-    assert {"torque (mN·m)", "speed (rpm)"} <= labels(load_and_loop.load_over_time([("", load_cycle(spec))]))
+    assert {"torque (mN·m)", "speed (rpm)"} <= labels(cycle.load_over_time([("", load_cycle(spec))]))
 
 
 def test_a_recorded_load_shows_the_speed_of_its_recording(tmp_path):
@@ -140,7 +138,7 @@ def test_load_cases_have_names_of_their_own_and_plain_text(result, tmp_path):
     spec = table(tmp_path, next(iter(MOTIONS)), f"cases:\n{cases}")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        cycles = load_and_loop.load_over_time([(name, load_cycle(case)) for name, case in spec.load_cases])
+        cycles = cycle.load_over_time([(name, load_cycle(case)) for name, case in spec.load_cases])
         field = torque_speed(panels(problem(spec, result.catalog), result.sets[0], ()))
     for svg in (cycles, field):
         ElementTree.fromstring(svg)
@@ -176,15 +174,11 @@ def test_a_stretch_in_which_only_the_torque_changes_is_not_left_out():
     time = np.array([1.0, 20.0, 1.0])
     speed, torque = np.array([[0.0, 5.0], [5.0, 5.0], [5.0, 0.0]]), np.array([[1.0, 1.0], [1.0, 3.0], [0.5, 0.5]])
     level = np.full((3, 2), 0.7)
-    assert len(load_and_loop.stretches([("", LoadCycle("x", time, speed, level, torque))])) == 1
+    assert len(cycle.stretches([("", LoadCycle("x", time, speed, level, torque))])) == 1
     quiet = LoadCycle("x", time, speed, level, level)
-    assert (
-        len(load_and_loop.stretches([("", quiet)]))
-        == len(load_and_loop.stretches([("", quiet), ("alike", quiet)]))
-        == 2
-    )
+    assert len(cycle.stretches([("", quiet)])) == len(cycle.stretches([("", quiet), ("alike", quiet)])) == 2
     other = replace(quiet, duration=np.array([2.0, 20.0, 1.0]))
-    assert load_and_loop.stretches([("", quiet), ("other", other)]) == [Window("", 0.0, 23.0)]
+    assert cycle.stretches([("", quiet), ("other", other)]) == [Window("", 0.0, 23.0)]
 
 
 def test_a_long_cruise_is_left_out_and_a_short_one_is_not():

@@ -21,15 +21,14 @@ from drivesizer.files.yaml_source import read
 from drivesizer.load_cases import load_cycle
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.report import write
-from drivesizer.output.report.figures.field_panels import panels
+from drivesizer.output.report.figures.field import panels
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html import page as page_module
 from drivesizer.output.report.html.curves import plain, sampled
-from drivesizer.output.report.html.field_plot import field_plot
-from drivesizer.output.report.html.mathematics import mathml
 from drivesizer.output.report.html.page import report_html
-from drivesizer.output.report.html.templates import environment
-from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.html.plots import field_plot
+from drivesizer.output.report.html.templates import environment, mathml
+from drivesizer.output.report.sections.section import Content
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from jinja2 import DictLoader, Environment
 
-from drivesizer.output.report.html.kept import Compiled, packed
+from drivesizer.output.report.html.templates import Compiled, packed
 
 SCRIPT = "function plot(x) { return x + 1; }\n" * 40
 

@@ -10,11 +10,11 @@ from html_reports import HOSTILE, parsed, with_choices
 from lxml import html
 from printed import blank_figures
 
+from drivesizer.output.report.html.candidate_plots import weights_section
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.html.templates import section_html
-from drivesizer.output.report.html.weights import weights_section
-from drivesizer.output.report.sections.content import Content
-from drivesizer.results.weights import used_share, weighted_order
+from drivesizer.output.report.sections.section import Content
+from drivesizer.results.sizing import used_share, weighted_order
 
 
 def section(result):

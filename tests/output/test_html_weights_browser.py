@@ -11,11 +11,11 @@ import pytest
 from browser_pages import findings, kept, launched, until
 from html_reports import HOSTILE, with_choices
 
+from drivesizer.output.report.html.candidate_plots import weights_section
 from drivesizer.output.report.html.page import filled_page
-from drivesizer.output.report.html.weights import weights_section
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.document import document
-from drivesizer.results.weights import weighted_order
+from drivesizer.output.report.sections import document
+from drivesizer.output.report.sections.section import Content
+from drivesizer.results.sizing import weighted_order
 
 pytestmark = pytest.mark.slow
 COUNT = 45  # drives; 20 are seen at first

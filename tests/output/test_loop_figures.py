@@ -17,18 +17,18 @@ from printed import blank_figures, text_of
 from rich.console import Console
 from synthetic_validation import labels, synthetic_validation
 
-from drivesizer.control.cascade import ControllerGain
-from drivesizer.control.validation import Validation
+from drivesizer.control.validation import ControllerGain, Validation
 from drivesizer.errors import InputError
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.loop_table import cell, loop_figures, settled
+from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import pdf, write_loop_figures
-from drivesizer.output.report.figures import bode_and_step, load_and_loop
-from drivesizer.output.report.figures.block_diagram import block_diagram
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.table import csv as csv_tables
+from drivesizer.output.report.figures import cycle
+from drivesizer.output.report.figures import loops as bode_and_step
+from drivesizer.output.report.figures.loops import block_diagram
+from drivesizer.output.report.sections.section import Content
 from drivesizer.output.terminal import sizing as terminal
-from drivesizer.output.terminal.loops import loops
+from drivesizer.output.terminal.sizing import loops
 from drivesizer.output.thinning import curve_points, extremes
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
@@ -52,7 +52,7 @@ def test_the_loops_by_hand_are_those_of_the_analysis():
     """The closed forms that the tests lean on, against the analysis of the same loop."""
     import control
 
-    from drivesizer.control.loop_analysis import loop_of
+    from drivesizer.control.loop_design import loop_of
 
     for mine in CASCADE:
         opened = control.ss(np.eye(1), np.array([[1.0 - mine.poles[0].real]]), np.eye(1), np.zeros((1, 1)), mine.period)
@@ -165,16 +165,16 @@ def test_figures_of_loops_have_units():
 
 
 def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
-    said = labels(load_and_loop.closed_loop(proof))
+    said = labels(cycle.closed_loop(proof))
     assert {"position", "error", "(mm)", "winding", "temperature", "(°C)", "(V)", "(A)", "(m/s)"} <= said
     turning = replace(proof, series_units=proof.series_units | {"position_error": ("angle", "deg")})
-    assert "(°)" in labels(load_and_loop.closed_loop(turning))
+    assert "(°)" in labels(cycle.closed_loop(turning))
     unknown = {"winding_temperature": np.full_like(proof.series["time"], nan)}
-    assert "winding" not in labels(load_and_loop.closed_loop(replace(proof, series=proof.series | unknown)))
+    assert "winding" not in labels(cycle.closed_loop(replace(proof, series=proof.series | unknown)))
     held = {"winding_temperature": np.full_like(proof.series["time"], 298.15)}  # kept, as it is not known
-    assert "winding" not in labels(load_and_loop.closed_loop(replace(proof, series=proof.series | held)))
+    assert "winding" not in labels(cycle.closed_loop(replace(proof, series=proof.series | held)))
     bare = {name: values for name, values in proof.series.items() if name not in ("position_error", "voltage")}
-    titles = [title for _, title in load_and_loop.closed_loop_rows(replace(proof, series=bare))]
+    titles = [title for _, title in cycle.closed_loop_rows(replace(proof, series=bare))]
     assert titles == ["speed", "speed error", "current", "winding temperature"]
 
 
@@ -206,7 +206,7 @@ def test_a_validation_without_records_of_its_loops_has_its_course_alone(result, 
 def test_a_folder_that_cannot_be_is_refused_in_a_line(proof, tmp_path, monkeypatch):
     taken = tmp_path / "taken"
     taken.write_text("older")
-    monkeypatch.setattr(load_and_loop, "drawn", lambda *_: pytest.fail("drawn before the folder was looked at"))
+    monkeypatch.setattr(cycle, "drawn", lambda *_: pytest.fail("drawn before the folder was looked at"))
     with pytest.raises(InputError, match=r"taken: is a file; expected a folder"):
         write_loop_figures(proof, taken)
     with pytest.raises(InputError, match="there is no folder"):

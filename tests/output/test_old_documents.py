@@ -18,8 +18,8 @@ import pytest
 
 from drivesizer.output.export.json_document import SCHEMA_VERSION as EXPORT_VERSION
 from drivesizer.output.export.json_document import export_schema
+from drivesizer.output.json.behaviour import prediction_schema
 from drivesizer.output.json.documents import SCHEMA_VERSION
-from drivesizer.output.json.prediction import prediction_schema
 from drivesizer.output.json.schema import machine_report_schema, report_schema
 
 SAMPLES = Path(__file__).parent / "documents_of_version_1"

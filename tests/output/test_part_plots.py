@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.lookup import find
-from drivesizer.catalog.query import Hit, every, open_catalogs
+from drivesizer.catalog.query import Hit, every, find, open_catalogs
 from drivesizer.machine.part_curves import gear_efficiency, line, nominal_voltage_curves
-from drivesizer.output.report.html.part_plots import part_plots
+from drivesizer.output.report.html.curves import part_plots
 
 V, R, K, I_0 = 24.0, 2.0, 0.024, 0.05
 IDEAL = {"kind": "brushed", "nominal_voltage": f"{V} V", "resistance": f"{R} ohm", "torque_constant": f"{K} N*m/A",

@@ -8,13 +8,12 @@ from math import isnan, nan
 import pytest
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.catalog.more_parts import BeltDrive
 from drivesizer.catalog.parts import NO_GEARHEAD
-from drivesizer.output.part_totals import total_texts, totals
-from drivesizer.output.parts import parts_list
+from drivesizer.output.parts import parts_list, total_texts, totals
+from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import write
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.table import csv as csv_tables
+from drivesizer.output.report.sections.section import Content
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
@@ -98,7 +97,7 @@ def test_a_name_that_the_catalogue_made_up_is_no_order_number(result, catalog):
 
 def test_no_made_up_name_of_any_catalogue_passes_for_an_order_number(catalog):
     """Held against the notes of the file itself: each that denies an order number has the words that are looked for."""
-    from drivesizer.output.part_line import NO_NUMBER
+    from drivesizer.output.parts import NO_NUMBER
 
     denied = [n for n in catalog.notes if "part" in n.fields and "made up" in n.text]
     assert denied and all(NO_NUMBER in note.text for note in denied)

@@ -19,12 +19,11 @@ import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.files.writing import write_files
 from drivesizer.output.derivation import evaluated_failures, step
+from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import pdf, write, write_series, write_sets
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.table import csv as csv_tables
+from drivesizer.output.report.sections.section import Content
 from drivesizer.results.drive_set import Relaxation
-from drivesizer.results.objectives import objective_figure
-from drivesizer.results.sizing import SizingResult
+from drivesizer.results.sizing import SizingResult, objective_figure
 from drivesizer.sizing import size
 
 # -- CSV
@@ -363,6 +362,6 @@ def test_a_link_stays_a_link(tmp_path):
 
 
 def test_csv_and_the_package_load_neither_matplotlib_nor_typst():
-    code = "import sys, drivesizer.output.report.table.csv; print({'matplotlib', 'typst'} & set(sys.modules))"
+    code = "import sys, drivesizer.output.report.csv; print({'matplotlib', 'typst'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

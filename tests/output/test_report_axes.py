@@ -14,21 +14,18 @@ from forty_motors import catalogue
 from lxml import html
 from printed import blank_figures, text_of
 
-from drivesizer.multi_axis.machine_power import machine_power
+from drivesizer.multi_axis.axis_sizings import machine_power
 from drivesizer.multi_axis.sizing import size_machine
-from drivesizer.output.part_totals import totals
-from drivesizer.output.parts import machine_parts
-from drivesizer.output.parts_of_axes import machine_parts_of_axes, parts_by_axis, totals_of_axes
+from drivesizer.output.derivation import margin
+from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals, totals_of_axes
 from drivesizer.output.report import write_machine
-from drivesizer.output.report.figures.axes_power import layers
-from drivesizer.output.report.machine.content import MachineContent
-from drivesizer.output.report.machine.csv import render_machine
-from drivesizer.output.report.machine.document import document
+from drivesizer.output.report.figures.machine import layers
+from drivesizer.output.report.machine import MachineContent, document
+from drivesizer.output.report.machine_csv import render_machine
 from drivesizer.output.several_axes import mass_tree
-from drivesizer.output.text import margin
 from drivesizer.results.check import tightest
 from drivesizer.results.machine import MachineSizing
-from drivesizer.spec.several_axes.machine_file import load_machine
+from drivesizer.spec.machine import load_machine
 from drivesizer.units import show
 
 LONG = "carriage of the second portal behind the guard door"  # an axis may have 60 letters

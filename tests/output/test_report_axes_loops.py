@@ -18,15 +18,13 @@ from printed import blank_figures, text_of
 from two_axes import STEPPER, two_axes
 
 import drivesizer.simulate
+from drivesizer.commands.common import proven_axes
 from drivesizer.commands.machine import report_machine, validate_axes
-from drivesizer.commands.proving import proven_axes
 from drivesizer.errors import InputError, NoLoopError
-from drivesizer.output.json.documents import as_text
-from drivesizer.output.json.machine import machine_document
+from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema
-from drivesizer.output.report.html.power_plot import power_plot
-from drivesizer.output.report.machine.content import MachineContent
-from drivesizer.output.report.machine.document import document
+from drivesizer.output.report.html.plots import power_plot
+from drivesizer.output.report.machine import MachineContent, document
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

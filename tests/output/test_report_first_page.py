@@ -16,22 +16,17 @@ from printed import blank_figures
 from synthetic_validation import labels
 
 from drivesizer.load_cases import load_cycle
-from drivesizer.output.part.datasheet import _row
+from drivesizer.output.part import _row
 from drivesizer.output.parts import machine_parts
-from drivesizer.output.report.figures.field import torque_speed_panels
-from drivesizer.output.report.figures.field_panels import TOGETHER, Panel, alone, leading, panels
-from drivesizer.output.report.figures.load_and_loop import Row, Trace
-from drivesizer.output.report.figures.time_strips import Window
-from drivesizer.output.report.figures.wheels import each_over_time
+from drivesizer.output.report.figures.cycle import Row, Trace, each_over_time
+from drivesizer.output.report.figures.field import TOGETHER, Panel, alone, leading, panels, torque_speed_panels
+from drivesizer.output.report.figures.style import Window
 from drivesizer.output.report.html.candidate_plots import apart
-from drivesizer.output.report.html.page import report_html
-from drivesizer.output.report.html.stills import both_schemes
+from drivesizer.output.report.html.page import both_schemes, report_html
 from drivesizer.output.report.pdf import report_pdf
-from drivesizer.output.report.sections import SECTIONS
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.document import document
-from drivesizer.results.check_kinds import CHECKS
-from drivesizer.results.check_parts import PARTS, part_of, sorted_by_part
+from drivesizer.output.report.sections import SECTIONS, document
+from drivesizer.output.report.sections.section import Content
+from drivesizer.results.check_kinds import CHECKS, PARTS, part_of, sorted_by_part
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.sections import TitleBlock
 

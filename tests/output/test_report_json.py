@@ -9,11 +9,11 @@ from synthetic_validation import synthetic_validation
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json import documents as json_documents
-from drivesizer.output.json import file as json_file
+from drivesizer.output.json import documents as json_file
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import write
 from drivesizer.output.report.json import render
-from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.sections.section import Content
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size

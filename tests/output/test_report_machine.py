@@ -20,27 +20,32 @@ from pdf_pages import SHEETS, assert_within_margins
 from printed import Printed, blank_figures, printed, text_of
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.platform_wheels import trajectory_of
+from drivesizer.load_cases.platform import trajectory_of
 from drivesizer.output.json.documents import sizing
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import html, workbook
-from drivesizer.output.report.figures import motion, path, plan_view, wheels
+from drivesizer.output.report.csv import report_csv
+from drivesizer.output.report.figures import cycle as motion
+from drivesizer.output.report.figures import cycle as wheels
+from drivesizer.output.report.figures import machine
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.figures.style import COLOURS
-from drivesizer.output.report.figures.time_strips import Window, thinned
+from drivesizer.output.report.figures.style import COLOURS, Window, thinned
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.json import render
-from drivesizer.output.report.lines.machine import driven_over, machine_words
+from drivesizer.output.report.lines.rows import driven_over, machine_words
 from drivesizer.output.report.pdf import report_pdf
-from drivesizer.output.report.sections.blocks import Table
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.machine import FOLLOWED, PERMITTED, consumers, masses, unknown_consumers
-from drivesizer.output.report.sections.platform import PLATFORM_NUMBERS
-from drivesizer.output.report.sections.section import rows_of, sheets_of
-from drivesizer.output.report.sections.texts import text_of as text_of_cell
-from drivesizer.output.report.table.csv import report_csv
-from drivesizer.results.figures_behind_checks import unknown_figures
+from drivesizer.output.report.sections.machine import (
+    FOLLOWED,
+    PERMITTED,
+    PLATFORM_NUMBERS,
+    consumers,
+    masses,
+    unknown_consumers,
+)
+from drivesizer.output.report.sections.section import Content, Table, rows_of, sheets_of
+from drivesizer.output.report.sections.section import text_of as text_of_cell
+from drivesizer.results.check_kinds import unknown_figures
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
@@ -105,7 +110,7 @@ TRAPEZOID = "{speed: 1 m/s, acceleration_time: 2 s, cruise_time: 5 s}"
 
 def test_the_way_is_drawn_to_scale_with_its_headings_and_ends(canvas):
     spec = changed(PLACED)
-    (axes,) = canvas(plan_view, plan_view.plan_view, spec).axes
+    (axes,) = canvas(machine, machine.plan_view, spec).axes
     box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
     assert (right - left) / box.width == pytest.approx((high - low) / box.height, rel=1e-3)
     way = trajectory_of(spec)
@@ -124,22 +129,22 @@ def test_the_way_is_drawn_to_scale_with_its_headings_and_ends(canvas):
 
 
 def test_a_passage_stands_where_it_is_and_is_as_wide_as_it_is(canvas):
-    (axes,) = canvas(plan_view, plan_view.plan_view, changed(PLACED)).axes
+    (axes,) = canvas(machine, machine.plan_view, changed(PLACED)).axes
     walls = [patch.get_xy()[:4] for patch in axes.patches]
     assert len(walls) == 2
     inner = sorted(min(abs(wall[:, 0] - 26.0)) for wall in walls)
     assert inner == pytest.approx([0.2, 0.2])  # half of 400 mm to either side, across a way that goes up
     assert all(np.ptp(wall[:, 1]) == pytest.approx(0.1) and wall[:, 1].mean() == pytest.approx(11.0) for wall in walls)
-    (bare,) = canvas(plan_view, plan_view.plan_view, load_spec(EXAMPLE)).axes
+    (bare,) = canvas(machine, machine.plan_view, load_spec(EXAMPLE)).axes
     assert not bare.patches  # without a place
 
 
 def test_a_way_that_ends_elsewhere_has_two_marks_and_the_same_way_is_drawn_once(canvas):
     spec = changed(("{trajectory: sps_way.csv}", "{waypoints: [{x: 0 m, y: 0 m}, {x: 4 m, y: 0 m}, {x: 4 m, y: 2 m}]}"))
-    (axes,) = canvas(plan_view, plan_view.plan_view, spec).axes
+    (axes,) = canvas(machine, machine.plan_view, spec).axes
     assert [text.get_text() for text in axes.texts] == ["start", "end"]
     more = read_spec(YamlSource(TEXT + "cases: [{name: slope, load: {slope: 2 deg}}]\n", str(EXAMPLE)))
-    assert len(plan_view.ways_of(more)) == 1
+    assert len(machine.ways_of(more)) == 1
 
 
 def test_the_profile_of_a_platform_is_its_own_motion(canvas, result):
@@ -242,11 +247,11 @@ def test_an_unknown_consumer_is_named_and_not_summed(result):
     budget = replace(whole, consumers=tuple(consumed))
     assert unknown_consumers(budget) == ("losses of the controllers",)
     assert consumers(budget).rows[-1].cells[-1] == "of the known ones"
-    bars = html.battery_plots.consumers_plot(budget)["data"][0]
+    bars = html.plots.consumers_plot(budget)["data"][0]
     place = bars["y"].index("losses of the controllers")
     assert bars["customdata"][place] == bars["text"][place] == "unknown" and bars["x"][place] == 0.0
     assert bars["x"][bars["y"].index("drive")] == pytest.approx(budget.consumers[0].mean, rel=1e-5)
-    charge = html.battery_plots.charge_plot(budget)["data"][0]
+    charge = html.plots.charge_plot(budget)["data"][0]
     assert charge["y"][0] == 100.0 and charge["x"][-1] == pytest.approx(budget.autonomy / 3600.0, rel=1e-4)
 
 
@@ -357,7 +362,7 @@ def test_the_speeds_by_direction_are_in_the_report(result, canvas):
     assert [row.cells[1].value for row in table.rows] == [found.at(degrees)[0][0] for degrees in range(0, 91, 15)]
     rows = [row for row in rows_of(PERMITTED, content).after(content) if row["name"] == "45_all_motors"]
     assert rows[0]["si_value"] == found.at(45)[0][0] < found.at(0)[0][0]
-    panels = canvas(path, path.speed_by_direction, found).axes
+    panels = canvas(machine, machine.speed_by_direction, found).axes
     assert [axes.get_title("left") for axes in panels] == [f"without wheel {n}" for n in range(1, 5)]
     whole, without, asked = (np.hypot(*line.get_data()) for line in panels[0].lines)
     assert whole == pytest.approx(found.speed[0][[*range(72), 0]]) and asked == pytest.approx(np.full(73, 1.5))

@@ -17,7 +17,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import pdf
-from drivesizer.output.report.sections.content import Content
+from drivesizer.output.report.sections.section import Content
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from synthetic_validation import synthetic_validation
 
-from drivesizer.output.cells import LONGEST, csv_cell, visible
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.table import csv as csv_tables
+from drivesizer.output.report import csv as csv_tables
+from drivesizer.output.report.sections.section import Content
+from drivesizer.output.words import LONGEST, csv_cell, visible
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec

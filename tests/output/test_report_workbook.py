@@ -19,14 +19,13 @@ from synthetic_validation import synthetic_validation
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import workbook, write
+from drivesizer.output.report import workbook as writer
 from drivesizer.output.report.sections import candidates
-from drivesizer.output.report.sections import loop as loop_section
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.sheet import Sheet, SheetColumn
-from drivesizer.output.report.table import csv as csv_tables
-from drivesizer.output.report.workbook import writer
-from drivesizer.output.report.workbook.writer import shown, written
+from drivesizer.output.report.sections import cycle as loop_section
+from drivesizer.output.report.sections.section import Content, Sheet, SheetColumn
+from drivesizer.output.report.workbook import shown, written
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
@@ -333,7 +332,8 @@ def test_without_a_set_all_sheets_are_there_and_say_so(result):
 def test_a_workbook_loads_neither_matplotlib_nor_typst(example):
     code = (
         "import sys; from drivesizer import load_spec, size; from drivesizer.output.report import workbook; "
-        "from drivesizer.output.report.sections.content import Content; from drivesizer.output.json import file; "
+        "from drivesizer.output.report.sections.section import Content; "
+        "from drivesizer.output.json import documents as file; "
         "workbook.render(Content(size(load_spec(sys.argv[1]), top=1)), 'x'); "
         "print({'matplotlib', 'typst'} & set(sys.modules), 'xlsxwriter' in sys.modules)"
     )

@@ -23,10 +23,10 @@ from pdf_text import texts_of
 from printed import blank_figures
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.probability import likely, moved
 from drivesizer.output.report import write, write_sets
+from drivesizer.output.words import likely, moved
+from drivesizer.results.check import Reliability
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.reliability import Reliability
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import size

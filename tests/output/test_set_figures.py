@@ -10,14 +10,30 @@ import pytest
 from starters import BODIES, starter
 from synthetic_validation import labels
 
-from drivesizer.machine.energy_flow import EnergyFlow
-from drivesizer.machine.set_cycle import Warming, set_cycle
-from drivesizer.machine.warm_up import warm_up
+from drivesizer.machine.set_cycle import Warming, set_cycle, warm_up
+from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.parts import parts_list
-from drivesizer.output.report.figures import demand, efficiency, energy, heat, load_and_loop, margins, pareto_front
+from drivesizer.output.report.figures import (
+    choice,
+)
+from drivesizer.output.report.figures import (
+    cycle as demand,
+)
+from drivesizer.output.report.figures import (
+    cycle as energy,
+)
+from drivesizer.output.report.figures import (
+    cycle as heat,
+)
+from drivesizer.output.report.figures import (
+    cycle as load_and_loop,
+)
+from drivesizer.output.report.figures import (
+    field as efficiency,
+)
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.sections.part_lines import parts_table
+from drivesizer.output.report.sections.summary import parts_table
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
 
@@ -55,7 +71,7 @@ CHECKS = (
 
 
 def test_bars_are_the_used_share_of_each_limit_and_status_needs_no_colour(canvas):
-    (axes,) = canvas(margins, margins.margins, CHECKS).axes
+    (axes,) = canvas(choice, choice.margins, CHECKS).axes
     bars = {axes.get_yticklabels()[round(bar.get_y() + bar.get_height() / 2)].get_text(): bar for bar in axes.patches}
     widths = [bars[c.title].get_width() for c in CHECKS]
     assert widths == pytest.approx([50.0, 80.0, 125.0, 125.0, 0.0, 125.0])
@@ -64,12 +80,12 @@ def test_bars_are_the_used_share_of_each_limit_and_status_needs_no_colour(canvas
     (needed,) = [line for line in axes.lines if len(set(line.get_xdata())) == 1 and line.get_xdata()[0] < 99.0]
     assert needed.get_xdata()[0] == pytest.approx(100.0 / 1.2)
     assert {text.get_text() for text in axes.texts} == {"+100 %", "+25 %", "−50 %", "unknown", "pass", "fail"}
-    assert "used share of the limit (%)" in labels(margins.margins(CHECKS))
+    assert "used share of the limit (%)" in labels(choice.margins(CHECKS))
 
 
 def test_the_margins_of_a_set_have_a_bar_for_each_check(canvas, result):
     best = result.sets[0]
-    (axes,) = canvas(margins, margins.margins, best.beside).axes
+    (axes,) = canvas(choice, choice.margins, best.beside).axes
     for bar, one in zip(axes.patches, reversed(best.beside), strict=True):
         if not isnan(one.margin):
             assert bar.get_width() == pytest.approx(
@@ -217,7 +233,7 @@ def test_names_of_a_front_cover_neither_each_other_nor_a_mark(canvas, seed):
     x, y = np.sort(random.gamma(1.5, 100.0, 40)), np.sort(random.gamma(1.5, 60.0, 40))[::-1]
     numbers = [str(n) for n in range(1, 41)]
     names = [f"EC-i 40 48{n}669 + GP 32 HP 14:1" for n in range(40)]
-    figure = canvas(pareto_front, pareto_front.trade_off, numbers, names, x.tolist(), y.tolist(), ["mass (g)", "EUR"])
+    figure = canvas(choice, choice.trade_off, numbers, names, x.tolist(), y.tolist(), ["mass (g)", "EUR"])
     axes = figure.axes[0]
     figure.canvas.draw()
     boxes = [text.get_window_extent() for text in axes.texts]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from drivesizer.output.report.figures.time_strips import Window, across, strip, within
+from drivesizer.output.report.figures.style import Window, across, strip, within
 
 TWO = (Window("first", 0.0, 2.5), Window("last", 241.5, 244.0))
 

@@ -7,15 +7,14 @@ from pathlib import Path
 import pytest
 
 import drivesizer
-from drivesizer.output.part_totals import totals
-from drivesizer.output.parts import machine_parts
-from drivesizer.output.report.lines.machine import machine_words
+from drivesizer.output.parts import machine_parts, totals
+from drivesizer.output.report.lines.rows import machine_words
 from drivesizer.output.terminal.sizing import DETAILS, sizing
 from drivesizer.output.terminal.tables import checks, objective
 from drivesizer.results.check import Band, Check
 from drivesizer.sizing import size
+from drivesizer.spec.drive import Select
 from drivesizer.spec.robot import load_spec
-from drivesizer.spec.select import Select
 
 STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
 

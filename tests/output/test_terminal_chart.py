@@ -6,7 +6,7 @@ from math import inf, nan
 
 import pytest
 
-from drivesizer.output.terminal.chart import Axis, Series, chart, dots, ticks
+from drivesizer.output.terminal.tables import Axis, Series, chart, dots, ticks
 
 X, Y = Axis("torque", "mN·m", 7.0), Axis("speed", "rpm", 11.0)
 WIDTH = 4 + 8  # margin "10 ", the axis and the narrowest field: 16 x 12 dots on 8 x 3 cells

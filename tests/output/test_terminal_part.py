@@ -10,11 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from drivesizer.catalog.lookup import find
-from drivesizer.catalog.query import Hit, open_catalogs
+from drivesizer.catalog.query import Hit, find, open_catalogs
 from drivesizer.machine.part_curves import continuous_curve, line, overload_times, permitted_current
-from drivesizer.output.part import heat as part_heat
-from drivesizer.output.terminal import part as terminal_part
+from drivesizer.output import part as part_heat
+from drivesizer.output.terminal import catalog as terminal_part
 from drivesizer.physics.thermal import COPPER
 
 RPM = pi / 30

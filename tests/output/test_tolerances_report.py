@@ -18,18 +18,18 @@ from drivesizer.cli import app
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json.schema import report_schema
-from drivesizer.output.probability import likely, moved
+from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import workbook, write
 from drivesizer.output.report.figures.all_figures import report_drawings
-from drivesizer.output.report.figures.tornado import swings, tornado
-from drivesizer.output.report.lines.reliability import drive_cells, error_and_weakest, reported
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.table import csv as csv_tables
-from drivesizer.output.report.workbook.writer import share
+from drivesizer.output.report.figures.choice import swings, tornado
+from drivesizer.output.report.lines.rows import drive_cells, error_and_weakest, reported
+from drivesizer.output.report.sections.section import Content
+from drivesizer.output.report.workbook import share
 from drivesizer.output.terminal.sizing import DETAILS, sizing
 from drivesizer.output.terminal.tables import MARK
+from drivesizer.output.words import likely, moved
+from drivesizer.results.check import LoopShare, Reliability
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.reliability import LoopShare, Reliability
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import explained, size

@@ -15,13 +15,12 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.operating_field import field
 from drivesizer.machine.problem import problem
 from drivesizer.output.parts import parts_list
-from drivesizer.output.report.figures.field import torque_speed
-from drivesizer.output.report.figures.field_panels import Panel, paper_points
+from drivesizer.output.report.figures.field import Panel, paper_points, torque_speed
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.sections.candidates import gearhead_words
-from drivesizer.output.report.sections.part_lines import parts_table
+from drivesizer.output.report.sections.summary import parts_table
+from drivesizer.results.check_kinds import unknown_figures
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.figures_behind_checks import unknown_figures
 from drivesizer.simulate import hardest_case, validate
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.laws.check import check_file
+from drivesizer.catalog.law_check import check_file
 from drivesizer.catalog.view.search_view import split_actuators
-from drivesizer.machine.energy_flow import energy_flow
 from drivesizer.machine.set_cycle import set_cycle
+from drivesizer.machine.supply_power import energy_flow
 from drivesizer.output.export.fmu_motor import FIGURES, Drive
 from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, lost

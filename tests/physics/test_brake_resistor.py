@@ -9,8 +9,8 @@ import warnings
 import numpy as np
 import pytest
 
-from drivesizer.physics.elements import brake_resistor
-from drivesizer.physics.elements.brake_resistor import (
+from drivesizer.physics import braking as brake_resistor
+from drivesizer.physics.braking import (
     burning,
     burnt_energy,
     derated_power,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drivesizer.physics.elements.braking import SLIPPING, held_by_brake, released_power, stop
+from drivesizer.physics.braking import SLIPPING, held_by_brake, released_power, stop
 
 LB_FT2, LB_FT, RPM = 0.45359237 * 0.3048**2, 4.4482216152605 * 0.3048, math.pi / 30.0
 

@@ -7,12 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drivesizer.machine.motor_pieces import motor_pieces
+from drivesizer.machine.set_cycle import motor_pieces
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
 from drivesizer.physics.groups import census
 from drivesizer.physics.groups.kernel import compiled
-from drivesizer.physics.lasting_speed import lasting_speeds
-from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.load_cycle import LoadCycle, lasting_speeds
 from drivesizer.physics.torque_above import torque_above
 
 pytestmark = pytest.mark.skipif(compiled() is None, reason="not at hand as machine code")

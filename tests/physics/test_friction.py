@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.tolerances.classes import classes
+from drivesizer.catalog.tolerances import classes
 from drivesizer.control.drive_train import drive_train
 from drivesizer.physics.drive_train import DRY_SHARE, friction
-from drivesizer.physics.stress import housing_loss
+from drivesizer.physics.winding import housing_loss
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
 

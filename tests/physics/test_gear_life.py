@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
-from drivesizer.physics.elements.gear_life import gear_life, mean_load, turned_load
+from drivesizer.physics.gear_life import gear_life, mean_load, turned_load
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.search.columns.shaft_limits import life_of_gearheads
 

@@ -11,8 +11,7 @@ from kernel_cycles import warmed
 from scipy.integrate import solve_ivp
 
 from drivesizer.physics import heat_step, thermal
-from drivesizer.physics.heat_cycle import periodic_heat
-from drivesizer.physics.heat_cycle_columns import winding_bounds
+from drivesizer.physics.heat_cycle import periodic_heat, winding_bounds
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
 
 AMBIENT = 304.0  # K

@@ -20,7 +20,7 @@ from scipy.linalg import expm
 from drivesizer.errors import InputError
 from drivesizer.physics import heat_step
 from drivesizer.physics.heat_cycle import periodic_heat
-from drivesizer.physics.overload import State, cold, overload_time, steady_state
+from drivesizer.physics.heat_step import State, cold, overload_time, steady_state
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
 
 CELSIUS = 273.15

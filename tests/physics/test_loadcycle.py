@@ -13,7 +13,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.profile import trapezoid
 from drivesizer.loads.course import Profile
-from drivesizer.physics import cycle_figures
+from drivesizer.physics import load_cycle as cycle_figures
 from drivesizer.physics.load_cycle import LoadCycle, integral, rms
 from drivesizer.spec.robot import read_spec
 

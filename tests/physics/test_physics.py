@@ -27,8 +27,8 @@ from drivesizer.results.ratings import supply_voltage_limit
 from drivesizer.search.columns.candidates import Rows, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.limits import motor_limits
-from drivesizer.search.order.ranking import objective_of
-from drivesizer.search.paper.derivation import vehicle
+from drivesizer.search.columns.paper import vehicle
+from drivesizer.search.ranking import objective_of
 from drivesizer.search.search import search
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec

@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import quad
 
 from drivesizer.catalog import Controller
-from drivesizer.control.engine.limits import available_voltage
-from drivesizer.control.engine.parameters import parameters
+from drivesizer.control.engine.start import parameters
+from drivesizer.control.engine.steps import available_voltage
 from drivesizer.control.engine.task import Drive, Supply
 from drivesizer.kernel import records
 from drivesizer.kernel.evaluate import ENERGY, evaluate

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivesizer.physics.elements.quadrature import FIVE, SIX
+from drivesizer.physics.gear_life import FIVE, SIX
 
 
 @pytest.mark.parametrize("rule", [FIVE, SIX], ids=["five", "six"])

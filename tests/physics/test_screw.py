@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drivesizer.physics.elements.screw import (
+from drivesizer.physics.screw import (
     DESIGNS,
     ENDS,
     MeanLoad,

@@ -9,9 +9,16 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.physics.stepper.drawn import electrical_energy
-from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE, pull_out_torque, rescaled_torque, rotor_teeth
-from drivesizer.physics.stepper.starting import natural_frequency, start_speed, start_speed_with
+from drivesizer.physics.stepper import (
+    PULL_OUT_SHARE,
+    electrical_energy,
+    natural_frequency,
+    pull_out_torque,
+    rescaled_torque,
+    rotor_teeth,
+    start_speed,
+    start_speed_with,
+)
 
 RPM = math.pi / 30.0
 SEED = random.Random(21)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivesizer.physics.overload import cold, steady_state
+from drivesizer.physics.heat_step import cold, steady_state
 from drivesizer.physics.thermal import (
     COPPER,
     DATA_TEMPERATURE,

@@ -19,12 +19,10 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import Profile
 from drivesizer.physics.load_cycle import integral
-from drivesizer.platform.contact_loads import Ground, contact_loads
-from drivesizer.platform.dynamics import dynamics, energy, wheel_torques
-from drivesizer.platform.motion import motion
+from drivesizer.platform.dynamics import Ground, contact_loads, dynamics, energy, motion, wheel_torques
+from drivesizer.platform.grip import contact_forces, effective_inertia, wheel_cycles, wheel_loads
 from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.platform.trajectory import Trajectory, joined
-from drivesizer.platform.wheel_cycles import contact_forces, effective_inertia, wheel_cycles, wheel_loads
 from drivesizer.platform.wheels import Caster, Platform
 from drivesizer.spec.robot import read_spec
 
@@ -408,7 +406,7 @@ def test_a_slope_in_columns_is_that_of_each_piece():
 def test_blocks_change_nothing(monkeypatch):
     d, t = dynamics(ROLLING), plan(CURVES, BOTH)
     whole = wheel_cycles(d, t, Ground(slope=0.05), friction=0.6)
-    monkeypatch.setattr("drivesizer.platform.motion._BLOCK", 7)
+    monkeypatch.setattr("drivesizer.platform.dynamics._BLOCK", 7)
     for a, b in zip(whole, wheel_cycles(d, t, Ground(slope=0.05), friction=0.6), strict=True):
         assert_same(a, b, 1e-9)
         assert [o.demand for o in a.own] == pytest.approx([o.demand for o in b.own])

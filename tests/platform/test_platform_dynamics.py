@@ -17,13 +17,15 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.loads.course import Profile
-from drivesizer.platform.contact_loads import Ground, contact_loads, weight_along
 from drivesizer.platform.dynamics import (
+    Ground,
     acceleration,
+    contact_loads,
     dynamics,
     energy,
     required_force,
     resistance,
+    weight_along,
     wheel_space,
     wheel_torques,
 )

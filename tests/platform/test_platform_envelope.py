@@ -12,14 +12,14 @@ from drivesizer.errors import InputError
 from drivesizer.platform.envelope import (
     Passage,
     Size,
+    clearances,
     corner_width,
     heading_tolerance,
     heading_tolerance_driving,
     turning_circle,
     width_at,
 )
-from drivesizer.platform.extremes_between_samples import control_points, finer
-from drivesizer.platform.passages import clearances
+from drivesizer.platform.trajectory import control_points, finer
 
 ROBOT = Size(length=0.707, width=0.350, height=0.184)  # of the paper, section 1
 DOOR = 0.400  # m, of the paper: the passage of the access doors, 400 mm by 200 mm

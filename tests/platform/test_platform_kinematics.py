@@ -12,7 +12,7 @@ from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, car, differential, m
 from wheel_sets import contact_row, figure, turn, wheel_sets
 
 from drivesizer.errors import InputError
-from drivesizer.platform import equations_dynamics, equations_kinematics, matrix_equation, printed_forms
+from drivesizer.platform import equations, matrix_equation, robot_figures
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.kinematics import kinematics, to_robot, to_world, velocity, wheel_speeds
 from drivesizer.platform.matrix_equation import PLATFORM
@@ -32,8 +32,8 @@ def test_the_papers_robot_is_33_and_55():
     assert pytest.approx(by_hand, rel=1e-12) == k.E
     inverse = r / 4 * np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1 / l, -1 / l, -1 / l, 1 / l]])
     assert pytest.approx(inverse, rel=1e-12) == k.K_plus
-    assert pytest.approx(by_hand, rel=1e-12) == equations_kinematics.paper_wheel_map(l / 3, 2 * l / 3, r)
-    assert pytest.approx(inverse, rel=1e-12) == equations_kinematics.paper_velocity_map(r, l / 3, 2 * l / 3)
+    assert pytest.approx(by_hand, rel=1e-12) == equations.paper_wheel_map(l / 3, 2 * l / 3, r)
+    assert pytest.approx(inverse, rel=1e-12) == equations.paper_velocity_map(r, l / 3, 2 * l / 3)
     assert k.E[0] == pytest.approx([13.123, 13.123, 4.9016], abs=5e-4)  # 1 / 76.2 mm, 373.5 / 76.2
 
 
@@ -42,7 +42,7 @@ def test_56_the_turning_speed_of_the_papers_robot():
     l = LENGTH * (math.cos(ALPHA) + math.sin(ALPHA))
     by_hand = RADIUS / (4 * l) * (speeds[0] - speeds[1] - speeds[2] + speeds[3])
     assert velocity(kinematics(mecanum().wheels), speeds)[2] == pytest.approx(by_hand, rel=1e-12)
-    assert equations_kinematics.turning_speed(RADIUS, l / 4, 3 * l / 4, *speeds) == pytest.approx(by_hand, rel=1e-12)
+    assert equations.turning_speed(RADIUS, l / 4, 3 * l / 4, *speeds) == pytest.approx(by_hand, rel=1e-12)
 
 
 def test_the_papers_robot_at_its_speed():
@@ -284,11 +284,11 @@ def test_bad_figures_are_refused_in_one_line(make, words):
 
 def test_21_to_59_are_declared():
     assert sorted(PLATFORM) == list(range(21, 60))
-    assert {e.name for e in PLATFORM.values()} == set(equations_kinematics.__all__) | set(equations_dynamics.__all__)
+    assert {e.name for e in PLATFORM.values()} == set(equations.__all__) | set(equations.__all__)
 
 
 def test_what_the_paper_prints_wrong_is_found():
-    found = {n: printed_forms.finding(e) for n, e in PLATFORM.items()}
+    found = {n: robot_figures.finding(e) for n, e in PLATFORM.items()}
     assert {n for n, f in found.items() if f.values} == {23, 25, 37, 58, 59}
     assert not any(f.units for f in found.values())
     assert all(PLATFORM[n].note for n in (23, 25, 37, 58, 59))
@@ -297,13 +297,13 @@ def test_what_the_paper_prints_wrong_is_found():
 
 def test_a_form_with_wrong_units_is_found():
     wrong = replace(PLATFORM[23], printed="array([x_R_dot - L * theta_dot**2, y_R_dot])")
-    assert "entry 1" in str(printed_forms.finding(wrong).units)
+    assert "entry 1" in str(robot_figures.finding(wrong).units)
     wrong = replace(PLATFORM[32], printed="-J_1 * r")
-    assert printed_forms.finding(wrong).units
+    assert robot_figures.finding(wrong).units
     wrong = replace(PLATFORM[59], printed="inv(E.T) @ M_R @ K_plus")
-    assert printed_forms.finding(wrong).units and "3 × 4" in str(printed_forms.finding(wrong).values)
+    assert robot_figures.finding(wrong).units and "3 × 4" in str(robot_figures.finding(wrong).values)
     wrong = replace(PLATFORM[50], printed="M_R + E.T @ E")
-    assert printed_forms.finding(wrong).units
+    assert robot_figures.finding(wrong).units
 
 
 @pytest.mark.parametrize("number", sorted(PLATFORM))
@@ -311,15 +311,15 @@ def test_a_declaration_says_what_its_function_does(number):
     e = PLATFORM[number]
     names = list(e.formula.__annotations__)
     assert [t.name for t in e.terms] == names[:-1] and all(t.meaning for t in e.terms)
-    figures = {t.name: printed_forms.sample()[t.name] for t in e.terms}
-    again = printed_forms.finding(
+    figures = {t.name: robot_figures.sample()[t.name] for t in e.terms}
+    again = robot_figures.finding(
         replace(e, printed=matrix_equation.computed(e))
     )  # the function's own form, in other units
     assert again.units is None and again.values is None
     assert np.asarray(e(**figures)) == pytest.approx(
-        np.asarray(printed_forms._value(matrix_equation.computed(e))), abs=1e-12
+        np.asarray(robot_figures._value(matrix_equation.computed(e))), abs=1e-12
     )
-    told = dict(printed_forms.rows(e))
+    told = dict(robot_figures.rows(e))
     assert told["as computed"].startswith(f"{e.symbol} = ") and "None" not in told["as printed"]
 
 
@@ -336,9 +336,9 @@ def test_expressions_as_text():
     assert matrix_equation.text("a / (b * c)") == "a / (b c)"
     assert matrix_equation.text("(a + b) * c**2") == "(a + b) c²"
     assert (
-        printed_forms.find("(50)") is PLATFORM[50] is printed_forms.find("inertia_matrix")
-        and printed_forms.find("20") is None
+        robot_figures.find("(50)") is PLATFORM[50] is robot_figures.find("inertia_matrix")
+        and robot_figures.find("20") is None
     )
-    assert dict(printed_forms.rows(PLATFORM[50]))["as computed"] == "M̄ = M_R + Eᵀ M_ϕ E"
+    assert dict(robot_figures.rows(PLATFORM[50]))["as computed"] == "M̄ = M_R + Eᵀ M_ϕ E"
     with pytest.raises(ValueError, match="no notation"):
         matrix_equation.text("a if b else c")

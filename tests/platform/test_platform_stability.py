@@ -11,8 +11,7 @@ from platforms import MASS, RADIUS, car, differential, mecanum, omni_three
 from trajectories import joined, piece, straight, turning
 
 from drivesizer.errors import InputError
-from drivesizer.platform.contact_loads import Ground, contact_loads
-from drivesizer.platform.dynamics import dynamics
+from drivesizer.platform.dynamics import Ground, contact_loads, dynamics
 from drivesizer.platform.grip import (
     floor_forces,
     grip_acceleration,
@@ -24,6 +23,10 @@ from drivesizer.platform.grip import (
 from drivesizer.platform.kinematics import kinematics
 from drivesizer.platform.stability import (
     edge_distances,
+    least_load,
+    least_margin,
+    least_margin_share,
+    least_share,
     lift_off_acceleration,
     lift_off_slope,
     support_polygon,
@@ -33,7 +36,6 @@ from drivesizer.platform.stability import (
     used_footing,
     zero_moment_point,
 )
-from drivesizer.platform.stability_along import least_load, least_margin, least_margin_share, least_share
 from drivesizer.platform.wheels import Caster, Platform, Wheel, without_motor
 
 G = 9.80665

@@ -11,9 +11,8 @@ from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, differential,
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.platform_instant import hardest_instant
-from drivesizer.platform.contact_loads import Ground
-from drivesizer.platform.dynamics import dynamics
+from drivesizer.output.platform import hardest_instant
+from drivesizer.platform.dynamics import Ground, dynamics
 from drivesizer.platform.matrix_equation import PLATFORM
 from drivesizer.platform.robot_figures import (
     _OF_ITS,

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
-from drivesizer.physics.overload import State, cold, overload_time
+from drivesizer.physics.heat_step import State, cold, overload_time
 from drivesizer.physics.thermal import TwoBodies
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.prediction.set_at_voltage import Heating, in_the_long_run, over_time, time_to_limit

@@ -37,12 +37,12 @@ ADDED = {  # file: a line before which another goes, or several such
     ),
     "loads/kinds.py": ('"hoist", ', '"wire_winder", '),
     "output/report/sections/__init__.py": (
-        "from drivesizer.output.report.sections.summary import SUMMARY\n",
+        '__all__ = ["SECTIONS"',
         "from drivesizer.output.report.sections.speeds import SPEEDS\n",
         "    RELIABILITY,\n",
         "    SPEEDS,\n",
     ),
-    "spec/select.py": (
+    "spec/drive.py": (
         '    "energy": ObjectiveKind(',
         '    "idle": ObjectiveKind("idle current", "current", "mA", "no_load_current", ("motor",)),\n',
     ),
@@ -75,8 +75,8 @@ motion: {profile: trapezoid, speed: 0.4 m/s, acceleration_time: 0.5 s, cruise_ti
 supply: {nominal: 24 V}
 """
 SECTION = """
-from drivesizer.output.report.sections.blocks import Column, Row, Table, Words
-from drivesizer.output.report.sections.texts import quantity
+from drivesizer.output.report.sections.section import Column, Row, Table, Words
+from drivesizer.output.report.sections.section import quantity
 from drivesizer.output.report.sections.section import Section
 
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drivesizer.catalog import Controller
-from drivesizer.results.losses import voltage_assumption
+from drivesizer.results.drive_set import voltage_assumption
 from drivesizer.spec.robot import load_spec
 
 DROP = "the controller's voltage drop is not printed: 0.5 V to 1.1 V assumed"

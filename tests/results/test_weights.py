@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drivesizer.results.weights import multiples, used_share, weighted_order
-from drivesizer.search.order.ranking import objective_of, values
+from drivesizer.results.sizing import multiples, used_share, weighted_order
+from drivesizer.search.ranking import objective_of, values
 
 DRAW = random.Random(20260)
 

@@ -6,7 +6,7 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.sizing import size
-from drivesizer.spec.altitude import altitude_words, controller_needed, motor_needed, rise_left, rise_needed
+from drivesizer.spec.mounting import altitude_words, controller_needed, motor_needed, rise_left, rise_needed
 from drivesizer.spec.robot import load_spec
 from drivesizer.spec.sections import Environment
 

@@ -9,8 +9,8 @@ from starters import starter
 from drivesizer.catalog import load
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.machine.problem import problem
-from drivesizer.search.columns.bands import at_ends, both_ends, estimated
 from drivesizer.search.columns.candidates import Crossed, joined, pairs
+from drivesizer.search.columns.evaluation import at_ends, both_ends, estimated
 from drivesizer.search.columns.stages import examine
 
 BELTS = [1.0, 1.37, 2.2]

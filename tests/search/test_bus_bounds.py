@@ -9,8 +9,8 @@ from starters import STARTERS
 
 from drivesizer.machine.problem import problem
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING
-from drivesizer.search.columns import exactly
-from drivesizer.search.order.sifting import sifted
+from drivesizer.search.columns import limits_over_time
+from drivesizer.search.ranking import sifted
 from drivesizer.spec.robot import load_spec
 
 
@@ -39,8 +39,8 @@ def test_few_drives_are_left_to_the_waveform(catalog, monkeypatch):
         computed.append(len(args[2].rms_current))
         return exact(*args)
 
-    exact = exactly.exact
-    monkeypatch.setattr(exactly, "exact", counted)
+    exact = limits_over_time.exact
+    monkeypatch.setattr(limits_over_time, "exact", counted)
     given = problem(spec_of("arm", {"capacitance": 0.01}), catalog)
     kept, _, _ = sifted(given, {"mass"}, None)
     assert len(kept.sets.motor) > 1000

@@ -11,17 +11,17 @@ from forty_motors import MOTORS, catalogue
 from starters import starter
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.results.weights import used_share, weighted_order
+from drivesizer.results.sizing import used_share, weighted_order
+from drivesizer.search import ranking
 from drivesizer.search.choices import choices, picked
-from drivesizer.search.columns import bought
+from drivesizer.search.columns import offers
 from drivesizer.search.columns.evaluation import smallest_margin
-from drivesizer.search.least_drawn import least_power
-from drivesizer.search.order import ranking
-from drivesizer.search.own_mass import problem_with_drive_mass
+from drivesizer.search.machine_filter import least_power
 from drivesizer.search.search import search
+from drivesizer.search.shortlist import problem_with_drive_mass
 from drivesizer.sizing import load_parts, size
+from drivesizer.spec.drive import Choice, MotorChoice
 from drivesizer.spec.robot import read_spec
-from drivesizer.spec.select import Choice, MotorChoice
 
 NAMES = ("mass", "price", "energy", "margin")
 SPEC = """
@@ -89,7 +89,7 @@ def belt_axis(tmp_path_factory, catalog):
     problem, _ = problem_with_drive_mass(spec, load_parts(spec, catalog), "mass")
     every = search(problem, top=5, objective="mass", margins=True).every
     whole = every.evaluated(np.flatnonzero(every.certainty == every.certainty[every.best[0]]))
-    parts = bought.chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=True)
+    parts = offers.chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=True)
     figures = {**whole.figures, "margin": smallest_margin(whole.checks), **parts}
     columns = {}
     for name in NAMES:

@@ -25,10 +25,10 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.order.open_checks import passing
-from drivesizer.search.order.sifting import OPEN, sifted
-from drivesizer.search.uncertainty.class_of_part import holding_of_a_set
+from drivesizer.search.open_checks import passing
+from drivesizer.search.ranking import OPEN, sifted
 from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.search.uncertainty.uncertain_figures import holding_of_a_set
 from drivesizer.sizing import explain, explained, size
 from drivesizer.spec.robot import RobotSpec, load_spec
 
@@ -216,7 +216,7 @@ def test_parts_of_an_actuator_take_the_estimates_of_its_row():
 def test_the_problem_at_an_end_is_a_problem(maxon, table):
     """Nothing else of a problem changes with the end of the band."""
     from drivesizer.machine.problem import problem
-    from drivesizer.search.columns.bands import at_ends
+    from drivesizer.search.columns.evaluation import at_ends
 
     whole: Problem = problem(table, search_view(with_figure(maxon, "rotor_inertia", np.nan)))
     for end in at_ends(whole):

@@ -11,11 +11,10 @@ from forty_motors import MOTORS, catalogue
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.budgets import machine_budget
 from drivesizer.machine.problem import problem
-from drivesizer.search import machine_filter
+from drivesizer.search import in_order, machine_filter
 from drivesizer.search.columns.candidates import pairs
 from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.least_drawn import least_power
-from drivesizer.search.order import in_order
+from drivesizer.search.machine_filter import least_power
 from drivesizer.search.set_record import drive_parts
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec

@@ -7,9 +7,9 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
+from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Crossed, pairs
 from drivesizer.search.columns.stages import examine
-from drivesizer.search.order import sifting
 from drivesizer.search.search import search
 from drivesizer.spec.robot import read_spec
 
@@ -63,8 +63,8 @@ def test_what_bounds_pass_the_waveform_passes_and_nothing_else(given):
 def test_a_longer_cycle_s_drives_are_computed_in_order_until_enough_pass(given, monkeypatch):
     """The same are shown as where all are computed; the rest is counted, as neither passing nor failing."""
     every = search(given, top=3, objective="mass")
-    monkeypatch.setattr(sifting, "_LONG", 100)
-    monkeypatch.setattr(sifting, "_FIRST", 4)
+    monkeypatch.setattr(ranking, "_LONG", 100)
+    monkeypatch.setattr(ranking, "_FIRST", 4)
     few = search(given, top=3, objective="mass")
     for found in (every, few):
         assert found.passing == 3

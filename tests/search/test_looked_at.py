@@ -7,10 +7,10 @@ import pytest
 from starters import STARTERS
 
 from drivesizer.machine.problem import problem
+from drivesizer.search import in_order, ranking
 from drivesizer.search.columns.candidates import joined, pairs
 from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.order import looked_at, sifting
-from drivesizer.search.order.rank import equals_of_the_last, ranked
+from drivesizer.search.ranking import equals_of_the_last, ranked
 from drivesizer.search.search import search
 from drivesizer.spec.robot import load_spec
 
@@ -43,13 +43,13 @@ def labels(found):
 @pytest.mark.parametrize("top", [1, 2, 5])
 def test_the_first_of_many_equals_are_those_of_the_largest_margins(given, monkeypatch, top):
     """Gearheads limit those of the robot, so that few decide; motors those of the conveyor."""
-    looked, own = [], looked_at.by_physics
+    looked, own = [], in_order.by_physics
     monkeypatch.setattr(
-        looked_at, "by_physics", lambda p, sets, exact: looked.append(np.count_nonzero(exact)) or own(p, sets, exact)
+        in_order, "by_physics", lambda p, sets, exact: looked.append(np.count_nonzero(exact)) or own(p, sets, exact)
     )
     found = {}
     for few in (1, 10_000):
-        monkeypatch.setattr(looked_at, "_FEW", few)
+        monkeypatch.setattr(in_order, "_FEW", few)
         looked.clear()
         found[few] = labels(search(given, top=top, objective="mass")), looked.copy()
     assert found[1][0] == found[10_000][0]
@@ -59,12 +59,12 @@ def test_the_first_of_many_equals_are_those_of_the_largest_margins(given, monkey
 
 
 def test_no_margin_is_larger_than_what_the_search_knows_it_to_be_at_most(given):
-    kept, _, _ = sifting.sifted(given, {"mass"}, None)
+    kept, _, _ = ranking.sifted(given, {"mass"}, None)
     rank = ranked(given, kept, "mass", 5)
     order = rank.order(given.catalog, kept.sets)
     tied = order[: equals_of_the_last(given, rank, order, 5)]
     assert len(tied) > 20
-    margin = looked_at.smallest_margin(by_physics(given, kept.sets.on(tied), True).checks)
+    margin = in_order.smallest_margin(by_physics(given, kept.sets.on(tied), True).checks)
     assert (margin <= kept.most[tied]).all() and np.isfinite(kept.most[tied]).all()
 
 

@@ -10,8 +10,8 @@ import pytest
 from specs import estimates_off, poorer
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.json import reliability as contract
-from drivesizer.output.report.lines.reliability import drive_cells
+from drivesizer.output.json import documents as contract
+from drivesizer.output.report.lines.rows import drive_cells
 from drivesizer.results.check_columns import at_most
 from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.uncertainty.options import Sampling

@@ -11,11 +11,11 @@ import pytest
 from drivesizer.catalog import Catalog
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
-from drivesizer.search.own_mass import problem_with_drive_mass
-from drivesizer.search.paper.rule import hopeless
+from drivesizer.search.columns.paper import hopeless
+from drivesizer.search.shortlist import problem_with_drive_mass
 from drivesizer.sizing import load_parts
+from drivesizer.spec.drive import Select
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import Select
 
 SPEEDS, MASSES, SLOPES = (0.4, 1.5, 4.0), (12.0, 45.0, 300.0), (-0.1, 0.0, 0.2)
 

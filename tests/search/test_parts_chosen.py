@@ -4,9 +4,8 @@ import pytest
 from specs import estimates_off
 
 from drivesizer.catalog import load
-from drivesizer.catalog.laws.check import check_file
-from drivesizer.catalog.lookup import find, look
-from drivesizer.catalog.query import open_catalogs
+from drivesizer.catalog.law_check import check_file
+from drivesizer.catalog.query import find, look, open_catalogs
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json.documents import sizing

@@ -12,8 +12,8 @@ from specs import estimates_off, selecting
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import changed, problem
-from drivesizer.search import movable_figures
 from drivesizer.search import relaxations as module
+from drivesizer.search import relaxations as movable_figures
 from drivesizer.search.machine_filter import any_in_machine, best_in_machine
 from drivesizer.search.relaxations import relaxations, tried
 from drivesizer.sizing import explain, size

@@ -9,15 +9,14 @@ from starters import STARTERS
 from drivesizer.catalog import Catalog
 from drivesizer.machine.problem import problem
 from drivesizer.search.search import search
-from drivesizer.search.uncertainty import failing as looked_at
-from drivesizer.search.uncertainty.failing import MostFirst
+from drivesizer.search.uncertainty import run as looked_at
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import Prepared
 from drivesizer.search.uncertainty.probabilities import Subject, blocks_of
-from drivesizer.search.uncertainty.run import sample_drives, subject
+from drivesizer.search.uncertainty.run import MostFirst, sample_drives, subject
 from drivesizer.search.uncertainty.sampled_checks import loaded, moving_checks
 from drivesizer.search.uncertainty.sampled_parts import parts_of
-from drivesizer.search.uncertainty.waveform_bounds import sampled_bounds
+from drivesizer.search.uncertainty.sampled_waveform import sampled_bounds
 from drivesizer.sizing import load_parts
 from drivesizer.spec.robot import load_spec
 

@@ -12,12 +12,11 @@ from drivesizer import size
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import read
 from drivesizer.machine.problem import problem
-from drivesizer.search.uncertainty.class_of_part import used
 from drivesizer.search.uncertainty.prepare import blocks, prepared
-from drivesizer.search.uncertainty.sampled_figures import figure_columns, figure_spreads
+from drivesizer.search.uncertainty.probabilities import figure_columns, figure_spreads
 from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.sampling import sample
-from drivesizer.search.uncertainty.uncertain_figures import assumptions
+from drivesizer.search.uncertainty.uncertain_figures import assumptions, used
 from drivesizer.spec.robot import read_spec
 
 PARTS = {"motors": "148877", "gearheads": "260551", "controllers": "409510"}  # RE 40, GP 42 C, ESCON 50/5

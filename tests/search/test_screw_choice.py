@@ -13,10 +13,10 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.output.json import documents
 from drivesizer.output.parts import machine_parts
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
-from drivesizer.results.screws import for_drive, with_screw
-from drivesizer.search import screw_choice
+from drivesizer.results.problem import for_drive, with_screw
+from drivesizer.search import shortlist
 from drivesizer.search.columns.limits import load_limits
-from drivesizer.search.screw_choice import problem_with_screw
+from drivesizer.search.shortlist import problem_with_screw
 from drivesizer.search.uncertainty.uncertain_figures import applied
 from drivesizer.simulate import hardest_case
 from drivesizer.sizing import explain, load_parts, size
@@ -49,7 +49,7 @@ def catalog():
 
 def test_a_screw_of_unknown_price_is_not_the_cheapest(monkeypatch):
     """Of drives of 300 and 200 EUR, the latter's screw of no known price: what is known goes first."""
-    monkeypatch.setattr(screw_choice, "objective_figure", lambda best, name: SimpleNamespace(value=best.value))
+    monkeypatch.setattr(shortlist, "objective_figure", lambda best, name: SimpleNamespace(value=best.value))
     able = [
         SimpleNamespace(
             best=SimpleNamespace(status="pass", value=value),
@@ -57,7 +57,7 @@ def test_a_screw_of_unknown_price_is_not_the_cheapest(monkeypatch):
         )
         for value, price in ((200.0, math.nan), (300.0, 45.0), (310.0, 30.0))
     ]
-    order = np.lexsort(screw_choice._order(able, "price")[::-1])
+    order = np.lexsort(shortlist._order(able, "price")[::-1])
     assert order.tolist() == [2, 1, 0]
 
 
@@ -92,7 +92,7 @@ def test_the_screw_of_each_lead_is_the_smallest_that_holds(catalog):
     """Against all screws of a maker from 12 mm of lead, each typed into a spec and through the whole load cycle."""
     found = {
         one.lead: one.screw
-        for one in screw_choice._smallest_by_lead(
+        for one in shortlist._smallest_by_lead(
             spec_of(LOAD | {"screw": {"maker": "hiwin", "lead_min": "12 mm"}}), catalog
         )
     }
@@ -120,7 +120,7 @@ def found(wide, catalog):
 
 
 def test_the_lead_is_that_of_the_lightest_drive_with_its_screw(wide, catalog, found):
-    screws = [one.screw for one in screw_choice._smallest_by_lead(wide, catalog) if one.screw is not None]
+    screws = [one.screw for one in shortlist._smallest_by_lead(wide, catalog) if one.screw is not None]
     assert len(screws) >= 3
     masses = {}
     for screw in screws:

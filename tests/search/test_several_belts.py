@@ -9,10 +9,10 @@ from starters import starter
 from drivesizer.machine.problem import problem
 from drivesizer.physics.drive_train import back_emf_constant, gear_loss, nominal_friction
 from drivesizer.physics.thermal import rated_ambient, resistance_25
-from drivesizer.search.columns import parts_alone
+from drivesizer.search import ranking
+from drivesizer.search.columns import stages
 from drivesizer.search.columns.candidates import Crossed, Rows, joined, pairs
 from drivesizer.search.columns.stages import examine
-from drivesizer.search.order import sifting
 
 BELTS = [1.0, 1.37, 2.2]
 COLUMNS = ("unknown", "encoder", "controller", "brake")
@@ -104,11 +104,11 @@ def test_the_stage_of_a_controller_is_that_of_each_candidate_that_has_it(given):
 
 
 def test_chunks_of_candidates_are_what_they_are_together(given, monkeypatch):
-    kept, closest, counts = sifting.sifted(given, {"mass"}, None)
-    monkeypatch.setattr(sifting, "_CHUNK", 3001)
-    monkeypatch.setattr(parts_alone, "_ROWS", 500)
-    monkeypatch.setattr(parts_alone, "_MOST", 700)
-    others, same, tally = sifting.sifted(given, {"mass"}, None)
+    kept, closest, counts = ranking.sifted(given, {"mass"}, None)
+    monkeypatch.setattr(ranking, "_CHUNK", 3001)
+    monkeypatch.setattr(stages, "_ROWS", 500)
+    monkeypatch.setattr(stages, "_MOST_BEHIND_ONE_BELT", 700)
+    others, same, tally = ranking.sifted(given, {"mass"}, None)
     assert tally == counts
     for one, other in ((kept.sets, others.sets), (closest, same)):
         for name in ("motor", "gearhead", "belt"):

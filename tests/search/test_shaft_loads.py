@@ -10,7 +10,7 @@ from drivesizer.catalog.parts import DIRECT
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.physics.cycle_at_gearhead import at_gearhead
-from drivesizer.physics.elements.shaft_load import (
+from drivesizer.physics.gear_life import (
     bearing_life,
     bevel_share,
     dynamic_load,
@@ -19,8 +19,7 @@ from drivesizer.physics.elements.shaft_load import (
     static_load,
 )
 from drivesizer.search.columns.limits import load_limits
-from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
-from drivesizer.search.columns.shaft_loads import shaft_loads
+from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors, shaft_loads
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 

@@ -15,9 +15,9 @@ from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.prediction.predict import completed, predict
-from drivesizer.prediction.sampled_parts import sampled_parts
+from drivesizer.prediction.set_at_voltage import sampled_parts
 from drivesizer.results.prediction import Conditions
-from drivesizer.search.uncertainty.class_of_part import holding
+from drivesizer.search.uncertainty.uncertain_figures import holding
 
 GIVEN = Conditions(nan, 298.15, nan, nan, 0.0, 3600.0, nan, 0.0)
 LIFTED = [(2.53, 0.175), (3.69, 0.239), (5.79, 0.368), (6.94, 0.371)]  # V, N*m
@@ -66,7 +66,7 @@ def test_a_motor_of_a_printed_no_load_current_keeps_the_class_of_its_constant():
 
 def test_the_spec_comes_before_all():
     given = {("motor", "resistance"): "+- 5 %", ("gearhead", "efficiency"): "none", ("gearhead", "peak_torque"): "none"}
-    from drivesizer.catalog.tolerances.classes import classes
+    from drivesizer.catalog.tolerances import classes
 
     named = {(one.part, one.figure): one.text for one in classes(given)}
     found = classes_of("robotis", "MX-64 12 V", given)

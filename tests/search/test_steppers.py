@@ -16,15 +16,14 @@ from stepper_catalog import TEXT, ideal_torque, printed_torque, worst_share, wri
 
 from drivesizer import load_spec, size
 from drivesizer.catalog import Brake, Catalog, load
-from drivesizer.catalog.view.stepper_view import stepper_view
+from drivesizer.catalog.view.mounted import stepper_view
 from drivesizer.control.drive_train import NoLoopError, drive_train
 from drivesizer.errors import InputError
-from drivesizer.machine.energy_flow import energy_flow
 from drivesizer.machine.operating_field import field, with_pull_out
 from drivesizer.machine.set_cycle import set_cycle
-from drivesizer.machine.supply_power import drive_power
+from drivesizer.machine.supply_power import drive_power, energy_flow
 from drivesizer.output.json.documents import as_text, sizing
-from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
+from drivesizer.physics.stepper import PULL_OUT_SHARE
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import explained, load_parts

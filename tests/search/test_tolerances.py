@@ -19,15 +19,12 @@ from drivesizer.machine.supply_power import drive_power
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
-from drivesizer.search.uncertainty.failing import failing
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.prepare import blocks, prepared
+from drivesizer.search.uncertainty.prepare import blocks, cycles_of, prepared
 from drivesizer.search.uncertainty.probabilities import examined
-from drivesizer.search.uncertainty.run import subject
+from drivesizer.search.uncertainty.run import failing, subject
 from drivesizer.search.uncertainty.sampled_checks import checks_of
-from drivesizer.search.uncertainty.sampled_load_cycles import cycles_of
-from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error, sample
-from drivesizer.search.uncertainty.sensitivity import first_order, rank_correlations
+from drivesizer.search.uncertainty.sampling import REPLICATES, first_order, mean_and_error, rank_correlations, sample
 from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions, case_paths
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import RobotSpec, read_spec

@@ -14,14 +14,13 @@ from drivesizer.errors import InputError
 from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.search.uncertainty.counted_figures import COLUMNS, NOT_SAMPLED, reason
 from drivesizer.search.uncertainty.probabilities import Subject, at_ends, without_effect
 from drivesizer.search.uncertainty.sampled_parts import SetRows
-from drivesizer.search.uncertainty.uncertain_figures import Assumption
+from drivesizer.search.uncertainty.uncertain_figures import COLUMNS, NOT_SAMPLED, Assumption, reason
 from drivesizer.sizing import load_parts
-from drivesizer.spec.keys import models_at
+from drivesizer.spec.messages import models_at
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.spec.tolerance_text import tolerance
+from drivesizer.spec.tolerances import tolerance
 
 ELSEWHERE = {  # choices of parts and samples, which are refused; platforms on a path: see test_tolerances_platform
     "ScrewChoice", "Pulleys", "Weighted", "Tolerances", "Platform", "Waypoint", "Track",

@@ -8,21 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivesizer.catalog.tolerances.distributions import Distribution
+from drivesizer.catalog.tolerances import Distribution
 from drivesizer.control.closed_loop.checks import checks
-from drivesizer.control.closed_loop.run import run
-from drivesizer.control.closed_loop.set_up import prepared
+from drivesizer.control.closed_loop.run import prepared, run
 from drivesizer.control.engine import simulate
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.at_shaft import motion_of
+from drivesizer.load_cases.platform import motion_of
 from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.uncertainty import sampled_closed_loop
 from drivesizer.search.uncertainty.options import Sampling
+from drivesizer.search.uncertainty.sampled_waveform import Judged, alike, warm_at_most, weakest
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
-from drivesizer.search.uncertainty.warm_bounds import Judged, alike, warm_at_most, weakest
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 

@@ -18,25 +18,23 @@ from scipy import stats
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.catalog_file import parse
-from drivesizer.catalog.compiled import recall, store
-from drivesizer.catalog.joining import joined
-from drivesizer.catalog.maker_tolerances import maker_tolerances_of
 from drivesizer.catalog.schema import catalog_schema
+from drivesizer.catalog.tables import joined, recall, store
+from drivesizer.catalog.tolerances import maker_tolerances_of
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.errors import CatalogError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents as json_documents
-from drivesizer.output.report.lines import reliability_rows
-from drivesizer.output.report.lines.reliability import drive_cells
-from drivesizer.output.terminal import reliability as terminal_reliability
+from drivesizer.output.report.lines import rows as reliability_rows
+from drivesizer.output.report.lines.rows import drive_cells
+from drivesizer.output.terminal import sizing as terminal_reliability
 from drivesizer.search.search import search
 from drivesizer.search.uncertainty import sampled_closed_loop
-from drivesizer.search.uncertainty.class_of_part import holding, used
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.run import SampledDrives, reliabilities, sample_drives, subject, uncertainty
 from drivesizer.search.uncertainty.sampling import sample
-from drivesizer.search.uncertainty.uncertain_figures import assumptions
+from drivesizer.search.uncertainty.uncertain_figures import assumptions, holding, used
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 

@@ -16,7 +16,7 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
-from drivesizer.search.uncertainty import sampled_load_cycles
+from drivesizer.search.uncertainty import prepare
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
 from drivesizer.search.uncertainty.run import subject
 from drivesizer.search.uncertainty.sampled_checks import checks_of
@@ -24,8 +24,8 @@ from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions
 from drivesizer.sizing import load_parts, size
+from drivesizer.spec.drive import ControllerChoice
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.spec.select import ControllerChoice
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
@@ -112,13 +112,13 @@ def test_a_slope_tells_wheels_apart_that_are_alike_on_the_level() -> None:
 
 def test_long_ways_are_sampled_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
     """Then each sample still has the load cycle that its values make."""
-    monkeypatch.setattr(sampled_load_cycles, "_CELLS", 0)
-    monkeypatch.setattr(sampled_load_cycles, "_LONGEST", 0)
+    monkeypatch.setattr(prepare, "_CELLS", 0)
+    monkeypatch.setattr(prepare, "_LONGEST", 0)
     spec = _read({"mass: 60 kg ": "mass: 60 kg +- 5 kg "})
     given = assumptions(spec)
     drawn = sample(given, 512, 1)
     ready = prepared(problem(spec, load_parts(spec)), given, drawn.values)
-    assert len(ready.values) == sampled_load_cycles._FEWEST == 32
+    assert len(ready.values) == prepare._FEWEST == 32
     assert all(case.cycles.size == 32 for case in ready.cases)
     np.testing.assert_array_equal(ready.values.reshape(8, 4, -1), drawn.values.reshape(8, 64, -1)[:, :4])
     mass, peak = ready.values[:, 0], np.abs(ready.cases[0].cycles.torque).max(axis=(0, 1))

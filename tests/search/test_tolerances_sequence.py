@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from drivesizer.search.uncertainty import sobol_sequence
-from drivesizer.search.uncertainty.sobol_sequence import sobol
+from drivesizer.search.uncertainty import sampling
+from drivesizer.search.uncertainty.sampling import sobol
 
 SEEDS = [(7, 0), (7, 1)]
 
@@ -54,11 +54,11 @@ def test_a_folder_that_cannot_be_written_changes_nothing(cache: Path) -> None:
 
 
 def test_files_do_not_grow_beyond_a_number(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sobol_sequence, "_PLACES", 3)
+    monkeypatch.setattr(sampling, "_PLACES", 3)
     for seed in range(12):
         sobol(2, 3, [(seed,)])
     assert 1 <= len(list(cache.iterdir())) <= 3
-    monkeypatch.setattr(sobol_sequence, "_LARGEST", 100)
+    monkeypatch.setattr(sampling, "_LARGEST", 100)
     before = {path.name for path in cache.iterdir()}
     sobol(2, 3, [(99,)])
     assert {path.name for path in cache.iterdir()} == before
@@ -66,7 +66,7 @@ def test_files_do_not_grow_beyond_a_number(cache: Path, monkeypatch: pytest.Monk
 
 def test_kept_points_need_no_statistics(cache: Path) -> None:
     """What loads slowly is loaded where points are drawn, and not again."""
-    draw = "import sys; from drivesizer.search.uncertainty.sobol_sequence import sobol; sobol(3, 5, [(1,)]); "
+    draw = "import sys; from drivesizer.search.uncertainty.sampling import sobol; sobol(3, 5, [(1,)]); "
     code = draw + "print('scipy.stats' in sys.modules)"
     for loads in ("True", "False"):
         run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

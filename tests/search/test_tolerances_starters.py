@@ -13,7 +13,7 @@ from sampled_plainly import evaluated, held_alike
 import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.machine.problem import problem
 from drivesizer.search.search import search
 from drivesizer.search.uncertainty.options import Sampling

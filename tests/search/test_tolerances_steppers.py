@@ -18,20 +18,19 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.json.documents import as_text, sizing
-from drivesizer.physics.stepper.pull_out import PULL_OUT_SHARE
+from drivesizer.physics.stepper import PULL_OUT_SHARE
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.search.uncertainty.class_of_part import holding, used
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
+from drivesizer.search.uncertainty.probabilities import figure_columns
 from drivesizer.search.uncertainty.sampled_checks import checks_of
-from drivesizer.search.uncertainty.sampled_figures import figure_columns
 from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.sampling import sample
-from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
+from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions, holding, used
 from drivesizer.sizing import explained, load_parts, size
+from drivesizer.spec.drive import ControllerChoice
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.spec.select import ControllerChoice
 
 RPM = math.pi / 30.0
 FLYWHEEL = "load: {kind: rotary_table, inertia: %s, friction_torque: %s}\n"

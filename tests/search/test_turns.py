@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivesizer.search.order import open_checks
+from drivesizer.search import open_checks
 
 
 @pytest.mark.parametrize("finer", [True, False])

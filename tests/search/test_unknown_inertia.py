@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.machine.energy_flow import energy_flow
 from drivesizer.machine.set_cycle import set_cycle
+from drivesizer.machine.supply_power import energy_flow
 from drivesizer.output.export import export_of, files
 from drivesizer.output.export.json_document import document, export_schema
 from drivesizer.simulate import validate

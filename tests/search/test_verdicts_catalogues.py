@@ -8,18 +8,17 @@ import pytest
 from drivesizer.catalog import load as catalogs_of
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.output.no_drive import not_enough
 from drivesizer.output.parts import machine_parts
+from drivesizer.output.tables import not_enough
 from drivesizer.output.terminal.sizing import explained
-from drivesizer.results.objectives import ranked_by
 from drivesizer.results.ratings import OWN_SUPPLY
-from drivesizer.results.sizing import Explanation
-from drivesizer.search.order import ranking
-from drivesizer.search.order.sifting import sifted
-from drivesizer.search.parts_offered import load_parts
+from drivesizer.results.sizing import Explanation, ranked_by
+from drivesizer.search import ranking
+from drivesizer.search.ranking import sifted
+from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explain, size
+from drivesizer.spec.drive import BOUGHT
 from drivesizer.spec.robot import load_spec, read_spec
-from drivesizer.spec.select import BOUGHT
 
 VEHICLE = """
 name: vehicle of 300 kg

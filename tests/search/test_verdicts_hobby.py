@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from drivesizer.catalog import load
 from drivesizer.catalog.identities import DERIVED, IDENTITIES, derived, solved
-from drivesizer.catalog.laws.check import check_file
+from drivesizer.catalog.law_check import check_file
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Table, empty
 from drivesizer.cli import app

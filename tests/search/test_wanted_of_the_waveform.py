@@ -7,9 +7,9 @@ import pytest
 import drivesizer
 from drivesizer.kernel.evaluate import ENERGY
 from drivesizer.machine.problem import problem
-from drivesizer.search.columns import exactly
+from drivesizer.search import ranking
+from drivesizer.search.columns import limits_over_time
 from drivesizer.search.columns.evaluation import figures_by_physics
-from drivesizer.search.order import sifting
 from drivesizer.sizing import load_parts
 from drivesizer.spec.robot import load_spec
 
@@ -29,9 +29,9 @@ def given():
 )
 def test_energy_is_computed_where_it_ranks(name, energies, given, monkeypatch):
     """A campaign's arm over all catalogues took a minute of processor time; two thirds of it were energies."""
-    computed, own = [], exactly.evaluate
-    monkeypatch.setattr(exactly, "evaluate", lambda *a: computed.append(a[2]) or own(*a))
-    passing, _, _ = sifting.sifted(given, {name}, None)
+    computed, own = [], limits_over_time.evaluate
+    monkeypatch.setattr(limits_over_time, "evaluate", lambda *a: computed.append(a[2]) or own(*a))
+    passing, _, _ = ranking.sifted(given, {name}, None)
     assert (ENERGY in computed) is energies
     few = slice(0, 20)
     again = figures_by_physics(given, passing.sets.on(few))[name]

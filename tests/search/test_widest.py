@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drivesizer.search.order import families
+from drivesizer.search import in_order
 
 
 def evaluation(margins, rows, computed):
@@ -27,7 +27,7 @@ def test_it_is_that_of_all_waveforms_and_few_are_computed(seed):
     margins = {name: np.round(rng.uniform(-0.2, 0.8, count), 1 if seed % 2 else 6) for name in names}
     margins["supply_voltage"] += 0.4  # the waveform decides of some
     alike, computed, bounds = rng.permutation(count), [], []
-    found = families._widest(
+    found = in_order._widest(
         alike, lambda rows: evaluation(margins, rows, computed), lambda rows: evaluation(margins, rows, bounds)
     )
     every = np.minimum(*margins.values())[alike]

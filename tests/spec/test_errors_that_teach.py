@@ -6,12 +6,11 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.commands.ends import ended
-from drivesizer.commands.usage import parsed
+from drivesizer.commands.ends import ended, parsed
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import load_parts, size
-from drivesizer.spec import keys
+from drivesizer.spec import messages
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 SPEC = """name: cart
@@ -93,15 +92,15 @@ def test_a_misspelt_key_is_not_also_missing():
 def test_other_words_stand_for_keys_that_exist():
     """A field that is renamed must be renamed among the words that propose it."""
     known = {name for one in _sections(RobotSpec) for name in one.model_fields}
-    proposed = {word for words in keys._OTHER_WORDS.values() for word in words}
+    proposed = {word for words in messages._OTHER_WORDS.values() for word in words}
     assert proposed <= known
-    assert not any(word in words for word, words in keys._OTHER_WORDS.items())
+    assert not any(word in words for word, words in messages._OTHER_WORDS.items())
 
 
 def _sections(model, seen=None):
     """A model and all models of its fields."""
     seen = {model} if seen is None else seen | {model}
-    inner = {one for field in model.model_fields.values() for one in keys.models_of(field)}
+    inner = {one for field in model.model_fields.values() for one in messages.models_of(field)}
     return seen.union(*(_sections(one, seen) for one in inner - seen))
 
 

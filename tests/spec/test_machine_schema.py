@@ -12,8 +12,7 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import read
-from drivesizer.spec.several_axes.machine_file import load_machine
-from drivesizer.spec.several_axes.machine_schema import machine_schema
+from drivesizer.spec.machine import load_machine, machine_schema
 
 STARTERS = Path(str(resources.files("drivesizer.spec") / "starters" / "machines"))
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "six_joint_arm.yaml"

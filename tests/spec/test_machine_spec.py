@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from drivesizer.errors import InputError
+from drivesizer.spec.any_spec import load_any
+from drivesizer.spec.machine import carrying, load_machine
 from drivesizer.spec.robot import RobotSpec, load_spec
-from drivesizer.spec.several_axes.any_spec import load_any
-from drivesizer.spec.several_axes.carried import carrying
-from drivesizer.spec.several_axes.machine_file import load_machine
 
 TEXT = """\
 name: cell

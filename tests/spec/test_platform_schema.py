@@ -9,7 +9,7 @@ from platforms import ALPHA, LENGTH, RADIUS, mecanum
 from pydantic import ValidationError
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases.platform_record import box_inertia, platform_assumptions, platform_of
+from drivesizer.load_cases.platform import box_inertia, platform_assumptions, platform_of
 from drivesizer.platform.kinematics import kinematics
 from drivesizer.spec.platform import Budget
 

@@ -11,9 +11,9 @@ from rows import hold
 from drivesizer.catalog import shipped
 from drivesizer.catalog.schema import catalog_schema
 from drivesizer.files.yaml_source import read
+from drivesizer.spec.any_spec import is_machine
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.several_axes.any_spec import is_machine
-from drivesizer.study.schema import StudyFile
+from drivesizer.study.plan import StudyFile
 
 SPECS = [Path(str(p)) for p in (resources.files("drivesizer.spec") / "starters").iterdir() if p.name.endswith(".yaml")]
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from drivesizer.catalog.tolerances.classes import CLASSES, classes
-from drivesizer.catalog.tolerances.distributions import CUT, Distribution
-from drivesizer.catalog.tolerances.factors import share
+from drivesizer.catalog.tolerances import CLASSES, CUT, Distribution, classes, share
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.robot import read_spec
-from drivesizer.spec.tolerance_text import has_tolerance, tolerance
+from drivesizer.spec.tolerances import has_tolerance, tolerance
 
 READ = {
     "45 kg +- 3 kg": ("45 kg", "uniform", 42.0, 48.0),

@@ -13,14 +13,13 @@ from scipy.spatial.transform import Rotation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.multi_axis.joint_axes import with_joints
+from drivesizer.multi_axis.axis_sizings import with_joints
 from drivesizer.output.export import export_of, write
 from drivesizer.sizing import size
-from drivesizer.spec.description.urdf import read_urdf, rotation
-from drivesizer.spec.from_urdf import carried, has_wheels, spec_of
+from drivesizer.spec.description import read_urdf, rotation
+from drivesizer.spec.from_description import carried, has_wheels, joints_to_drive, machine_of, spec_of
+from drivesizer.spec.machine import load_machine, read_machine
 from drivesizer.spec.robot import read_spec
-from drivesizer.spec.several_axes.from_description import joints_to_drive, machine_of
-from drivesizer.spec.several_axes.machine_file import load_machine, read_machine
 
 
 def link(name, mass, inertia="0.01 0 0 0.01 0 0.01", shape="", origin=""):

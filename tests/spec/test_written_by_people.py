@@ -7,8 +7,8 @@ import pytest
 from drivesizer import load_spec, size
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.spec.drive import Select
 from drivesizer.spec.robot import read_spec
-from drivesizer.spec.select import Select
 
 CART = """
 name: cart

@@ -16,14 +16,13 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.sizing import worst
-from drivesizer.search.order.sifting import sifted
+from drivesizer.search.ranking import sifted
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
-from drivesizer.study.best import best
-from drivesizer.study.columns import columns_of
+from drivesizer.study.columns import best, columns_of
 from drivesizer.study.fields import changed, path_of
 from drivesizer.study.plan import MOST, read_study
-from drivesizer.study.provenance import made_of, refuse_if_all_invalid
+from drivesizer.study.store import made_of, refuse_if_all_invalid
 from drivesizer.study.variant import document_of, rows_of, spec_of
 from drivesizer.units import to_si
 

@@ -22,9 +22,8 @@ from drivesizer.study.columns import columns_of
 from drivesizer.study.fields import kind_of, path_of
 from drivesizer.study.maps import drawings, map_axes, points
 from drivesizer.study.plan import Plan, read_study
-from drivesizer.study.provenance import made_of
 from drivesizer.study.run import carry_out
-from drivesizer.study.store import opened
+from drivesizer.study.store import made_of, opened
 from drivesizer.study.variant import document_of, rows_of
 
 CELL = """\

@@ -9,10 +9,22 @@ from studies import CHEAP, laid
 
 from drivesizer.errors import InputError
 from drivesizer.sizing import size
-from drivesizer.study.map_figure import draw
-from drivesizer.study.map_legend import OTHERS, look_of, numbered
-from drivesizer.study.map_panel import Dimension, Panel, Scene, _edges, _face, _text
-from drivesizer.study.maps import MAPS, drawings, map_axes, points
+from drivesizer.study.maps import (
+    MAPS,
+    OTHERS,
+    Dimension,
+    Panel,
+    Scene,
+    _edges,
+    _face,
+    _text,
+    draw,
+    drawings,
+    look_of,
+    map_axes,
+    numbered,
+    points,
+)
 from drivesizer.study.plan import read_study
 from drivesizer.study.variant import rows_of, spec_of
 

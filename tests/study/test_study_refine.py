@@ -11,10 +11,9 @@ from drivesizer.errors import InputError
 from drivesizer.sizing import size
 from drivesizer.study import run
 from drivesizer.study.columns import columns_of
-from drivesizer.study.map_panel import Dimension, _edges, _within
+from drivesizer.study.maps import Dimension, _edges, _within
 from drivesizer.study.plan import read_study
-from drivesizer.study.refine import refined
-from drivesizer.study.run import carry_out
+from drivesizer.study.run import carry_out, refined
 from drivesizer.study.variant import spec_of
 
 GRID = """\

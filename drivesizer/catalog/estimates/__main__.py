@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from drivesizer.catalog import load, shipped
 from drivesizer.catalog.estimates.estimate import written
-from drivesizer.catalog.estimates.fit import fits
+from drivesizer.catalog.estimates.laws import fits
 
 if __name__ == "__main__":
     print(written(fits(load(list(shipped())))), end="")

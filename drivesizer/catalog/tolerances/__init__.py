@@ -1,8 +1,342 @@
-"""Tolerances of catalogue figures: classes of figures and their distributions.
-
-May import: files and what is below the catalogue.
-"""
+"""Tolerances of catalogue figures: classes, their distributions, what makers state, factors of samples."""
 
 from __future__ import annotations
 
-__all__: list[str] = []
+import re
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import resources
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from drivesizer.errors import CatalogError, InputError, quoted
+from drivesizer.units import number
+
+__all__ = [
+    "CLASSES", "CUT", "END", "NOT_OF_STEPPERS", "OF_STEPPERS", "TOLERANCES", "Class", "Distribution", "MakerTolerance",
+    "class_from_stall", "class_of", "classes", "deviations_at", "join_maker_tolerances", "lognormal",
+    "losses_from_stall", "maker_tolerances_of", "owner_of", "share",
+]  # fmt: skip
+
+
+# -- Distributions of an uncertain figure, evaluated as columns.
+#
+# All distributions are bounded. A normal one is truncated 4 standard deviations from its mean, beyond which 6 of
+# 100 000 values would lie: a tolerance does not include them, and a mass could be negative there.
+
+
+Array = NDArray[np.float64]
+CUT = 4.0  # standard deviations from the mean, at which a normal distribution ends
+END = 1.6448536269514722  # standard deviations from the median to the 5th and to the 95th percentile
+_TAIL = 3.167124183311986e-05  # of a standard normal distribution, below -CUT
+
+
+def lognormal(low: Any, median: Any, high: Any, deviations: Array) -> Array:
+    """Values of a log-normal figure whose sides have deviations of their own.
+
+    Examples
+    --------
+    >>> lognormal(0.5, 1.0, 4.0, np.array([-1.6448536269514722, 0.0, 1.6448536269514722])).round(9)
+    array([0.5, 1. , 4. ])
+    >>> lognormal(0.5, 1.0, np.inf, np.array([1.6448536269514722])).round(9)
+    array([2.])
+    """
+    up, down = np.divide(high, median), np.divide(median, low)
+    up, down = np.where(np.isinf(high), down, up), np.where(np.isinf(low), up, down)
+    return np.asarray(median * np.where(deviations > 0.0, up, down) ** (deviations / END))
+
+
+def deviations_at(share: Array) -> Array:
+    """Standard deviations from the mean below which given shares of a normal figure's values lie, cut at ``CUT``.
+
+    Examples
+    --------
+    >>> deviations_at(np.array([0.0, 0.5, 1.0])).round(9) + 0.0
+    array([-4.,  0.,  4.])
+    """
+    from scipy.special import ndtri
+
+    found: Array = ndtri(np.clip(_TAIL + share * (1.0 - 2.0 * _TAIL), _TAIL, 1.0 - _TAIL))
+    return found
+
+
+class Distribution(NamedTuple):
+    """A figure's values: uniform between ends, triangular with a peak, or normal with its mean and deviation.
+
+    A log-normal one has its ends as 5th and 95th percentile and its peak as median; either side has its own deviation.
+    """
+
+    shape: Literal["uniform", "normal", "triangular", "lognormal"]
+    low: float
+    high: float
+    peak: float  # of the density; the middle of a uniform one
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation; of a normal one before it is cut off."""
+        a, b, c = self.low, self.high, self.peak
+        if self.shape == "normal":
+            return (b - a) / (2 * CUT)
+        if self.shape == "lognormal":
+            return float((b - a) / (2 * END))  # of narrow ones
+        if self.shape == "uniform":
+            return float((b - a) / np.sqrt(12.0))
+        return float(np.sqrt((a * a + b * b + c * c - a * b - a * c - b * c) / 18.0))
+
+    @property
+    def by_deviations(self) -> bool:
+        """Whether its values come of standard deviations."""
+        return self.shape in ("normal", "lognormal")
+
+    def at(self, share: Array, deviations: Array | None = None) -> Array:
+        """The values below which given shares of all values lie: the inverse of the distribution function.
+
+        Examples
+        --------
+        >>> Distribution("triangular", 0.0, 4.0, 1.0).at(np.array([0.0, 0.25, 1.0]))
+        array([0., 1., 4.])
+        """
+        a, b, c = self.low, self.high, self.peak
+        if self.shape == "uniform":
+            return a + share * (b - a)
+        if self.by_deviations:
+            deviations = deviations_at(share) if deviations is None else deviations
+            if self.shape == "lognormal":
+                return lognormal(a, c, b, deviations)
+            return np.clip(c + (b - a) / (2 * CUT) * deviations, a, b)
+        rising = share * (b - a) * (c - a)
+        falling = (1.0 - share) * (b - a) * (b - c)
+        return np.where(share * (b - a) < c - a, a + np.sqrt(rising), b - np.sqrt(falling))
+
+
+# -- Tolerances of catalogue figures, as shares of what is printed.
+
+
+def share(text: str) -> Distribution | None:
+    """A tolerance of a catalogue figure, as a factor: ``+- 7 %``, ``-10 %..30 %``, ``normal(5 %)``; None for ``none``.
+
+    Examples
+    --------
+    >>> share("+- 7 %").high
+    1.07
+    """
+    bare = text.strip()
+    if bare == "none":
+        return None
+    hint = "expected +- 7 %, -10 %..30 %, normal(5 %) or none"
+    width = re.fullmatch(r"(?:\+\s?/?\s?[-−]|±)\s*(.+?)", bare)
+    ends, normal = re.fullmatch(r"(.+?)\s*\.\.\s*(.+)", bare), re.fullmatch(r"normal\(\s*(.+?)\s*\)", bare)
+    try:
+        if width or normal:
+            half = _per_cent((width or normal)[1])  # type: ignore[index]
+            found = (
+                Distribution("normal", 1.0 - CUT * half, 1.0 + CUT * half, 1.0) if normal
+                else Distribution("uniform", 1.0 - half, 1.0 + half, 1.0)
+            )  # fmt: skip
+        elif ends:
+            low, high = 1.0 + _per_cent(ends[1]), 1.0 + _per_cent(ends[2])
+            found = Distribution("uniform", low, high, (low + high) / 2.0)
+        else:
+            raise InputError(f"{quoted(text)} is no tolerance of a catalogue figure")
+    except InputError as error:
+        raise InputError(f"{error}; {hint}") from None
+    if not found.low < found.high:
+        raise InputError(f"{quoted(text)}: a width must be above 0; {hint}")
+    if not found.low > 0.0:
+        raise InputError(f"{quoted(text)} reaches 0 and below, which no such figure is; {hint}")
+    return found
+
+
+def _per_cent(text: str) -> float:
+    value, unit = number(text)
+    if unit not in ("%", ""):
+        raise InputError(f"{quoted(unit)} is not per cent")
+    return value / 100.0 if unit == "%" else value
+
+
+# -- Tolerance classes of catalogue figures: the defaults, and those that a maker or a spec puts in their place.
+#
+# A class is a distribution of factors of the printed figure. Figures that belong together share one: the two thermal
+# resistances of a motor with their time constants, so that heat capacities stay what they are; friction at any speed
+# and with it, and the no-load current that includes both.
+
+
+_PER_STAGE = 4.0  # ratio of a pair of spur gears, where the number of stages is unknown
+_PAIRS = 4.0  # of a spur gear whose ratio is unknown
+
+CLASSES = {
+    ("motor", "resistance"): "Motor resistance",
+    ("motor", "torque_constant"): "Motor torque constant",
+    ("motor", "friction"): "Motor friction and iron loss",
+    ("motor", "dry_friction"): "Dry share of motor friction",
+    ("motor", "rotor_inertia"): "Rotor inertia",
+    ("motor", "thermal_resistance"): "Motor thermal resistances",
+    ("motor", "pull_out"): "Pull-out torque",
+    ("motor", "holding_torque"): "Holding torque",
+    ("motor", "inductance"): "Phase inductance",
+    ("motor", "start_speed"): "Start speed without a ramp",
+    ("gearhead", "peak_torque"): "Peak torque by stall",
+    ("gearhead", "efficiency"): "Gearhead losses",
+    ("gearhead", "inertia"): "Gearhead inertia",
+    ("controller", "losses"): "Controller losses",
+    ("controller", "phase_current"): "Phase current set",
+}
+OF_STEPPERS = {("motor", figure) for figure in ("pull_out", "holding_torque", "inductance", "start_speed")} | {
+    ("controller", "phase_current")
+}
+NOT_OF_STEPPERS = {
+    *(("motor", figure) for figure in ("torque_constant", "friction", "dry_friction", "thermal_resistance")),
+    ("controller", "losses"),
+}
+
+
+class Class(NamedTuple):
+    """Tolerance of one kind of catalogue figure."""
+
+    part: str  # motor, gearhead or controller
+    figure: str
+    title: str
+    text: str  # as written
+    factor: Distribution | None  # of the printed figure; None: taken as printed
+    why: str
+    whose: str = ""  # a maker, maybe with families: of its parts alone; else of all that have none of their own
+
+    @property
+    def name(self) -> str:
+        """``motor.resistance``; with whose it is where it is of a maker."""
+        return f"{self.part}.{self.figure}" + (f" ({self.whose})" if self.whose else "")
+
+
+@cache
+def _default() -> dict[str, dict[str, dict[str, str]]]:
+    text = (resources.files("drivesizer.catalog.tolerances") / "classes.yaml").read_text(encoding="utf-8")
+    found: dict[str, dict[str, dict[str, str]]] = yaml.safe_load(text)
+    return found
+
+
+@cache
+def class_of(part: str, figure: str, text: str, why: str, whose: str = "") -> Class:
+    """The class of a figure."""
+    title = CLASSES[part, figure] + (f", {whose}" if whose else "")
+    return Class(part, figure, title, text, share(text), why, whose)
+
+
+def class_from_stall(figure: str) -> Class:
+    """The class of a resistance that is nominal voltage over stall current, or of a torque constant beside it."""
+    one = _default()["from_stall"][figure]
+    return class_of("motor", figure, one["tolerance"], one["why"], "from no load and stall")
+
+
+def losses_from_stall(part: str, efficiency: float, ratio: float, stages: float) -> Class:
+    """The class of a spur gear's losses where its efficiency follows from the stall torque."""
+    one = _default()["from_stall"]["efficiency"]
+    usual = share(one["tolerance"])
+    assert usual is not None
+    pairs = (
+        stages if stages > 0.0 else _PAIRS if np.isnan(ratio) else max(1.0, round(np.log(ratio) / np.log(_PER_STAGE)))
+    )
+    plastic = (float(one["per_stage"]) ** -pairs - 1.0) / (1.0 / efficiency - 1.0)
+    text = f"{usual.low - 1.0:.0%}..{max(usual.high, plastic) - 1.0:.0%}".replace("%", " %")
+    return class_of("gearhead", "efficiency", text, one["why"], part)
+
+
+def classes(given: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
+    """The classes for parts whose maker states no tolerance, in a fixed order.
+
+    Examples
+    --------
+    >>> found = classes({("motor", "resistance"): "+- 7 %", ("motor", "friction"): "none"})
+    >>> [(one.text, one.why) for one in found if one.why == "given in the spec"]
+    [('+- 7 %', 'given in the spec'), ('none', 'given in the spec')]
+    """
+    found = []
+    for part, figure in CLASSES:
+        own = (given or {}).get((part, figure))
+        text = own or _default()[part][figure]["tolerance"]
+        why = "given in the spec" if own else _default()[part][figure]["why"]
+        found.append(class_of(part, figure, text, why))
+    return tuple(found)
+
+
+# -- Tolerances that makers state for their figures, by maker and family.
+#
+# A statement holds for the maker's parts in every catalogue file. One that names families holds for these alone and
+# takes precedence over one that names none.
+
+
+TOLERANCES = "tolerances"  # the section of a catalogue file
+
+
+class MakerTolerance(NamedTuple):
+    """Tolerance of a catalogue figure as its maker states it."""
+
+    part: str  # motor or gearhead
+    figure: str
+    tolerance: str  # of the printed figure, as written
+    maker: str
+    families: tuple[str, ...]  # empty: all of the maker's
+    text: str  # a remark
+    source: int  # index into Catalog.sources
+
+
+def maker_tolerances_of(
+    stated: Sequence[MakerTolerance], part: str, maker: str, family: str
+) -> dict[str, MakerTolerance]:
+    """Tolerances that a maker states for a part, by figure."""
+    mine = [one for one in stated if (one.part, one.maker) == (part, maker)]
+    general = {one.figure: one for one in mine if not one.families}
+    return general | {one.figure: one for one in mine if family in one.families}
+
+
+def owner_of(stated: Sequence[MakerTolerance], one: MakerTolerance) -> str:
+    """Maker, and families where that maker states another tolerance for others."""
+    several = sum((other.part, other.figure, other.maker) == (one.part, one.figure, one.maker) for other in stated) > 1
+    return f"{one.maker} {', '.join(one.families)}".strip() if several else one.maker
+
+
+def join_maker_tolerances(
+    each: Sequence[tuple[str, Sequence[MakerTolerance], bool]], first_source: Sequence[int]
+) -> tuple[tuple[MakerTolerance, ...], tuple[str, ...]]:
+    """Tolerances of several catalogues as one, and a message for each that was replaced."""
+    found: list[tuple[str, MakerTolerance]] = []
+    messages: list[str] = []
+    for (name, stated, overrides), first in zip(each, first_source, strict=True):
+        before, found = found, []
+        for other, theirs in before:
+            mine = next((one for one in stated if _same_figure(theirs, one, overrides)), None)
+            if mine and not overrides:
+                raise CatalogError(
+                    f"the tolerance of {_named(mine)} is in two catalogues: {other} and {name}; "
+                    "`overrides: true` in the second makes its own count"
+                )
+            if mine:
+                messages.append(f"tolerance of {_named(mine)}: {name} in place of {other}")
+            found += [(other, one) for one in _remaining(theirs, stated, overrides)]
+        found += [(name, one._replace(source=one.source + first)) for one in stated]
+    return tuple(one for _, one in found), tuple(messages)
+
+
+def _named(one: MakerTolerance) -> str:
+    return f"{one.maker} {one.part} {one.figure.replace('_', ' ')}"
+
+
+def _same_figure(one: MakerTolerance, later: MakerTolerance, overrides: bool) -> bool:
+    """Whether a later tolerance is of the same figure and parts; one of all families overrides those of some."""
+    if one[:2] != later[:2] or one.maker != later.maker:
+        return False
+    if one.families and later.families:
+        return bool(set(one.families) & set(later.families))
+    return not later.families and (overrides or not one.families)
+
+
+def _remaining(one: MakerTolerance, stated: Sequence[MakerTolerance], overrides: bool) -> list[MakerTolerance]:
+    """The part of a tolerance that later ones leave: all of it, or that of the families that they do not name."""
+    later = [other for other in stated if _same_figure(one, other, overrides)]
+    if not later:
+        return [one]
+    named = {family for other in later for family in other.families}
+    left = tuple(family for family in one.families if family not in named)
+    return [one._replace(families=left)] if left and all(other.families for other in later) else []

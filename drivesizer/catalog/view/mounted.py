@@ -1,37 +1,54 @@
-r"""The catalogue with its motors as a spec mounts them: another thermal resistance from housing to ambient.
-
-Data sheets give the thermal resistance from housing to ambient, R_th2, of one mounting: on a plastic plate (maxon),
-alone in air, on a plate of aluminium (servo motors). In another it is R', and the housing's time constant changes
-with it, for its heat capacity stays. The continuous current that heat permits at the nominal speed, with the loss P of
-friction and iron at the housing, is
-
-.. math:: I' = I_N \sqrt{\frac{T_{max} - T_a - R' P}{T_{max} - T_a - R_{th2} P} \cdot
-          \frac{R_{th1} + R_{th2}}{R_{th1} + R'}}
-
-Checked by data sheets that print both: of 150 of 184 maxon DCX and EC-i motors the torque at rest with half R_th2
-(operating ranges of their pages) is that by the square root within 8 %, median 1 % more; 34 brushed ones gain less
-than 5 %, as their brushes set the rating. Faulhaber 3564 B (data sheet): 3.68, 2.50, 1.71 and 1.36 A at 22 000 rpm
-with R_th2 reduced by 55 %; three of the four windings within 1.5 % of what their own figures permit, one within 6 %.
-Symbols: R_th thermal resistance [K/W], I current [A], P loss [W], T temperature [K].
-Its band makes two catalogues, as that of an estimate does: the favourable and the unfavourable end.
-"""
+"""Parts as a spec has them: motors as they are mounted, steppers in their place, a brake of its own."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.assumed import MOUNTED
-from drivesizer.catalog.tables import Catalog, Estimates, Table
+from drivesizer.catalog.estimates.estimate import MOUNTED, estimates, estimates_kept
+from drivesizer.catalog.estimates.estimate import estimates as estimates_of
+from drivesizer.catalog.parts import DIRECT, columns_of
+from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Source, Table, unique_pairs
+from drivesizer.catalog.view.search_view import (
+    ENDS,
+    MIDDLE,
+    completed,
+    search_view,
+    with_clamping_hubs,
+    with_direct_drive,
+)
 from drivesizer.physics.figures import Figures
-from drivesizer.physics.stress import housing_loss
+from drivesizer.physics.stepper import rotor_teeth
 from drivesizer.physics.thermal import rated_ambient
+from drivesizer.physics.winding import housing_loss
 
-__all__ = ["Housing", "rating_gain", "with_mounting"]
+__all__ = [
+    "OWN", "STEPPER", "Housing", "has_steppers", "rating_gain", "stepper_view", "view_for", "with_mounting",
+    "with_own_brake",
+]  # fmt: skip
+
+
+# -- The catalogue with its motors as a spec mounts them: another thermal resistance from housing to ambient.
+#
+# Data sheets give the thermal resistance from housing to ambient, R_th2, of one mounting: on a plastic plate
+# (maxon), alone in air, on a plate of aluminium (servo motors). In another it is R', and the housing's time constant
+# changes with it, for its heat capacity stays. The continuous current that heat permits at the nominal speed, with
+# the loss P of friction and iron at the housing, is
+#
+# .. math:: I' = I_N \sqrt{\frac{T_{max} - T_a - R' P}{T_{max} - T_a - R_{th2} P} \cdot
+#           \frac{R_{th1} + R_{th2}}{R_{th1} + R'}}
+#
+# Checked by data sheets that print both: of 150 of 184 maxon DCX and EC-i motors the torque at rest with half R_th2
+# (operating ranges of their pages) is that by the square root within 8 %, median 1 % more; 34 brushed ones gain less
+# than 5 %, as their brushes set the rating. Faulhaber 3564 B (data sheet): 3.68, 2.50, 1.71 and 1.36 A at 22 000 rpm
+# with R_th2 reduced by 55 %; three of the four windings within 1.5 % of what their own figures permit, one within 6
+# %. Symbols: R_th thermal resistance [K/W], I current [A], P loss [W], T temperature [K]. Its band makes two
+# catalogues, as that of an estimate does: the favourable and the unfavourable end.
+
 
 Array = NDArray[np.float64]
 Housing = Callable[[Array], Any]  # thermal resistance as mounted, of that as printed
@@ -95,3 +112,157 @@ def _estimates(catalog: Catalog) -> dict[str, dict[str, Estimates]]:
                 low, high = np.sort([end[rows] for end in ends], axis=0)
                 known[name] = Estimates(np.array(own), value[rows], low, high, np.full(len(rows), MOUNTED))
     return found
+
+
+# -- A holding brake with figures of the spec's own, as a part beside those of the catalogues.
+
+
+OWN = "of the spec"  # family of that brake
+_SECTION = "brakes"
+
+
+def with_own_brake(catalog: Catalog, figures: Mapping[str, float | str]) -> Catalog:
+    """The catalogue with a brake of these figures; what is not given is estimated."""
+    one = _row(figures, len(catalog.sources))
+    source = Source("section brake of the spec", "quoted")
+    found = estimates(one) if catalog.ends else {}
+    middle, *ends = (
+        replace(given, brakes=_with_brake(given.brakes, _brake_at(one, found, place)), sources=(*given.sources, source))
+        for given, place in zip((catalog, *catalog.ends), ("value", "low", "high"), strict=False)
+    )
+    if not found:
+        return middle
+    known = dict(catalog.estimates)
+    known[_SECTION] = _joined(known.get(_SECTION, {}), found, len(catalog.brakes))
+    return replace(middle, estimates=known, ends=tuple(ends))
+
+
+def _row(figures: Mapping[str, float | str], source: int) -> Table[Any]:
+    """A table of one brake."""
+    texts = {"part": "brake", "family": OWN}
+    columns = {
+        name: np.array([figures.get(name, texts.get(name, ""))], str) if column.kind == "text"
+        else np.array([figures.get(name, np.nan)], float)
+        for name, column in columns_of(_SECTION).items()
+    }  # fmt: skip
+    return Table(_SECTION, columns, np.array([source], np.int32), np.zeros(1, bool))
+
+
+def _brake_at(one: Table[Any], found: Mapping[str, Estimates], place: str) -> Table[Any]:
+    """The brake with estimated figures at the middle or an end of their bands."""
+    columns = dict(one.columns) | {name: getattr(each, place) for name, each in found.items()}
+    return Table(_SECTION, columns, one.source, one.excluded)
+
+
+def _with_brake(table: Table[Any], one: Table[Any]) -> Table[Any]:
+    columns = {name: np.concatenate([table[name], one[name]]) for name in table.columns}
+    source, excluded = np.append(table.source, one.source), np.append(table.excluded, one.excluded)
+    return Table(_SECTION, columns, source, excluded)
+
+
+def _joined(known: Mapping[str, Estimates], own: Mapping[str, Estimates], row: int) -> dict[str, Estimates]:
+    """Estimates of the catalogue's brakes and of one in a row behind them."""
+    found = dict(known)
+    for name, one in own.items():
+        sides: tuple[Any, ...] = one._replace(rows=one.rows + row)
+        if name in known:
+            sides = tuple(np.concatenate(pair) for pair in zip(known[name], sides, strict=True))
+        found[name] = Estimates(*sides)
+    return found
+
+
+# -- The catalogue as a search for steppers takes it: its steppers in the place of the motors.
+#
+# A stepper goes with direct drive, and with the clamping hubs that hold its shaft; neither encoders nor brakes are
+# listed for it. Its column ``stepper`` is the row of the steppers' table, to which the printed pull-out curves
+# belong.
+
+
+STEPPER = "stepper"  # kind of such a motor, and the column with its row in the steppers' table
+_NONE = np.zeros(0, np.int32)
+_NO_PAIRS = Pairs(_NONE, _NONE, _NONE)
+_NAMES = {"phase_current": "nominal_current", "full_steps": "pole_pairs"}  # as the motors' table has them
+_ALIKE = (
+    "part", "family", "manufacturer", "resistance", "inductance", "rotor_inertia", "holding_torque", "detent_torque",
+    "start_speed", "pull_out_share", "max_radial_load", "max_axial_load", "ambient_min", "ambient_max",
+    "shaft_diameter", "diameter", "length", "mass", "price",
+)  # fmt: skip
+
+
+def has_steppers(catalog: Catalog) -> bool:
+    """Whether the catalogue is one that ``stepper_view`` made."""
+    return STEPPER in catalog.motors.columns
+
+
+def view_for(catalog: Catalog, kind: str | None, estimates: bool = True, phase_current: float | None = None) -> Catalog:
+    """The catalogue as a search for a kind of motor takes it."""
+    return stepper_view(catalog, estimates, phase_current) if kind == STEPPER else search_view(catalog, estimates)
+
+
+def stepper_view(catalog: Catalog, estimates: bool = True, phase_current: float | None = None) -> Catalog:
+    """The catalogue with its steppers as motors, with clamping hubs and direct drive."""
+    if has_steppers(catalog):
+        return catalog
+    if not estimates:
+        return _viewed(catalog, phase_current)
+    own = estimates_of(catalog.steppers)
+    if "pull_out_share" in own:  # a printed curve needs none
+        own["pull_out_share"] = _without_rows(own["pull_out_share"], catalog.pull_outs.stepper)
+    found = replace(catalog, estimates={**estimates_kept(catalog), "steppers": own})
+    middle, *ends = (_viewed(found.with_tables(completed(found, end), {}), phase_current) for end in (MIDDLE, *ENDS))
+    return replace(middle, ends=tuple(ends))
+
+
+def _without_rows(one: Estimates, rows: NDArray[np.int32]) -> Estimates:
+    keep = ~np.isin(one.rows, rows)
+    return Estimates(one.rows[keep], one.value[keep], one.low[keep], one.high[keep], one.fit[keep])
+
+
+def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
+    steppers, curves = catalog.steppers, catalog.pull_outs
+    less = np.ones(len(steppers))
+    if phase_current is not None:
+        less = np.minimum(phase_current / steppers["phase_current"], 1.0)
+    alone = dict.fromkeys(("motor_gearhead", "motor_encoder", "motor_brake"), _NO_PAIRS)
+    moved = replace(
+        catalog.with_tables({"motors": _as_motors(steppers, phase_current, less)}, alone),
+        pull_outs=curves._replace(torque=curves.torque * less[curves.stepper]),
+        estimates=_renamed(catalog.estimates),
+        notes=tuple(
+            note._replace(section="motors", fields=tuple(_NAMES.get(name, name) for name in note.fields))
+            for note in catalog.notes
+            if note.section == "steppers"
+        )
+        + tuple(note for note in catalog.notes if note.section not in ("motors", "steppers")),
+    )
+    fitted = with_direct_drive(with_clamping_hubs(moved))
+    none, hubs = fitted.gearheads.rows[DIRECT], fitted.motor_gearhead
+    every = np.arange(len(steppers))
+    direct: tuple[NDArray[Any], ...] = (every, np.full(len(every), none), steppers.source)
+    pairs = unique_pairs(*(np.concatenate([a, b]) for a, b in zip(hubs, direct, strict=True)))
+    return fitted.with_tables({}, {"motor_gearhead": pairs})
+
+
+def _as_motors(steppers: Table[Any], phase_current: float | None, less: NDArray[np.float64]) -> Table[Any]:
+    """The steppers as a table of motors; what a stepper has not is unknown."""
+    count = len(steppers)
+    figures: dict[str, Any] = {name: steppers[name] for name in _ALIKE}
+    figures |= {
+        "kind": STEPPER, "commutation": steppers["wiring"], "phases": 2.0,
+        "nominal_current": steppers["phase_current"] if phase_current is None else phase_current,
+        "holding_torque": steppers["holding_torque"] * less, "start_speed": steppers["start_speed"] * np.sqrt(less),
+        "pole_pairs": rotor_teeth(steppers["full_steps"]),
+    }  # fmt: skip
+    columns: dict[str, NDArray[Any]] = {}
+    for name, column in columns_of("motors").items():
+        unknown: Any = "" if column.kind == "text" else np.nan
+        columns[name] = np.array(np.broadcast_to(figures.get(name, unknown), (count,)))
+    columns[STEPPER] = np.arange(count)
+    return Table("motors", columns, steppers.source, steppers.excluded)
+
+
+def _renamed(estimates: Mapping[str, Mapping[str, Estimates]]) -> dict[str, Mapping[str, Estimates]]:
+    """Estimates with those of the steppers as those of the motors."""
+    return {name: one for name, one in estimates.items() if name not in ("motors", "actuators", "steppers")} | {
+        "motors": {_NAMES.get(name, name): one for name, one in estimates.get("steppers", {}).items()}
+    }

@@ -1,38 +1,114 @@
-r"""The catalogue as the search takes it: actuators split into their parts, clamping hubs paired, direct drive added.
-
-An actuator's row keeps the figures that its maker prints, at the output. For the search its motor, gearhead, encoder
-and controller become rows of their own. With the ratio i and the gear's efficiency e:
-
-.. math::
-
-    w_m = i w, \quad M_m = \frac{M}{i e}, \quad k_{t,m} = \frac{k_t}{i e}, \quad J_m = \frac{J}{i^2}
-
-Mass, price and size are the motor's, those of the other parts 0. The maker rates the actuator as a unit: the gearhead
-inside has the actuator's torques and no power limit of its own, and the controller inside supplies the current with
-which the actuator was measured; so does one inside a motor. Where no permissible speed is printed, the no-load speed at
-nominal voltage is used.
-Of an actuator whose ratio is unknown the motor is the one that its output feels, behind a gear of 1:1: torque, speed
-and heat need no ratio, only figures that are printed for the motor inside say nothing then.
-"""
+"""The catalogue as the search takes it: estimates put in, actuators split into their parts, direct drive added."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.of_catalog import estimates_kept
-from drivesizer.catalog.no_gearhead import NO_GEARHEAD_SOURCE, with_no_gearhead
+from drivesizer.catalog.estimates.estimate import UNRATED, estimates_kept
 from drivesizer.catalog.parts import DIRECT, EDGES, RELATIONS, columns_of, singular
-from drivesizer.catalog.tables import Catalog, Pairs, Table, unique_pairs
-from drivesizer.catalog.view.completing import ENDS, MIDDLE, completed
+from drivesizer.catalog.tables import (
+    NO_GEARHEAD_SOURCE,
+    Catalog,
+    Estimates,
+    Pairs,
+    Table,
+    unique_pairs,
+    with_no_gearhead,
+)
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.physics.drive_train import ELECTRONICS
 
-__all__ = ["CLAMPING_HUB", "printed_field", "search_view", "split_actuators", "with_clamping_hubs", "with_direct_drive"]
+__all__ = [
+    "CLAMPING_HUB", "ENDS", "MIDDLE", "completed", "printed_field", "search_view", "split_actuators",
+    "with_clamping_hubs", "with_direct_drive",
+]  # fmt: skip
+
+
+# -- Tables of parts with estimates where a figure is missing: at their middles, and at both ends of their bands.
+#
+# At the unfavourable end every estimated figure is where it makes most drives harder to pass: inertia, friction and
+# thermal resistance high, time constants and efficiency low; at the favourable end the other way round. A drive is
+# judged at both.
+
+
+End = Literal["middle", "favourable", "unfavourable"]
+MIDDLE: End = "middle"
+ENDS: tuple[End, End] = ("favourable", "unfavourable")
+_HARDER_WHEN_LOW = {  # of which kind of parts; "": of all. A brushless motor's temperature goes with its resistances
+    "winding_time_constant": "", "motor_time_constant": "", "efficiency": "", "max_winding_temperature": "brushed",
+    "pull_out_share": "", "start_speed": "", "nominal_torque": "", "nominal_current": "", "peak_torque": "",
+    "peak_current": "",
+}  # fmt: skip
+
+
+_PRINTED = 0.02  # within which printed figures of one part agree
+
+
+def completed(catalog: Catalog, end: End) -> dict[str, Table[Any]]:
+    """The tables that have estimates, with these where a figure is missing."""
+    return {section: _table(catalog.table(section), figures, end) for section, figures in catalog.estimates.items()}
+
+
+def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Table[Any]:
+    columns = dict(table.columns)
+    for name, found in figures.items():
+        columns[name] = columns[name].copy()
+        columns[name][found.rows] = found.value if end == MIDDLE else _at_band_end(table, found, name, end)
+    if "no_load_current" in figures and table.section == "actuators":
+        _keep_printed_points(table, columns, figures["no_load_current"].rows)
+    return Table(table.section, columns, table.source, table.excluded)
+
+
+def _keep_printed_points(table: Table[Any], columns: dict[str, NDArray[Any]], rows: NDArray[np.int64]) -> None:
+    """Constant and efficiency of actuators that were worked out of no load and stall without the no-load current.
+
+    With an estimated one they are others, so that its loss does not count twice: speed without load and torque at stall
+    stay what is printed.
+    """
+    V, w_0, M_s, I_s, R, i, k_t, e = (
+        table[name][rows]
+        for name in ("nominal_voltage", "no_load_speed", "stall_torque", "stall_current", "resistance", "ratio",
+                     "motor_torque_constant", "efficiency")
+    )  # fmt: skip
+    I_0 = columns["no_load_current"][rows]
+    without = np.isclose(k_t * i * w_0, V, rtol=_PRINTED) & np.isclose(i * e * k_t * I_s, M_s, rtol=_PRINTED)
+    constant = (V - I_0 * R) / (i * w_0)
+    share = M_s / (i * constant * (I_s - I_0))
+    some = without & (constant > 0.0) & (share > 0.0) & (share <= 1.0)
+    for name, value in (("motor_torque_constant", constant), ("efficiency", share)):
+        columns[name] = columns[name].copy()
+        columns[name][rows[some]] = value[some]
+
+
+def _at_band_end(table: Table[Any], found: Estimates, name: str, end: End) -> NDArray[np.float64]:
+    kind = _HARDER_WHEN_LOW.get(name)
+    harder_when_low = (table["kind"][found.rows] == kind) if kind else np.full(len(found.rows), kind is not None)
+    if name == "max_winding_temperature":  # without a rating it goes with nothing
+        harder_when_low |= found.fit == UNRATED
+    return np.where(harder_when_low == (end == "unfavourable"), found.low, found.high)
+
+
+# -- The catalogue as the search takes it: actuators split into their parts, clamping hubs paired, direct drive added.
+#
+# An actuator's row keeps the figures that its maker prints, at the output. For the search its motor, gearhead,
+# encoder and controller become rows of their own. With the ratio i and the gear's efficiency e:
+#
+# .. math::
+#
+#     w_m = i w, \quad M_m = \frac{M}{i e}, \quad k_{t,m} = \frac{k_t}{i e}, \quad J_m = \frac{J}{i^2}
+#
+# Mass, price and size are the motor's, those of the other parts 0. The maker rates the actuator as a unit: the
+# gearhead inside has the actuator's torques and no power limit of its own, and the controller inside supplies the
+# current with which the actuator was measured; so does one inside a motor. Where no permissible speed is printed,
+# the no-load speed at nominal voltage is used. Of an actuator whose ratio is unknown the motor is the one that its
+# output feels, behind a gear of 1:1: torque, speed and heat need no ratio, only figures that are printed for the
+# motor inside say nothing then.
+
 
 CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
 _BATTERY = {"min": 0.85, "max": 1.15}  # of the nominal voltage, at which machines work: IEC 60204-1, 4.3.3

@@ -17,7 +17,6 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.control.drive_train import Mode, Regime, modes
 from drivesizer.control.loop_models import (
@@ -28,7 +27,7 @@ from drivesizer.control.loop_models import (
     velocity_open_loop,
     voltage_open_loop,
 )
-from drivesizer.control.validation import Gains, LinearFigure, LinearRun
+from drivesizer.control.validation import Cascade, Gains, LinearFigure, LinearRun
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.results.check import Figure
 

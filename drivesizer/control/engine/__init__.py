@@ -18,8 +18,7 @@ Symbols: I current [A], U voltage [V], w motor speed [rad/s], T temperature [K].
 
 from __future__ import annotations
 
-from drivesizer.control.engine.batch import simulate, simulate_many
-from drivesizer.control.engine.figures import FIGURES, Simulation
+from drivesizer.control.engine.batch import FIGURES, Simulation, simulate, simulate_many
 from drivesizer.control.engine.kernel import is_compiled
 from drivesizer.control.engine.task import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task
 

@@ -5,29 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 
-import drivesizer.control.engine.controllers as controllers
 import drivesizer.control.engine.layout as layout
-import drivesizer.control.engine.limits as limits
-import drivesizer.control.engine.modes as modes
 import drivesizer.control.engine.sample_loop as sample_loop
-import drivesizer.control.engine.steady as steady
 import drivesizer.control.engine.steps as steps
-import drivesizer.control.engine.tallies as tallies
-import drivesizer.control.engine.warming as warming
 from drivesizer.files.machine_code import Kernel, defined_in, machine_code
 
 __all__ = ["KERNEL", "compiled", "is_compiled"]
 
-_COMPILED = (
-    modes,
-    tallies,
-    steps,
-    warming,
-    limits,
-    controllers,
-    steady,
-    sample_loop,
-)  # each calls only those before it
+_COMPILED = (steps, sample_loop)  # each calls only those before it
 _LAST = sample_loop.simulate_one
 KERNEL = Kernel(
     functions=(*(f for f in defined_in(_COMPILED) if f is not _LAST), _LAST),

@@ -1,37 +1,222 @@
-r"""Simulation of a platform that follows a trajectory: planner, robot model, wheel controllers, actual platform.
-
-The robot model turns the trajectory into wheel speeds, (32), and when it is the dynamic one into torques as well,
-(49)-(59), that are fed forward; the kinematic one leaves torque to the speed loops. Poses are fed back where a pose
-loop is given; else the platform runs open-loop on its wheels' reference speeds. The plant is a rigid body with three
-degrees of freedom on wheels that turn and slip (see ``slip``), with the figures that the model misjudges. Wheel loads
-follow the forces at the floor at every instant.
-
-Assumed: current loops are ideal, encoders and poses exact; a torque responds to the sample of one period before;
-rollers have no inertia and no gaps; the floor is flat; wheels are equally stiff (see ``platform.contact_loads``).
-"""
+"""Simulation of a platform that follows a trajectory: its controllers, the actual platform, and its deviation."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
-from drivesizer.control.path_following.kernel import at, compiled
-from drivesizer.control.path_following.kernel_arrays import Arrays, arrays, first_state
-from drivesizer.control.path_following.pose_control import PoseLoop, SpeedLoop, is_unicycle, speed_loop
+from drivesizer.control.gains import LATE, pole_placement, symmetrical_optimum
+from drivesizer.control.path_following import kernel_layout as at
+from drivesizer.control.path_following.kernel import compiled
 from drivesizer.control.path_following.slip import Contact
 from drivesizer.errors import InputError
-from drivesizer.platform.contact_loads import LEVEL, Ground
-from drivesizer.platform.dynamics import Dynamics, dynamics, wheel_torques
-from drivesizer.platform.kinematics import check_allowed, columns, map_columns, to_robot
+from drivesizer.platform import equations as eq
+from drivesizer.platform.dynamics import LEVEL, Dynamics, Ground, contact_loads, dynamics, wheel_space, wheel_torques
+from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, map_columns, to_robot
 from drivesizer.platform.matrix_equation import Array
-from drivesizer.platform.misjudged import EXACT, Misjudged, actual
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.platform.wheels import Platform
+from drivesizer.platform.wheels import EXACT, Misjudged, Platform, Wheel, actual, per_wheel
 
-__all__ = ["Followed", "Model", "Planned", "drive", "follow", "sampled"]
+__all__ = [
+    "Followed", "Model", "SpeedLoop", "deviation", "drive", "extremes", "follow", "pose_loop", "sampled", "speed_loop",
+]  # fmt: skip
+
+
+# -- Controllers of a platform: a speed loop for each driven wheel, and a pose loop.
+#
+# Speed loops are PI on the wheel, with the torque (current) limit. Their gain is that of the symmetrical optimum
+# [1]_ for the least inertia of a wheel, its own and its rotor's, as when it slips or lifts off. Their integral is so
+# slow that with the largest inertia, with its share of the platform, both poles are real and equal [2]_: :math:`k_i
+# = k_p^2 / 4 J`.
+#
+# The pose is held at a slower period. Where the wheels allow all motions, each error in the robot's frame is an
+# integrator behind the lag :math:`T = J/k_p + 1.5\,T_{pose}` and gets a PI by the symmetrical optimum with a = 3,
+# whose damping is 1. A platform that only moves ahead and turns gets the law of [3]_, its natural frequency at the
+# speed of travel the same 1/(3 T), damping 1; its lateral error has no integral.
+#
+# .. [1] C. Kessler, "Das symmetrische Optimum", Regelungstechnik 6 (1958) 395-400, 432-436.
+# .. [2] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995: pole placement.
+# .. [3] Y. Kanayama, Y. Kimura, F. Miyazaki, T. Noguchi, "A stable tracking control method for an autonomous mobile
+#    robot", Proc. IEEE International Conference on Robotics and Automation (1990) 384-389.
+
+
+_APERIODIC = 3.0  # a of the symmetrical optimum whose damping (a - 1) / 2 is 1
+_PERIODS = (1e-5, 1.0)  # s, shortest and longest
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedLoop:
+    """PI speed controllers of the driven wheels."""
+
+    period: float  # s
+    proportional: tuple[float, ...]  # N*m*s/rad
+    integral: tuple[float, ...]  # N*m/rad; 0 of a plain proportional one
+    limit: tuple[float, ...]  # N*m at the wheel; infinite: none
+
+    def __post_init__(self) -> None:
+        _checked_period("speed loop", self.period)
+        for name in ("proportional", "integral", "limit"):
+            if not all(value >= 0.0 for value in getattr(self, name)):
+                raise InputError(f"speed loop: {name} must be 0 or more, got {getattr(self, name)!r}")
+        if len({len(self.proportional), len(self.integral), len(self.limit)}) != 1:
+            raise InputError("speed loop: proportional, integral and limit must have a figure for each driven wheel")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PoseLoop:
+    """Pose feedback: of three degrees of freedom by k_p and k_i, of a unicycle by k_p, k_i (along) and a distance."""
+
+    period: float  # s, between two poses
+    proportional: float  # 1/s
+    integral: float  # 1/s^2
+    unicycle: bool = False
+    distance: float = math.inf  # m, of a unicycle: a lateral error y decays with the distance s as (1 + s/d) exp(-s/d)
+
+    def __post_init__(self) -> None:
+        _checked_period("pose loop", self.period)
+        for name in ("proportional", "integral", "distance"):
+            if not getattr(self, name) >= 0.0:
+                raise InputError(f"pose loop: {name} must be 0 or more, got {getattr(self, name)!r}")
+        if self.unicycle and not 0.0 < self.distance < math.inf:
+            raise InputError(f"pose loop: a unicycle needs a distance above 0, got {self.distance!r}")
+
+
+def _checked_period(what: str, period: float) -> None:
+    low, high = _PERIODS
+    if not low <= period <= high:
+        raise InputError(f"{what}: period must lie between {low:g} s and {high:g} s, got {period!r}")
+
+
+def inertias(d: Dynamics) -> tuple[tuple[float, ...], float]:
+    """Least inertia of each driven wheel, its own and its rotor's, and the largest of any [kg*m^2].
+
+    The latter is the largest eigenvalue of (57): of four mecanum wheels r² m / 4 and its own, unless turning has more.
+    """
+    own = tuple(d.platform.wheels[i].inertia + d.platform.wheels[i].rotor_inertia for i in d.kinematics.driven)
+    return own, float(np.linalg.eigvals(wheel_space(d)[0]).real.max())
+
+
+def speed_loop(
+    d: Dynamics, *, period: float = 1e-3, limit: float | Sequence[float] = math.inf, integral: bool = True
+) -> SpeedLoop:
+    """Speed controllers designed for the robot model."""
+    own, most = inertias(d)
+    if not min(own) > 0.0:
+        raise InputError("speed loop: a driven wheel has no inertia; give inertia or rotor_inertia")
+    gains = tuple(symmetrical_optimum(j, 1.0, LATE * period)[0] for j in own)
+    sums = tuple(pole_placement(most, 1.0, k / (2.0 * most), 1.0)[1] if integral else 0.0 for k in gains)
+    return SpeedLoop(period=period, proportional=gains, integral=sums, limit=per_wheel(limit, len(own), "torque limit"))
+
+
+def pose_loop(d: Dynamics, inner: SpeedLoop, *, period: float = 0.05, speed: float = 1.0) -> PoseLoop:
+    """Pose feedback around speed loops."""
+    lag = inertias(d)[1] / min(inner.proportional) + LATE * period
+    k_p, k_i = symmetrical_optimum(1.0, 1.0, lag, _APERIODIC)
+    if d.kinematics.mobility == 3:
+        return PoseLoop(period=period, proportional=k_p, integral=k_i)
+    if not is_unicycle(d.kinematics):
+        raise InputError("pose loop: expected a platform that allows all motions, or forwards and turning only")
+    return PoseLoop(period=period, proportional=k_p, integral=k_i, unicycle=True, distance=abs(speed) / k_p)
+
+
+def is_unicycle(k: Kinematics) -> bool:
+    """Whether a set of wheels allows forwards and turning, and nothing else."""
+    return k.mobility == 2 and not np.abs(k.motions[1]).max() > 0.0
+
+
+# -- A platform and its floor as the arrays of the simulation.
+
+
+_KINDS = {"motor": 0.0, "free": 1.0, "blocked": 2.0}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arrays:
+    """Wheels, casters, platform and floor as in ``kernel_layout``; inertia and Coriolis matrix without the wheels."""
+
+    W: Array
+    K: Array
+    B: Array
+    M: Array  # (3, 3) kg, kg*m, kg*m^2
+    C: Array  # (3, 3), at 1 rad/s
+    lever: float  # m, farthest contact point
+
+
+def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: Ground) -> Arrays:
+    """The actual platform and its floor as arrays."""
+    if np.ndim(ground.slope) or np.ndim(ground.uphill):
+        raise InputError("following: expected one slope for the whole path")
+    p, n = platform, len(platform.wheels)
+    N0, S = _resting_loads(p, ground)
+    strength = per_wheel(misjudged.motor, n, "misjudged motor")
+    W, K = np.zeros((n, at.COLUMNS)), np.zeros((len(p.casters), at.CASTER_COLUMNS))
+    for i, w in enumerate(p.wheels):
+        W[i] = *_wheel(w, i, contact), N0[i], *S[i], 1.0 + strength[i]
+    for j, c in enumerate(p.casters):
+        K[j, : at.CASTER_FX] = c.x, c.y, c.rolling_resistance, N0[n + j], *S[n + j]
+    weight = p.mass * ground.gravity
+    B = np.zeros(at.TURNROUND + 1)
+    B[: at.HEIGHT + 1] = p.x, p.y, weight, weight * math.sin(ground.slope), ground.uphill, p.height
+    B[at.FRICTION :] = contact.friction, contact.slip_speed, contact.creep, contact.turnround
+    M = eq.mass_matrix(p.mass, p.inertia + p.mass * (p.x**2 + p.y**2), p.x, p.y)
+    C = eq.coriolis_matrix(1.0, p.mass, p.x, p.y)
+    return Arrays(W, K, B, np.asarray(M, float), np.asarray(C, float), max(math.hypot(*q) for q in p.contacts))
+
+
+def _wheel(w: Wheel, number: int, contact: Contact) -> tuple[float, ...]:
+    """Columns of a wheel up to its load."""
+    inertia = w.inertia + w.rotor_inertia
+    if w.drive != "blocked" and not inertia > 0.0:
+        raise InputError(f"following: wheel {number + 1} has no inertia; give inertia or rotor_inertia")
+    if not w.held and not w.roller_resistance < contact.friction:
+        raise InputError(
+            f"following: the rollers of wheel {number + 1} resist by {w.roller_resistance:g} of the load, "
+            f"no less than the floor's friction, {contact.friction:g}"
+        )
+    along = w.heading + w.roller_angle
+    c, s = math.cos(along), math.sin(along)
+    rows = (c, s, w.x * s - w.y * c, -s, c, w.x * c + w.y * s)
+    turns = w.radius * math.cos(w.roller_angle), w.radius * math.sin(w.roller_angle), w.radius, inertia or 1.0
+    resists = w.rolling_resistance, w.roller_resistance, w.friction
+    return *rows, *turns, *resists, float(w.held), _KINDS[w.drive]
+
+
+def _resting_loads(p: Platform, ground: Ground) -> tuple[Array, Array]:
+    """Loads without a force at the floor [N], and their decrease by forces ahead and to the left at 1 m [1/m]."""
+    pull = ground.gravity * math.sin(ground.slope)
+    upward = pull * math.cos(ground.uphill), pull * math.sin(ground.uphill)
+    free = (-upward[0], -upward[1])  # sliding down freely: the floor holds nothing
+    still = contact_loads(p, ground=ground, accelerated=free)
+    share = [
+        (still - contact_loads(p, ground=ground, accelerated=(free[0] + (k == 0), free[1] + (k == 1))))
+        / (p.mass * p.height or math.inf)
+        for k in range(2)
+    ]
+    return still, np.array(share).T
+
+
+def first_state(a: Arrays, posture: Array, velocity: Array) -> Array:
+    """The state of a platform that rolls without slip."""
+    W = a.W
+    turning = W[:, at.AX : at.AT + 1] @ velocity / W[:, at.RA] * (W[:, at.KIND] != 2.0)
+    return np.concatenate([posture, velocity, turning, np.zeros(at.TALLIES)])
+
+
+# -- Simulation of a platform that follows a trajectory: planner, robot model, wheel controllers, actual platform.
+#
+# The robot model turns the trajectory into wheel speeds, (32), and when it is the dynamic one into torques as well,
+# (49)-(59), that are fed forward; the kinematic one leaves torque to the speed loops. Poses are fed back where a
+# pose loop is given; else the platform runs open-loop on its wheels' reference speeds. The plant is a rigid body
+# with three degrees of freedom on wheels that turn and slip (see ``slip``), with the figures that the model
+# misjudges. Wheel loads follow the forces at the floor at every instant.
+#
+# Assumed: current loops are ideal, encoders and poses exact; a torque responds to the sample of one period before;
+# rollers have no inertia and no gaps; the floor is flat; wheels are equally stiff (see ``platform.contact_loads``).
+
 
 Model = Literal["kinematic", "dynamic"]
 
@@ -251,3 +436,78 @@ def _simulate(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: P
     slip, load, traction = floor.transpose(1, 2, 0)
     return Followed(plan, y[:3], velocity, turned, applied.T, slip, load, traction, limited / (count - 1), y[6 + n],
                     y[7 + n :], kinetic, float(a.B[at.FRICTION]))  # fmt: skip
+
+
+# -- Deviation of a platform from its desired posture.
+#
+# Position and heading are compared at the same time. Along and across are relative to the direction of the desired
+# motion; at rest, the last one.
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Deviation:
+    """Actual less desired posture at k instants."""
+
+    time: Array  # (k,) s
+    travel: Array  # (k,) m, along the desired path
+    turned: Array  # (k,) rad, desired, all turns added up
+    position: Array  # (k,) m, distance
+    along: Array  # (k,) m, above 0: ahead
+    across: Array  # (k,) m, above 0: to the left
+    heading: Array  # (k,) rad
+
+
+@dataclass(frozen=True, slots=True)
+class Extreme:
+    """A largest magnitude, with its time and place."""
+
+    title: str
+    value: float  # SI
+    kind: str
+    unit: str  # of the trade
+    time: float  # s
+    travel: float  # m, along the desired path
+
+
+def deviation(f: Followed) -> Deviation:
+    """Deviation of a platform from its desired posture."""
+    wanted, off = f.planned.posture, f.posture - f.planned.posture
+    steps = np.abs(np.diff(wanted[2], prepend=wanted[2, 0]))
+    travel = np.cumsum(np.hypot(*np.diff(wanted[:2], axis=1, prepend=wanted[:2, :1])))
+    x, y = _direction(f.planned.velocity)
+    along, across = x * off[0] + y * off[1], x * off[1] - y * off[0]
+    return Deviation(f.planned.time, travel, np.cumsum(steps), np.hypot(off[0], off[1]), along, across, off[2])
+
+
+def _direction(velocity: Array) -> Array:
+    """Unit vectors of motion, (2, k); at rest the last one, before all motion the first, and x where there is none."""
+    size = np.hypot(velocity[0], velocity[1])
+    moves = size > 1e-9 * (size.max() or 1.0)
+    if not moves.any():
+        return np.stack([np.ones_like(size), np.zeros_like(size)])
+    last = np.maximum.accumulate(np.where(moves, np.arange(len(size)), -1))
+    last[last < 0] = int(moves.argmax())
+    return np.asarray(velocity[:2, last] / size[last])
+
+
+def extremes(f: Followed) -> tuple[Extreme, ...]:
+    """Largest deviations, slip, torque and use of the grip, with their times and places."""
+    d = deviation(f)
+    used = np.divide(f.traction, f.friction * f.load, out=np.zeros_like(f.load), where=f.load > 0.0)
+    rows = (
+        ("position", d.position, "length", "m"),
+        ("along the path", d.along, "length", "m"),
+        ("across the path", d.across, "length", "m"),
+        ("heading", d.heading, "angle", "deg"),
+        ("slip", f.slip, "speed", "mm/s"),
+        ("torque of a wheel", f.torque, "torque", "N*m"),
+        ("use of the floor's grip", used, "dimensionless", "%"),
+    )
+    return tuple(_extreme(title, values, kind, unit, d) for title, values, kind, unit in rows)
+
+
+def _extreme(title: str, values: Array, kind: str, unit: str, d: Deviation) -> Extreme:
+    """The largest value in size; of all wheels where there are more."""
+    worst = values if values.ndim == 1 else values[np.abs(values).argmax(axis=0), np.arange(values.shape[1])]
+    k = int(np.abs(worst).argmax())
+    return Extreme(title, float(worst[k]), kind, unit, float(d.time[k]), float(d.travel[k]))

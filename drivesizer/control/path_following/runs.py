@@ -7,19 +7,24 @@ from dataclasses import replace
 from math import inf, isfinite
 from typing import NamedTuple
 
-from drivesizer.control.path_following.following import Followed, Model, follow
-from drivesizer.control.path_following.pose_control import SpeedLoop, is_unicycle, pose_loop, speed_loop
+from drivesizer.control.path_following.following import (
+    Followed,
+    Model,
+    SpeedLoop,
+    follow,
+    is_unicycle,
+    pose_loop,
+    speed_loop,
+)
 from drivesizer.control.path_following.slip import Contact
 from drivesizer.errors import InputError
-from drivesizer.load_cases.platform_drive import Driving
-from drivesizer.load_cases.platform_wheels import dynamics_of, ground_of
+from drivesizer.load_cases.platform import Driving, dynamics_of, ground_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.platform.dynamics import Dynamics
-from drivesizer.platform.misjudged import EXACT, Misjudged
-from drivesizer.platform.stability_along import least_margin
+from drivesizer.platform.stability import least_margin
+from drivesizer.platform.wheels import EXACT, Misjudged
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.spec.following import Following
-from drivesizer.spec.platform import Platform
+from drivesizer.spec.platform import Following, Platform
 from drivesizer.units import show
 
 __all__ = ["AtWheel", "FollowingRun", "assumed", "drawn", "follow_case", "follow_runs", "wheel_drive"]

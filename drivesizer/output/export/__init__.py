@@ -50,12 +50,13 @@ def accept(form: str, path: Path) -> None:
 
 def files(of: Any, form: str, path: Path, room: str = "") -> dict[Path, bytes]:
     """The files of a format: one, and for ros2_control also the controllers' parameters beside it."""
-    module = import_module(".".join(filter(None, ("drivesizer.output.export", room, FORMATS[form].module))))
-    render: Callable[[Any], bytes] = module.render
+    module = import_module(f"drivesizer.output.export.{FORMATS[form].module}")
+    kind = f"_{room}" if room else ""
+    render: Callable[[Any], bytes] = getattr(module, f"render{kind}")
     found = {path: render(of)}
     if form == "ros2_control":
         beside = path.with_name(f"{path.stem}_controllers.yaml")
-        found[beside] = module.controllers(of)
+        found[beside] = getattr(module, f"controllers{kind}")(of)
     return found
 
 

@@ -1,64 +1,129 @@
-r"""The figures of a drive that every format needs, as one record.
-
-It holds one drive and its share of the load, seen from the driven shaft: a joint that turns by its angle.
-Convention: as in ``plant``; a torque of the load is positive when it resists forward motion.
-
-A gear's efficiency is in no format. Seen at the driven shaft with gears that drive, a motor torque M is K e M, and
-
-.. math:: K e M = (J_l + K^2 e J_m)\, \dot w + (T_f + K e M_f)\, \mathrm{sgn}\, w + K^2 e b_m w + T_0
-
-J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, dry and viscous friction of the motor.
-
-Limits of a drive at the driven shaft: peak and continuous torque and speed, with the limiting part.
-
-.. math:: T = K e\, k_t I \;\text{(motor, controller)}, \qquad T = i_b e_b\, T_g \;\text{(gearhead)}, \qquad w = w_m / K
-
-A torque is that of the motor's magnets behind gears that drive, without friction, since every simulator subtracts
-the friction of a joint by itself. K total ratio, e efficiency of gearhead and belt, b of the belt alone.
-
-A stepper as exports have it: its model in open loop, and its limits at the driven shaft.
-"""
+"""Figures of a drive that every format needs, its limits, its loops as one torque law; XML as a tree."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from math import cos, inf, isfinite, isnan, nan, sqrt
+from math import cos, inf, isfinite, isnan, nan, sin, sqrt
 from typing import Any, NamedTuple
+from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT
-from drivesizer.control.cascade import Cascade
 from drivesizer.control.drive_train import DriveTrain, drive_train, within_reach
 from drivesizer.control.loop_design import designed
-from drivesizer.control.open_loop.run import prepared
-from drivesizer.control.open_loop.simulation import Stepper
-from drivesizer.control.validation import Gains
+from drivesizer.control.open_loop.run import Stepper, prepared
+from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
-from drivesizer.load_cases.at_shaft import at_shaft, motion_of, remaining_torque
 from drivesizer.load_cases.of_machine import load_cases
-from drivesizer.load_cases.wheel import WheelLoad
-from drivesizer.loads.lever import Lever
-from drivesizer.machine.pull_out import torque_of_drive
+from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remaining_torque
+from drivesizer.loads.model import Lever
+from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.heat_cycle import periodic_heat
-from drivesizer.physics.stress import housing_loss
 from drivesizer.physics.thermal import TwoBodies, current_derating, rated_ambient, two_bodies
+from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.problem import for_drive
 from drivesizer.results.ratings import controller_current
-from drivesizer.results.screws import for_drive
-from drivesizer.spec.altitude import rise_left
+from drivesizer.spec.mounting import rise_left
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
 __all__ = [
-    "Cycle", "Export", "Limit", "Limits", "OpenLoopStepper", "behind_gear", "behind_gearhead", "check_wheel",
-    "export_of", "least", "limits", "limits_of", "speed_at", "stepper_of", "whose",
+    "BASE", "JOINT", "LEAST_INERTIA", "LINK", "Export", "Limit", "Link", "TorqueLaw", "Vector", "behind_gear", "brief",
+    "check_wheel", "document", "drive_count_text", "export_of", "far_above", "identifier", "inertial", "lacking",
+    "limited", "link_of", "number", "remark", "remarks", "speed_at", "text", "torque_law", "vector", "whose",
 ]  # fmt: skip
+
+
+# -- XML of the formats: a tree with remarks, figures to twelve digits, escaped names.
+
+
+_NO_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML 1.0, production 2
+
+
+def number(value: float) -> str:
+    """A figure to twelve digits, more than any data sheet has.
+
+    >>> number(0.1 + 0.2), number(3.0)
+    ('0.3', '3')
+    """
+    return f"{value:.12g}"
+
+
+def vector(values: Iterable[float]) -> str:
+    """Figures in a row."""
+    return " ".join(number(value + 0.0) for value in values)  # + 0.0: no -0
+
+
+def brief(value: float) -> str:
+    """A figure in a sentence."""
+    return f"{value:.5g}"
+
+
+def text(said: str) -> str:
+    r"""A text with characters that XML forbids as their codes.
+
+    >>> text("a\x00b")
+    'a\\x00b'
+    """
+    return _NO_XML.sub(lambda found: repr(found[0])[1:-1], said)
+
+
+def identifier(said: str) -> str:
+    """A text as a name that simulators accept: letters, digits and underscores.
+
+    Examples
+    --------
+    >>> identifier("SPS surveillance robot")
+    'SPS_surveillance_robot'
+    """
+    name = re.sub(r"[^A-Za-z0-9]+", "_", said).strip("_")
+    if name[:1].isdigit():
+        name = f"_{name}"
+    return name or "drive"
+
+
+def remark(parent: Element, *lines: str) -> None:
+    """A comment under an element; two hyphens end a comment in XML and get a blank between them."""
+    for line in lines:
+        safe = re.sub("-(?=-)", "- ", text(line).replace("\n", " "))
+        parent.append(Comment(f" {safe} "))
+
+
+def document(root: Element) -> bytes:
+    """The file: declaration, tree with two blanks a level, UTF-8."""
+    indent(root)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{tostring(root, encoding="unicode")}\n'.encode()
+
+
+# -- The figures of a drive that every format needs, as one record.
+#
+# It holds one drive and its share of the load, seen from the driven shaft: a joint that turns by its angle.
+# Convention: as in ``plant``; a torque of the load is positive when it resists forward motion.
+#
+# A gear's efficiency is in no format. Seen at the driven shaft with gears that drive, a motor torque M is K e M, and
+#
+# .. math:: K e M = (J_l + K^2 e J_m)\, \dot w + (T_f + K e M_f)\, \mathrm{sgn}\, w + K^2 e b_m w + T_0
+#
+# J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, dry and viscous friction of the
+# motor.
+#
+# Limits of a drive at the driven shaft: peak and continuous torque and speed, with the limiting part.
+#
+# .. math:: T = K e\, k_t I \;\text{(motor, controller)}, \qquad T = i_b e_b\, T_g \;\text{(gearhead)}, \qquad w =
+# w_m / K
+#
+# A torque is that of the motor's magnets behind gears that drive, without friction, since every simulator subtracts
+# the friction of a joint by itself. K total ratio, e efficiency of gearhead and belt, b of the belt alone.
+#
+# A stepper as exports have it: its model in open loop, and its limits at the driven shaft.
 
 
 class Limit(NamedTuple):
@@ -442,3 +507,202 @@ def _cycle(spec: RobotSpec, train: DriveTrain, lever: Lever | None) -> Cycle:
         load_time=tuple(left[:, 0].tolist()),
         load_torque=tuple(left[:, 1].tolist()),
     )
+
+
+# -- The designed loops as one torque law on angle and speed of the motor: what simulators and ROS have a place for.
+#
+# .. math:: \tau = k_p (\theta_r - \theta) + k_i \int (\theta_r - \theta)\,dt + k_d (w_r - w) + \tau_f
+#
+# A PI on the speed is a PD on the angle whose reference is the integral of the speed's. Of the cascade, with speed
+# loop :math:`i = p\,(w_r + k_v \epsilon - w) + q \int (w_r + k_v \epsilon - w)`, :math:`\epsilon = \theta_r -
+# \theta`, and its current taken to be there at once,
+#
+# .. math:: k_d = k_t p, \quad k_p = k_t (p\,k_v + q), \quad k_i = k_t q k_v, \quad
+#           \tau_f = k_t (f_w w_r + f_a \dot w_r + f_c\,\mathrm{sgn}\,w_r)
+#
+# Of the voltage PI :math:`u = P (w_r - w) + Q \int (w_r - w)` behind a drive that compensates the back-EMF, so that
+# its voltage is :math:`R \tau / k_t + k_e w`,
+#
+# .. math:: k_d = \frac{k_t}{R} (P + k_e), \quad k_p = \frac{k_t}{R} Q, \quad \tau_f = -\frac{k_t k_e}{R} w_r
+
+
+class TorqueLaw(NamedTuple):
+    """A torque at the motor shaft [N*m] by angle and speed of it; SI."""
+
+    kp: float  # N*m/rad
+    ki: float  # N*m/(rad*s)
+    kd: float  # N*m*s/rad
+    per_speed: float = 0.0  # N*m*s/rad, of the reference
+    per_acceleration: float = 0.0  # kg*m^2
+    per_direction: float = 0.0  # N*m
+
+
+def torque_law(of: Export) -> TorqueLaw:
+    """The controller of a drive as one law."""
+    c, k, R = of.designed, of.train.torque_constant, of.train.resistance
+    if isinstance(c, Cascade):
+        p, q, v = c.velocity_kp, c.velocity_ki, c.position_kp
+        return TorqueLaw(
+            kp=k * (p * v + q), ki=k * q * v, kd=k * p, per_speed=k * c.feedforward_velocity,
+            per_acceleration=k * c.feedforward_acceleration, per_direction=k * c.feedforward_friction,
+        )  # fmt: skip
+    k_e = of.train.back_emf_constant
+    return TorqueLaw(kp=k / R * c.ki, ki=0.0, kd=k / R * (c.kp + k_e), per_speed=-k * k_e / R)
+
+
+def lacking(of: Export) -> list[str]:
+    """Parts of the designed controller that the law has no place for, as sentences; sampling is left to the format."""
+    c = of.designed
+    kd = c.kd if isinstance(c, Gains) else c.velocity_kd
+    said = []
+    if kd:
+        said.append("the derivative of the speed is left out")
+    if isinstance(c, Cascade):
+        said.append("the current loop is left out: the winding alone makes the current late, by L/R")
+    return said
+
+
+# -- Shared by the formats with one joint and its limits: link, limits and their remarks.
+#
+# The link that a drive moves: axis, mass and centre of mass, in a world whose z points up.
+#
+# A load that gravity turns is a mass on its lever, so that the simulator's own gravity makes the torque
+#
+# .. math:: M \cos(\varphi_0 + \varphi), \qquad M = m g l s
+#
+# s is the share of the weight that acts across the tilted axis. The lever's level line lies along x; the axis is
+# level but for its tilt, and turning forward raises the lever. Every other load turns about z, and its mass does not
+# count.
+
+
+Vector = tuple[float, float, float]
+LEAST_INERTIA = 1e-12  # kg*m^2: no simulator takes a moving link without any
+_FAR = 1e3  # lengths of the lever
+
+
+class Link(NamedTuple):
+    """One moving body."""
+
+    axis: Vector  # unit vector; forward by the right-hand rule
+    centre: Vector  # m, of mass, from the axis
+    mass: float  # kg
+    inertia: float  # kg*m^2 about its centre of mass, in every direction
+    said: str  # remark
+
+
+def link_of(of: Export, inertia: float) -> Link:
+    """The link of a drive."""
+    lever = of.lever
+    if lever is None:
+        said = "The mass does not count: the link turns about its own axis. All of the load is in its inertia."
+        return Link((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.0, max(inertia, LEAST_INERTIA), said)
+    axis, up = _across(lever.share)
+    along, high = lever.length * cos(lever.start), lever.length * sin(lever.start)
+    about_centre = inertia - lever.mass * lever.length**2
+    said = "One drive's share of the mass, at its position at the start of the cycle: gravity makes its torque."
+    centre = (along, high * up[1], high * up[2])
+    return Link(axis, centre, lever.mass, max(about_centre, LEAST_INERTIA), said)
+
+
+def far_above(of: Export) -> Vector:
+    """A point so far up, across the axis, that every line from it to the lever is plumb to 1e-3 [m]."""
+    assert of.lever is not None
+    _, up = _across(of.lever.share)
+    return (0.0, _FAR * of.lever.length * up[1], _FAR * of.lever.length * up[2])
+
+
+def _across(share: float) -> tuple[Vector, Vector]:
+    """An axis tilted so far, and the direction across it and the level line that leads up."""
+    rest = sqrt(max(1.0 - share * share, 0.0))
+    return (0.0, -share, rest), (0.0, rest, share)
+
+
+BASE, LINK, JOINT = "base", "load", "shaft"
+
+
+def remarks(of: Export) -> list[str]:
+    """Remarks on the file, as sentences."""
+    train, least = of.train, of.limits
+    travel = f"; the load travels {of.travel}" if train.radius != 1.0 else ""
+    said = [
+        f"{of.label}; {of.program}. SI: kg, m, s, N, N*m, rad.",
+        f"{drive_count_text(of)}The joint is the driven shaft{travel}. Total ratio {brief(train.ratio)}.",
+        f"effort is the peak torque, {_shown(least.peak_torque, 'N*m')}: a simulator cuts at every instant, and the "
+        "accelerations of the cycle need more than the continuous torque. Check the RMS of other cycles against the "
+        f"continuous torque, {_shown(least.continuous_torque, 'N*m')}.",
+        _velocity(of),
+        f"Gears: effort counts behind them, driving at an efficiency of {brief(train.efficiency)}. Braking, they help.",
+        f"inertia, all seen at the shaft: load {brief(train.load_inertia)}, and rotor with gearhead input "
+        f"{_rotor(of)}.",
+        *(f"Assumed: {line}." for line in of.said),
+    ]  # fmt: skip
+    if of.constant_weight:
+        said.append(f"Left out: a torque of {brief(of.constant_weight)} N*m against forward motion, the load's weight.")
+    if of.lever:
+        said.append(
+            f"The weight of the lever, up to {brief(abs(of.moment))} N*m, is that of the link: leave gravity on."
+        )
+    if of.cycle.load_time:
+        said.append("Left out: torque of the load over time, such as wind or a changing weight.")
+    if of.elastic:
+        said.append("Left out: the elastic shaft between motor and load.")
+    return said
+
+
+def _velocity(of: Export) -> str:
+    """Remark on the limit of speed."""
+    fastest = _shown(of.limits.peak_speed, "rad/s")
+    if of.stepper:
+        there = float(of.stepper.model.torque[-1]) * of.train.ratio * of.train.efficiency
+        return (
+            f"velocity is {fastest}, up to which the pull-out torque is known; there it is {brief(there)} N*m. A "
+            "stepper from which more is required loses steps, which no joint shows."
+        )
+    return (
+        "velocity is that at no load and the lowest supply voltage or what the parts permit for a short time, "
+        f"{fastest}; continuous {_shown(of.limits.continuous_speed, 'rad/s')}. At that speed the motor has no "
+        "torque left: the corner of the two limits is not reached."
+    )
+
+
+def drive_count_text(of: Export) -> str:
+    """The sentence that the file is one of several drives; empty for one."""
+    return f"One of {of.motor_sets} drives. " if of.motor_sets > 1 else ""
+
+
+def _rotor(of: Export) -> str:
+    if of.reflected_inertia == of.reflected_inertia:
+        return f"{brief(of.reflected_inertia)} kg*m^2, for which the format has no place of its own"
+    return "UNKNOWN and left out: what accelerates here needs less torque than the drive does"
+
+
+def _shown(limit: Limit, unit: str) -> str:
+    if not limit.by:
+        return "unknown"
+    unknown = f"; unknown: {', '.join(limit.unknown)}" if limit.unknown else ""
+    return f"{brief(limit.value)} {unit} ({limit.by}{unknown})"
+
+
+def limited(of: Export) -> dict[str, str]:
+    """Effort and velocity of the joint; what is unknown is left out."""
+    named = {"effort": of.limits.peak_torque, "velocity": of.limits.peak_speed}
+    return {name: number(limit.value) for name, limit in named.items() if limit.by}
+
+
+def inertial(parent: Element, found: Link, *, nested: bool) -> None:
+    """Add mass, centre and inertia of a link."""
+    remark(parent, found.said)
+    element, about = SubElement(parent, "inertial"), number(found.inertia)
+    moments = {"ixx": about, "ixy": "0", "ixz": "0", "iyy": about, "iyz": "0", "izz": about}
+    if nested:
+        if any(found.centre):
+            SubElement(element, "pose").text = f"{vector(found.centre)} 0 0 0"
+        SubElement(element, "mass").text = number(found.mass)
+        inertia = SubElement(element, "inertia")
+        for name, value in moments.items():
+            SubElement(inertia, name).text = value
+        return
+    if any(found.centre):
+        SubElement(element, "origin", xyz=vector(found.centre), rpy="0 0 0")
+    SubElement(element, "mass", value=number(found.mass))
+    SubElement(element, "inertia", moments)

@@ -25,8 +25,7 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 from drivesizer.errors import InputError
 from drivesizer.output.export import fmu_motor
-from drivesizer.output.export.common import Export
-from drivesizer.output.export.markup import document, text
+from drivesizer.output.export.common import Export, document, text
 
 __all__ = ["parameters", "render"]
 

@@ -10,9 +10,8 @@ from math import isfinite, nan
 from typing import Any
 
 from drivesizer.control.validation import Gains
-from drivesizer.output.export.common import Export, Limit
+from drivesizer.output.export.common import Export, Limit, torque_law
 from drivesizer.output.export.fmu_motor import FIGURES
-from drivesizer.output.export.gains import torque_law
 from drivesizer.output.json.documents import as_text
 
 __all__ = ["SCHEMA_VERSION", "document", "export_schema", "render"]

@@ -4,9 +4,22 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from drivesizer.output.export.common import Export
-from drivesizer.output.export.joint import BASE, JOINT, LINK, Link, inertial, limited, link_of, remarks
-from drivesizer.output.export.markup import document, identifier, number, remark, vector
+from drivesizer.output.export.common import (
+    BASE,
+    JOINT,
+    LINK,
+    Export,
+    Link,
+    document,
+    identifier,
+    inertial,
+    limited,
+    link_of,
+    number,
+    remark,
+    remarks,
+    vector,
+)
 
 __all__ = ["VERSION", "render"]
 

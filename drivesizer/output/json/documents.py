@@ -1,27 +1,33 @@
-"""``--json``: documents for other programs. null where a figure is unknown, never NaN."""
+"""--json: documents for other programs, of a sizing, its loops and probabilities, and of a machine."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from drivesizer.catalog import Actuator, Belt, Brake, BrakeResistor, Controller, Encoder, Gearhead, Motor, Pulley
 from drivesizer.catalog.more_parts import Screw
 from drivesizer.catalog.tables import ESTIMATED
-from drivesizer.control.validation import LinearRun, Validation
-from drivesizer.output.json.loops import loop_document, number
-from drivesizer.output.json.reliability import reliability, uncertainty
-from drivesizer.results.braking import BrakingBudget
-from drivesizer.results.drive_set import DriveSet, Relaxation
-from drivesizer.results.energy import EnergyBudget
-from drivesizer.results.estimated import EstimatedFigure
-from drivesizer.results.figures_behind_checks import missing_figures
-from drivesizer.results.mass import MassRow
-from drivesizer.results.pieces import MotorPiece
-from drivesizer.results.requirement import Requirement
+from drivesizer.control.validation import Bode, LinearRun, Loop, Validation
+from drivesizer.output.loop_table import settled
+from drivesizer.output.parts import HEADS, PartLine, machine_parts
+from drivesizer.output.thinning import curve_points
+from drivesizer.results.check import Driver, FigureSpread, LoopShare, Reliability, Spread, Uncertainty
+from drivesizer.results.check_kinds import missing_figures
+from drivesizer.results.drive_set import (
+    BrakingBudget,
+    DriveSet,
+    EnergyBudget,
+    EstimatedFigure,
+    MassRow,
+    MotorPiece,
+    Relaxation,
+    Requirement,
+)
+from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing
 from drivesizer.results.sizing import Check, Explanation, Figure, SizingResult, verdict, worst
 from drivesizer.units import KINDS, from_si
 from drivesizer.version import __version__
@@ -29,7 +35,159 @@ from drivesizer.version import __version__
 if TYPE_CHECKING:
     from drivesizer.output.json import schema
 
-__all__ = ["SCHEMA_VERSION", "as_text", "drive_set", "explanation", "plain_data", "requirement", "sizing", "validation"]
+__all__ = [
+    "MOST_SAMPLES", "SCHEMA_VERSION", "as_text", "document", "drive_set", "explanation", "machine_document", "number",
+    "plain_data", "reliability", "requirement", "sizing", "uncertainty", "validation",
+]  # fmt: skip
+
+
+# -- A loop in the JSON document: linear analysis with its curves.
+
+
+def number(value: float) -> float | None:
+    """A figure as JSON has it: None where it is unknown or unbounded."""
+    return float(value) if isfinite(value) else None
+
+
+_LOOP = (  # key of the document, attribute of a loop; SI, the unit in the key
+    ("period_s", "period"),
+    ("pole_radius", "pole_radius"),
+    ("gain_margin", "gain_margin"),
+    ("gain_reduction", "gain_reduction"),
+    ("phase_margin_rad", "phase_margin"),
+    ("crossover_Hz", "crossover"),
+    ("sensitivity", "sensitivity"),
+    ("bandwidth_Hz", "bandwidth"),
+    ("rise_time_s", "rise_time"),
+    ("overshoot", "overshoot"),
+    ("settling_time_s", "settling_time"),
+)
+_MOST_POINTS = 200  # of a curve
+
+
+def loop_document(loop: Loop) -> schema.Loop:
+    """A loop with its poles in the z plane as [re, im]; null where a figure does not exist."""
+    found = {
+        "name": loop.name,
+        "direction": loop.direction or None,
+        "stable": loop.stable,
+        **{key: number(getattr(loop, name)) for key, name in _LOOP},
+        "poles": [[number(pole.real), number(pole.imag)] for pole in loop.poles],
+        "bode": _bode(loop.bode),
+        "step": _step(loop),
+    }
+    return cast("schema.Loop", found)
+
+
+def _bode(bode: Bode) -> schema.Bode:
+    """Curves over the frequency; ``thinned_from`` says how many points were computed, peaks are kept."""
+    rows = curve_points((bode.open_magnitude, bode.closed_magnitude), _MOST_POINTS)
+    columns = {
+        "frequency_Hz": bode.frequency,
+        "open_magnitude": bode.open_magnitude,
+        "open_phase_rad": bode.open_phase,
+        "closed_magnitude": bode.closed_magnitude,
+        "closed_phase_rad": bode.closed_phase,
+    }
+    thinned = {k: [number(x) for x in v[rows]] for k, v in columns.items()}
+    return cast("schema.Bode", {"thinned_from": len(bode.frequency), **thinned})
+
+
+def _step(loop: Loop) -> schema.Step | None:
+    """Response to a unit step until it has settled, thinned as the curves are; None of an unstable loop."""
+    if not len(loop.step):
+        return None
+    rows = curve_points((loop.step[: settled(loop)],), _MOST_POINTS)
+    return {
+        "thinned_from": len(loop.step),
+        "time_s": [number(n * loop.period) for n in rows],
+        "response": [number(x) for x in loop.step[rows]],
+    }
+
+
+# -- Probabilities in the JSON document; null where a figure is unknown or there is none.
+
+
+def reliability(found: Reliability | None) -> schema.Reliability | None:
+    """Probabilities and quantiles of a sampled drive."""
+    if found is None:
+        return None
+    return {
+        "probability": number(found.passing),
+        "none_fails": found.probability,
+        "error_95": found.error,
+        "weakest_check": found.weakest,
+        "unknown": list(found.unknown),
+        "smallest_margin": _margins(found.low, found.middle, found.high),
+        "checks": [_spread(one) for one in found.checks],
+        "figures": {one.name: _figure(one) for one in found.figures},
+        "drivers": [_driver(one) for one in found.drivers],
+        "closed_loop": _loop(found.loop),
+        "closed_loop_refused": found.no_loop or None,
+    }
+
+
+def _margins(low: float, middle: float, high: float) -> schema.Margins:
+    return {"p5": number(low), "p50": number(middle), "p95": number(high)}
+
+
+def _spread(one: Spread) -> schema.Spread:
+    return {
+        "name": one.name,
+        "passes": one.passes,
+        "fails": one.fails,
+        "weakest": one.weakest,
+        "margin": _margins(one.low, one.middle, one.high),
+    }
+
+
+def _figure(one: FigureSpread) -> schema.SampledFigure:
+    p5, p50, p95 = (
+        number(float(from_si(x, one.unit, one.kind))) if x == x else None for x in (one.low, one.middle, one.high)
+    )
+    return {"p5": p5, "p50": p50, "p95": p95, "unit": one.unit}
+
+
+def _driver(one: Driver) -> schema.Driver:
+    return {
+        "name": one.name,
+        "share_of_variance": one.share,
+        "rank_correlation": one.rank_correlation,
+        "at_p5": {"value": one.low, "smallest_margin": number(one.low_margin)},
+        "at_p95": {"value": one.high, "smallest_margin": number(one.high_margin)},
+    }
+
+
+def _loop(found: LoopShare | None) -> schema.LoopShare | None:
+    if found is None:
+        return None
+    return {
+        "samples": found.samples,
+        "probability": number(found.passing),
+        "none_fails": found.probability,
+        "error_95": found.error,
+        "weakest_check": found.weakest,
+        "unknown": list(found.unknown),
+    }
+
+
+def uncertainty(found: Uncertainty | None) -> schema.Uncertainty | None:
+    """Uncertain figures, and the sampling."""
+    if found is None:
+        return None
+    return {
+        "samples": found.samples,
+        "seed": found.seed,
+        "confidence": found.confidence,
+        "sets_sampled": found.examined,
+        "sets_that_reach_it": found.reached,
+        "assumptions": [{"name": one.name, "tolerance": one.text, "source": one.source} for one in found.assumptions],
+        "notes": list(found.notes),
+    }
+
+
+# -- ``--json``: documents for other programs. null where a figure is unknown, never NaN.
+
 
 SCHEMA_VERSION: Final = 1
 
@@ -233,7 +391,7 @@ def _platform(result: SizingResult) -> schema.PlatformNumbers | None:
     """Kinematics and dynamics of the platform in numbers."""
     if result.spec.platform is None:
         return None
-    from drivesizer.output.platform_numbers import platform_numbers  # with what a spec without one need not load
+    from drivesizer.output.platform import platform_numbers  # with what a spec without one need not load
 
     found = platform_numbers(result.spec, result.shown)
     tables: dict[str, schema.PlatformTable] = {
@@ -341,3 +499,120 @@ def _linear(run: LinearRun) -> schema.Linear:
         for one in run.figures
     }
     return {"figures": figures, "left_out": list(run.left_out)}
+
+
+# -- JSON: the document of ``drivesizer size --json`` with parts list and closed loop in it, for other programs.
+#
+# null where a figure is unknown, never NaN; figures are SI where the key names no other unit. The schema is in
+# ``schema``.
+
+
+MOST_SAMPLES = 2000  # of the time series: finer than a screen
+
+
+def document(result: SizingResult, proof: Validation | None) -> schema.Report:
+    """Sizing, parts list and closed loop as one document."""
+    parts = machine_parts(result.sets[0], result.problem) if result.sets else []
+    found = simulated(proof) if proof else None
+    more = {"parts_list": [_line(line) for line in parts], "validation": found}
+    return cast("schema.Report", {**sizing(result), **more})
+
+
+def simulated(proof: Validation) -> schema.Validation:
+    """The closed loop of a report: the document of ``drivesizer validate --json`` with the series over time."""
+    return {**validation(proof), "series": _series(proof)}
+
+
+def _line(line: PartLine) -> schema.Line:
+    found = {HEADS.get(name, name): _known(value) for name, value in asdict(line).items()}
+    return cast("schema.Line", found)
+
+
+def _known(value: Any) -> Any:
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    return None if value == "" else value
+
+
+def _series(proof: Validation) -> schema.Series:
+    """Columns over time in SI; ``thinned_from`` says how many samples were recorded."""
+    rows = curve_points(tuple(proof.series.values()), MOST_SAMPLES)
+    return {
+        "thinned_from": len(proof.series["time"]),
+        "units": {name: KINDS[kind].si for name, (kind, _) in proof.series_units.items()},
+        "columns": {name: [_known(x) for x in values[rows].tolist()] for name, values in proof.series.items()},
+    }
+
+
+# -- ``--json`` of a machine: the documents of its axes, and what concerns all of them.
+
+
+def machine_document(result: MachineSizing, proofs: Mapping[str, Validation] | None = None) -> schema.Machine:
+    """The document of ``drivesizer size --json`` of a machine, or of its report."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "drivesizer": __version__,
+        "machine": result.machine.entered,
+        "status": result.status,
+        "objective": result.objective,
+        "total": number(result.total),
+        "best_of_all": result.certain,
+        "power": _power(result.power) if result.power else None,
+        "axes": {axis.name: _axis(axis, proofs) for axis in result.axes},
+        "notes": list(result.notes),
+    }
+
+
+def _axis(axis: AxisSizing, proofs: Mapping[str, Validation] | None) -> schema.MachineAxis:
+    """An axis with the drives that ride on it; in a report its closed loop, as in that of it alone."""
+    found: schema.MachineAxis = {
+        "drives": axis.drives,
+        "carried": [
+            {"axis": one.of, "mass_kg": one.mass, "distance_m": one.distance, "unknown_mass_of": list(one.lacking)}
+            for one in axis.carried
+        ],
+        "sizing": sizing(axis.result),
+    }
+    if proofs is not None:
+        proof = proofs.get(axis.name)
+        found["validation"] = simulated(proof) if proof else None
+    return found
+
+
+def _power(power: MachinePower) -> schema.MachinePower:
+    """All axes on their supply; null is unknown."""
+    course = power.course()
+    return {
+        "case": power.case or None,
+        "synchronised": power.synchronised,
+        "peak_W": number(power.peak),
+        "peak_time_s": number(power.peak_time),
+        "peak_axis": power.peak_axis or None,
+        "mean_W": number(power.mean),
+        "energy_left_J": number(power.energy_left),
+        "exchanged_J": number(power.exchanged),
+        "phases_s": dict(zip(power.axes, power.phases, strict=False)),
+        "exceeded": [
+            {"check": one.check, "limit_W": one.limit, "share_least": number(one.least), "share_most": number(one.most)}
+            for one in power.exceeded
+        ],
+        "unknown": list(power.unknown),
+        "checks": [check_document(one) for one in power.checks],
+        "figures": {one.name: figure_document(one) for one in power.figures},
+        "reliability": reliability(power.reliability),
+        "braking": braking_document(power.braking) if power.braking else None,
+        "energy": energy_document(power.energy) if power.energy else None,
+        "course": {
+            "time_s": course.time.tolist(),
+            "drawn_W": {name: _column(row) for name, row in zip(power.axes, course.drawn, strict=True)},
+            "returned_W": {name: _column(row) for name, row in zip(power.axes, course.returned, strict=True)},
+            "total_W": _column(course.total),
+            "left_W": _column(course.left),
+        },
+        "assumptions": list(power.assumptions),
+    }
+
+
+def _column(values: Any) -> list[float | None]:
+    """Figures of a row."""
+    return [number(float(value)) for value in values]

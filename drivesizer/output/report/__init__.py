@@ -16,7 +16,7 @@ from drivesizer.output.report.kinds import KNOWN, OF_MACHINES, OF_ONE, accept, w
 if TYPE_CHECKING:
     from drivesizer.control.path_following.following import Followed
     from drivesizer.control.validation import Validation
-    from drivesizer.load_cases.platform_drive import Driving
+    from drivesizer.load_cases.platform import Driving
     from drivesizer.results.machine import MachineSizing
     from drivesizer.results.sizing import SizingResult
 
@@ -60,7 +60,7 @@ def write(
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
         then, and older files stay unchanged.
     """
-    from drivesizer.output.report.sections.content import Content
+    from drivesizer.output.report.sections.section import Content
 
     both = {".pdf", ".html"} <= {path.suffix.lower() for path in paths}
     content = Content(result, validation, both)  # one for all kinds: what takes time is computed once
@@ -76,7 +76,7 @@ def write_machine(
     date: str | None = None,
 ) -> list[Path]:
     """Write reports of a machine of several axes; see :func:`write`."""
-    from drivesizer.output.report.machine.content import MachineContent
+    from drivesizer.output.report.machine import MachineContent
 
     content = MachineContent(sizing, proofs)
     return written(OF_MACHINES, "render_machine", (content,), paths, {"paper": paper, "date": date})
@@ -102,7 +102,7 @@ def write_sets(result: SizingResult, path: Path) -> list[Path]:
     InputError
         When the file cannot be written.
     """
-    from drivesizer.output.report.table.csv import sets_csv
+    from drivesizer.output.report.csv import sets_csv
 
     return write_files({path: sets_csv(result)})
 
@@ -127,31 +127,30 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
     InputError
         When the file cannot be written.
     """
-    from drivesizer.output.report.table.csv import timeseries_csv
+    from drivesizer.output.report.csv import timeseries_csv
 
     return write_files({path: timeseries_csv(validation)})
 
 
 def write_driving(found: Driving, path: Path) -> list[Path]:
     """Write a platform's path with speeds and torques of its wheels as CSV."""
-    from drivesizer.load_cases.platform_drive import over_time
-    from drivesizer.output.report.table.csv import columns_csv
+    from drivesizer.load_cases.platform import over_time
+    from drivesizer.output.report.csv import columns_csv
 
     return write_files({path: columns_csv(over_time(found))})
 
 
 def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
     """Write the path of a platform and its errors along it as ``path.svg`` and ``path.png``."""
-    from drivesizer.output.report.figure_files import figures_into
-    from drivesizer.output.report.figures.path import path_and_errors
+    from drivesizer.output.report.figures.all_figures import figures_into
+    from drivesizer.output.report.figures.machine import path_and_errors
 
     return figures_into({"path": lambda form: path_and_errors(runs, form)}, folder)
 
 
 def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
     """Write the figures of the closed loop as SVG and as PNG of 200 dots per inch."""
-    from drivesizer.output.report.figure_files import figures_into
-    from drivesizer.output.report.figures.all_figures import loop_drawings
+    from drivesizer.output.report.figures.all_figures import figures_into, loop_drawings
 
     return figures_into(loop_drawings(validation), folder)
 
@@ -171,15 +170,14 @@ def write_figures(result: SizingResult, validation: Validation | None, folder: P
     list[Path]
         The files that were written.
     """
-    from drivesizer.output.report.figure_files import figures_into
-    from drivesizer.output.report.figures.all_figures import report_drawings
+    from drivesizer.output.report.figures.all_figures import figures_into, report_drawings
 
     return figures_into(report_drawings(result, validation), folder)
 
 
 def write_machine_figures(sizing: MachineSizing, proofs: Mapping[str, Validation], folder: Path) -> list[Path]:
     """Write every figure of a machine's report as SVG and as PNG; see :func:`write_loop_figures`."""
-    from drivesizer.output.report.figure_files import figures_into
-    from drivesizer.output.report.machine.content import MachineContent
+    from drivesizer.output.report.figures.all_figures import figures_into
+    from drivesizer.output.report.machine import MachineContent
 
     return figures_into(MachineContent(sizing, proofs).drawings, folder)

@@ -22,17 +22,17 @@ OF_ONE: Renderers = {
     ".pdf": ("report.pdf", ("paper", "date")),
     ".html": ("report.html.page", ("date",)),
     ".xlsx": ("report.workbook", ()),
-    ".csv": ("report.table.csv", ()),
+    ".csv": ("report.csv", ()),
     ".json": ("report.json", ()),
 }
 KNOWN = tuple(OF_ONE)
 # the same of machines, each a function ``render_machine``
 OF_MACHINES: Renderers = {
-    ".pdf": ("report.machine.pdf", ("paper", "date")),
-    ".html": ("report.machine.html", ("date",)),
-    ".xlsx": ("report.machine.workbook", ()),
-    ".csv": ("report.machine.csv", ()),
-    ".json": ("report.machine.json", ()),
+    ".pdf": ("report.pdf", ("paper", "date")),
+    ".html": ("report.html.page", ("date",)),
+    ".xlsx": ("report.workbook", ()),
+    ".csv": ("report.machine_csv", ()),
+    ".json": ("report.json", ()),
 }
 
 

@@ -10,22 +10,25 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.machine.battery_pack import lacking, pack_of
-from drivesizer.output.counted import number_of
-from drivesizer.output.figure_confidence import not_quoted
-from drivesizer.output.part_line import PartLine
-from drivesizer.output.part_totals import Total, mass_text, money_text, total_text, total_texts
-from drivesizer.output.parts import OWN_SUPPLY, machine_parts
-from drivesizer.output.probability import likely
-from drivesizer.output.sums import unknown_of
+from drivesizer.machine.battery import lacking, pack_of
+from drivesizer.output.parts import (
+    OWN_SUPPLY,
+    PartLine,
+    Total,
+    machine_parts,
+    mass_text,
+    money_text,
+    total_text,
+    total_texts,
+    unknown_of,
+)
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE, percent
-from drivesizer.results.braking import BrakingBudget
+from drivesizer.output.words import likely, not_quoted, number_of
 from drivesizer.results.check import Check, tightest
-from drivesizer.results.check_parts import part_of
-from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.objectives import objective_figure, unknown_parts
-from drivesizer.results.sizing import SizingResult, worst
+from drivesizer.results.check_kinds import part_of
+from drivesizer.results.drive_set import BrakingBudget, DriveSet
+from drivesizer.results.sizing import SizingResult, objective_figure, unknown_parts, worst
 from drivesizer.units import show
 
 __all__ = ["compared", "names_of", "next_commands", "recommended", "side_by_side"]

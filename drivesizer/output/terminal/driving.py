@@ -9,12 +9,11 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.control.path_following.deviation import extremes
-from drivesizer.control.path_following.following import Followed
+from drivesizer.control.path_following.following import Followed, extremes
 from drivesizer.control.path_following.runs import assumed
-from drivesizer.load_cases.platform_drive import Driving
-from drivesizer.machine.permitted_speed import PermittedSpeeds
-from drivesizer.output.platform_table import FOLLOWING, SPEEDS, speed_heads, speed_remarks, speed_rows, speed_text
+from drivesizer.load_cases.platform import Driving
+from drivesizer.machine.platform_budget import PermittedSpeeds
+from drivesizer.output.platform import FOLLOWING, SPEEDS, speed_heads, speed_remarks, speed_rows, speed_text
 from drivesizer.output.terminal import tables as tables
 from drivesizer.output.terminal.tables import MARK, STYLE
 from drivesizer.physics.load_cycle import OwnLimit

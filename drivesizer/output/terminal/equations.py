@@ -13,15 +13,15 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.output import formula
+from drivesizer.output import derivation
 from drivesizer.output.derivation import numbers_in
-from drivesizer.output.platform_numbers import EquationNumbers, Printed, cell, printed
+from drivesizer.output.platform import EquationNumbers, Printed, cell, printed
 from drivesizer.output.terminal import tables as tables
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
-from drivesizer.platform import matrix_equation, printed_forms
+from drivesizer.platform import matrix_equation, robot_figures
 from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
 from drivesizer.platform.robot_figures import Numbers
-from drivesizer.results.requirement import Requirement
+from drivesizer.results.drive_set import Requirement
 from drivesizer.units import label
 
 __all__ = ["equation", "equations", "platform_equation"]
@@ -33,11 +33,11 @@ def equations() -> None:
     table = tables.bare(("", "right"), ("quantity", "left"), ("computed", "left"), ("unit", "left"))
     for declared in [*EQUATIONS.values(), *COMPANIONS.values()]:
         number = f"({declared.number})" if declared.number else ""
-        mark = " *" if formula.printed_failure(declared) else ""
-        computed = f"{declared.symbol} = {formula.text(formula.computed(declared))}{mark}"
+        mark = " *" if derivation.printed_failure(declared) else ""
+        computed = f"{declared.symbol} = {derivation.text(derivation.computed(declared))}{mark}"
         table.add_row(number, Text(declared.title), Text(computed), label(declared.shown))
     for _, matrix in sorted(PLATFORM.items()):
-        mark = " *" if any(printed_forms.finding(matrix)) else ""
+        mark = " *" if any(robot_figures.finding(matrix)) else ""
         computed = f"{matrix.symbol} = {matrix_equation.text(matrix_equation.computed(matrix))}{mark}"
         table.add_row(f"({matrix.number})", Text(matrix.title), Text(computed), _unit(matrix.result.unit))
     console.print(table)
@@ -54,16 +54,18 @@ def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = ""
     console = tables.console()
     tables.heading(console, declared.title, f"equation ({declared.number})" if declared.number else "not in the paper")
     rows = []
-    failure = formula.printed_failure(declared)
+    failure = derivation.printed_failure(declared)
     if declared.printed:
-        rows.append(("as printed", f"{declared.symbol} = {formula.text(declared.printed, paper=True)}"))
+        rows.append(("as printed", f"{declared.symbol} = {derivation.text(declared.printed, paper=True)}"))
         rows.append(("unit check", f"fails: {failure}" if failure else "passes"))
-    rows.append(("as computed", f"{declared.symbol} = {formula.text(formula.computed(declared))}"))
+    rows.append(("as computed", f"{declared.symbol} = {derivation.text(derivation.computed(declared))}"))
     if declared.note:
         rows.append(("note", declared.note))
     rows.append(("result", f"{declared.result.meaning} [{label(declared.shown) or '1'}]"))
-    rows += [(formula.symbol_text(term.name), f"{term.meaning} [{label(term.unit) or '1'}]") for term in declared.terms]
-    _print_rows(console, [*rows, ("source", printed_forms.SOURCE)])
+    rows += [
+        (derivation.symbol_text(term.name), f"{term.meaning} [{label(term.unit) or '1'}]") for term in declared.terms
+    ]
+    _print_rows(console, [*rows, ("source", robot_figures.SOURCE)])
     if of:
         console.print(Text(of, style="bold"))
     for r in steps:
@@ -76,7 +78,7 @@ def platform_equation(declared: MatrixEquation, numbers: EquationNumbers | None 
     """Print one equation of the platform: as printed, as computed, where they differ, units, source."""
     console = tables.console()
     tables.heading(console, declared.title, f"equation ({declared.number})")
-    _print_rows(console, printed_forms.rows(declared))
+    _print_rows(console, robot_figures.rows(declared))
     if numbers is not None:
         console.print(Text(numbers.of, style="bold"))
         if numbers.remarks:

@@ -11,16 +11,16 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import PARTS, Catalog, singular
-from drivesizer.catalog.coverage import Coverage, coverage, pairs_of
-from drivesizer.catalog.exchange.importing import Imported
-from drivesizer.catalog.laws.check import Finding
+from drivesizer.catalog.importing import Imported
+from drivesizer.catalog.law_check import Finding
 from drivesizer.catalog.parts import printed
+from drivesizer.catalog.query import Coverage, coverage, pairs_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import printable
-from drivesizer.output.counted import number_of
-from drivesizer.output.part.remarks import family_count
+from drivesizer.output.part import family_count
 from drivesizer.output.terminal.catalog import counts_text
 from drivesizer.output.terminal.tables import bare, console, heading
+from drivesizer.output.words import number_of
 from drivesizer.units import show
 
 __all__ = ["findings", "imported", "statistics"]

@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.output.probability import likely
 from drivesizer.output.terminal import tables
+from drivesizer.output.words import likely
 from drivesizer.results.prediction import Conditions, Predicted, Prediction
 from drivesizer.units import show
 

@@ -9,8 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.part_totals import mass_text, money_text, total_text, total_texts
-from drivesizer.output.parts_of_axes import SharedLine, machine_parts_of_axes
+from drivesizer.output.parts import SharedLine, machine_parts_of_axes, mass_text, money_text, total_text, total_texts
 from drivesizer.output.several_axes import choice_text, supply_texts
 from drivesizer.output.terminal import tables
 from drivesizer.output.terminal.answer import compared, names_of

@@ -1,35 +1,306 @@
-"""A sizing, an explanation and a validation at the terminal."""
+"""A sizing, an explanation and a validation at the terminal: drives, machine, motion, loops, probabilities."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import Catalog
-from drivesizer.output.counted import meeting, number_of
-from drivesizer.output.no_drive import changes_by_outcome, most_fail_on, not_enough
-from drivesizer.output.pieces_table import by_case
-from drivesizer.output.terminal import tables as tables
+from drivesizer.control.validation import LinearRun, Loop
+from drivesizer.output.loop_table import BESIDE, cell, linear_rows, loop_figures, loop_name
+from drivesizer.output.tables import FIGURES, by_case, changes_by_outcome, consumer_rows, most_fail_on, not_enough
+from drivesizer.output.terminal import tables
 from drivesizer.output.terminal.answer import next_commands, recommended, side_by_side
-from drivesizer.output.terminal.machine import machine
-from drivesizer.output.terminal.pieces import pieces
-from drivesizer.output.terminal.reliability import below_confidence, tolerances, tolerances_of
-from drivesizer.output.terminal.tables import MARK, STYLE, percent
-from drivesizer.results.check import sentence_case
+from drivesizer.output.terminal.tables import MARK, STYLE, bare, percent, width_of
+from drivesizer.output.words import confidence, likely, loop_text, meeting, moved, number_of
+from drivesizer.results.check import Reliability, Uncertainty, sentence_case
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.objectives import objective_figure, ranked_by
-from drivesizer.results.sizing import Explanation, SizingResult, verdict, worst
-from drivesizer.spec.select import OBJECTIVES
+from drivesizer.results.drive_set import DriveSet, MotorPiece
+from drivesizer.results.sizing import Explanation, SizingResult, objective_figure, ranked_by, verdict, worst
+from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.units import label, show
 
 if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
 
-__all__ = ["DETAILS", "explained", "sizing", "validation", "validations"]
+__all__ = ["DETAILS", "explained", "loops", "sizing", "tolerances", "validation", "validations"]
+
+
+# -- The motor piece by piece at the terminal.
+
+
+_SHOWN = [figure for figure in FIGURES if figure[1] not in ("start", "rms_current")]  # what 80 characters hold
+
+
+def pieces(found: Sequence[MotorPiece], title: str) -> Table:
+    """The motor piece by piece of the motion, each unit in its column's head."""
+    heads = [(f"{head}\n{label(unit)}", "right") for head, _, unit, _ in _SHOWN]
+    table = bare(("", "left"), *heads, title=title)
+    for one in found:
+        cells = (show(getattr(one, field), unit, kind, 3) for _, field, unit, kind in _SHOWN)
+        table.add_row(one.name, *(cell.split(" ")[0] for cell in cells))
+    return table
+
+
+# -- The machine with a drive at the terminal: budgets, masses, consumers and the battery.
+
+
+def _masses(found: DriveSet) -> Table:
+    """Masses of the machine, part by part."""
+    table = tables.bare(("", "left"), ("", "right"), ("mass", "right"), title="Masses")
+    for row in found.masses:
+        number = f"{row.number} x {row.text(row.each, 'g')}" if row.number > 1 and row.each == row.each else ""
+        table.add_row(row.name, number, row.text(row.total, "kg"))
+    return table
+
+
+def machine(console: Console, found: DriveSet) -> None:
+    """Print the budgets of the machine with a drive, and what it regenerates; nothing where there is neither."""
+    if found.budget:
+        console.print(tables.checks(found.budget, "The machine with this drive"))
+    if found.masses:
+        console.print(_masses(found))
+    if found.machine:
+        console.print(tables.loose(found.machine, "The machine"))
+    if found.energy:
+        heads = ("", "right"), ("mean", "right"), ("peak", "right"), ("on", "right"), ("", "left")
+        table = tables.bare(("consumer", "left"), *heads, title=f"From the battery: {found.energy.battery}")
+        for row in consumer_rows(found.energy):
+            table.add_row(*row)
+        console.print(table)
+        console.print(tables.loose(found.energy.figures, "The battery"))
+        if found.energy.assumptions:
+            assumed = "; ".join(found.energy.assumptions)
+            console.print(Text(f"Assumptions of the energy budget: {assumed}.\n", style="dim"))
+    if found.braking:
+        resistor = f"; brake resistor {found.braking.name}" if found.braking.name else ""
+        console.print(tables.loose(found.braking.figures, f"Regenerated energy{resistor}"))
+
+
+# -- The loops of a validation at the terminal: a line each.
+
+
+_FIRST = 6  # figures that 80 columns have room for
+
+
+def loops(found: Sequence[Loop], width: int) -> Table:
+    """Linear analysis of each loop, innermost first."""
+    every = len(loop_figures(found[0]))
+    for shown, line in ((every, " "), *((n, "\n") for n in range(every, _FIRST, -1))):
+        table = _loop_lines(found, shown, line)
+        if width_of(table) <= width:
+            return table
+    return _loop_lines(found, _FIRST, "\n")
+
+
+def linear(run: LinearRun) -> Table:
+    """The simulation by python-control beside the engine's, a line for each figure."""
+    heads = (("", "left"), ("python-control", "right"), ("at", "right"), ("engine", "right"), ("at", "right"))
+    table = bare(*heads, title=BESIDE)
+    for row in linear_rows(run):
+        table.add_row(*row)
+    return table
+
+
+def _loop_lines(found: Sequence[Loop], shown: int, line: str) -> Table:
+    """The first figures of each loop; its name and direction on a line or on two."""
+    heads = [figure.title.replace(" ", "\n") for figure in loop_figures(found[0])[:shown]]
+    table = bare(
+        ("loop", "left"), *((head, "right") for head in heads), title="Linear analysis of the loops, by python-control"
+    )
+    for loop in found:
+        name = Text(loop_name(loop).replace(" ", line))
+        if not loop.stable:
+            name += Text("\nUNSTABLE", style=STYLE["fail"])
+        table.add_row(name, *(cell(figure) for figure in loop_figures(loop)[:shown]))
+    return table
+
+
+# -- Probabilities at the terminal: of each drive, of the best one's checks, and the largest influences.
+
+
+_DRIVERS = 3
+_NEAR = 0.0995  # margin below which its tenths are shown
+
+
+def below_confidence(result: SizingResult) -> str:
+    """The sentence that no drive reaches the required confidence."""
+    wanted = result.uncertainty.confidence if result.uncertainty else None
+    return f"No drive reaches the confidence of {confidence(wanted)}."
+
+
+def tolerances(console: Console, result: SizingResult, *, quiet: bool = False) -> None:
+    """Print the probabilities of a sizing; nothing where no tolerances were sampled."""
+    uncertain = result.uncertainty
+    if uncertain is None or not (result.sets or result.unsure):
+        return
+    if result.sets:
+        console.print(_probability_table(result.sets, "Probability that all checks pass"))
+    if result.unsure:
+        console.print(
+            _probability_table(
+                result.unsure, f"Pass at nominal figures, below the confidence of {confidence(uncertain.confidence)}"
+            )
+        )
+    best = next(iter((*result.sets, *result.unsure)))
+    if best.reliability and not quiet:
+        named = f"Drive {best.rank}" if len(result.sets) + len(result.unsure) > 1 else "The drive"
+        _drive_reliability(console, best.reliability, f"{named}, check by check")
+        console.print(_assumed(uncertain))
+    _summary(console, uncertain, quiet=quiet)
+
+
+def tolerances_of(console: Console, pair: Explanation) -> None:
+    """Print the probabilities of a combination with each belt ratio; nothing where no tolerances were sampled."""
+    if pair.uncertainty is None:
+        return
+    console.print(_probability_table(pair.sets, "Probability that all checks pass"))
+    for one in pair.sets:
+        if one.reliability:
+            _drive_reliability(console, one.reliability, one.label if len(pair.sets) > 1 else "Check by check")
+    console.print(_assumed(pair.uncertainty))
+    _summary(console, pair.uncertainty, quiet=False)
+
+
+_FIGURES = (("all pass", "right"), ("weakest check", "left"), ("margin\n5 %", "right"), ("margin\n50 %", "right"))
+
+
+def _probability_table(sets: Sequence[DriveSet], title: str) -> Table:
+    """Two lines for a drive: probability over its error, motor over gearhead."""
+    loops = [("in closed\nloop", "right")] if any(one.reliability and one.reliability.loop for one in sets) else []
+    table = tables.bare(("", "right"), ("drive", "left"), *_FIGURES, *loops, title=title)
+    _unbroken(table)
+    for one in sets:
+        found = one.reliability
+        if found is None:
+            continue
+        table.add_row(
+            str(one.rank), _named(one), _all_pass(found), _weakest(found),
+            _margin(found.low), _margin(found.middle), *[_loop(found)][: len(loops)],
+        )  # fmt: skip
+    return table
+
+
+def _unbroken(table: Table) -> None:
+    """Let only columns of words become narrow: figures do not wrap."""
+    for column in table.columns:
+        column.no_wrap = column.justify == "right"
+
+
+def _named(one: DriveSet) -> Text:
+    """Motor and gearhead, with the belt where there is one."""
+    belt = f" × {one.belt_name}" if one.belt_name else ""
+    return Text(f"{one.motor_name}\n{one.gearhead_name}{belt}")
+
+
+def _all_pass(found: Reliability) -> str:
+    """Probability that all checks pass; where that is unknown, that none of the known ones fails."""
+    return _chance(found.probability, found.error, found.unknown)
+
+
+def _chance(probability: float, error: float, unknown: tuple[str, ...]) -> str:
+    if unknown:
+        return f"unknown; none\nfails: {likely(probability)}"
+    return f"{likely(probability)}\n± {100 * error:.2g} %"
+
+
+def _weakest(found: Reliability) -> Text:
+    """The weakest check, that of the closed loop where it fails, and the checks that stay unknown."""
+    loop = loop_text(found)
+    unknown = f"\nunknown: {'; '.join(found.unknown)}" if found.unknown else ""
+    return Text(found.weakest + (f"\n{loop}" if loop else "")) + Text(unknown, style="yellow")
+
+
+def _loop(found: Reliability) -> str:
+    """Probability in closed loop, with its own error."""
+    return _chance(found.loop.probability, found.loop.error, found.loop.unknown) if found.loop else "–"
+
+
+def _margin(value: float) -> str:
+    """A margin, to a tenth of a per cent near the limit.
+
+    >>> _margin(-0.0034), _margin(0.213)
+    ('-0.3 %', '+21 %')
+    """
+    if not isfinite(value):
+        return "–"
+    return f"{100 * value:+.1f} %" if abs(value) < _NEAR else percent(value)
+
+
+def _drive_reliability(console: Console, found: Reliability, title: str) -> None:
+    console.print(_spreads(found, title))
+    if found.figures:
+        console.print(_figures(found))
+    if found.drivers:
+        console.print(_drivers(found))
+
+
+def _spreads(found: Reliability, title: str) -> Table:
+    """The checks of a drive that vary over the samples, most failures first."""
+    heads = ("check", "left"), ("passes", "right"), ("margin 5 %", "right"), ("50 %", "right"), ("95 %", "right")
+    table = tables.bare(*heads, title=title)
+    _unbroken(table)
+    for one in moved(found):
+        table.add_row(one.title, likely(one.passes), *(_margin(value) for value in (one.low, one.middle, one.high)))
+    return table
+
+
+def _figures(found: Reliability) -> Table:
+    """Percentiles of current, voltage, power, heat and temperature over the samples."""
+    table = tables.bare(
+        ("figure", "left"), *((f"{q} %", "right") for q in (5, 50, 95)), title="Figures over the samples"
+    )
+    _unbroken(table)
+    for one in found.figures:
+        table.add_row(one.title, *one.texts)
+    return table
+
+
+def _drivers(found: Reliability) -> Table:
+    """The assumptions with the largest influence on its smallest margin."""
+    heads = ("assumption", "left"), ("share", "right"), ("from", "right"), ("to", "right"), ("smallest margin", "right")
+    table = tables.bare(*heads, title="Largest influences on its smallest margin")
+    _unbroken(table)
+    for one in found.drivers[:_DRIVERS]:
+        moves = f"{_margin(one.low_margin)} … {_margin(one.high_margin)}"
+        table.add_row(one.title, f"{100 * one.share:.0f} %", one.low, one.high, moves)
+    return table
+
+
+def _assumed(found: Uncertainty) -> Table:
+    """The uncertain figures."""
+    table = tables.bare(("figure", "left"), ("tolerance", "left"), ("source", "left"), title="Uncertain figures")
+    for one in found.assumptions:
+        table.add_row(one.title, Text(one.text), one.source)
+    return table
+
+
+def _summary(console: Console, found: Uncertainty, *, quiet: bool) -> None:
+    drives = "1 drive" if found.examined == 1 else f"{found.examined} drives"
+    console.print(f"{drives} sampled, {found.samples:,} times each (seed {found.seed}){_reached(found)}.")
+    for note in () if quiet else found.notes:
+        console.print(Padding(Text(note), (0, 0, 0, 2)))
+    console.print()
+
+
+def _reached(found: Uncertainty) -> str:
+    """Number of drives that reach the required confidence."""
+    if found.confidence is None:
+        return ""
+    wanted = confidence(found.confidence)
+    if found.examined == 1:
+        return f": {'reaches' if found.reached else 'below'} the confidence of {wanted}"
+    return f", {found.reached or 'none'} of them at or above the confidence of {wanted}"
+
+
+# -- A sizing, an explanation and a validation at the terminal.
+
 
 DETAILS = frozenset({"derivation", "checks", "paper", "ranking", "rejected"})
 """Details that :func:`sizing` shows on request beside the answer."""
@@ -280,7 +551,6 @@ def _changes(console: Console, found: DriveSet) -> None:
 def validation(proof: Validation) -> None:
     """Print a validation, in closed loop or of a stepper."""
     from drivesizer.output.loop_table import NO_LINEAR, left_out, remedies  # with what a sizing need not load
-    from drivesizer.output.terminal.loops import linear, loops
 
     console = tables.console()
     tables.heading(console, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])

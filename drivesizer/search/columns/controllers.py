@@ -20,8 +20,8 @@ from drivesizer.physics.extremes import distinct
 from drivesizer.physics.power_stage import STAGE_FIGURES, least_capacitance
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.ratings import controller_current, permitted_power
+from drivesizer.spec.drive import Choice, ControllerChoice
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import Choice, ControllerChoice
 from drivesizer.units import show
 
 __all__ = [

@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.catalog.more_parts import BeltDrive
+from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
-from drivesizer.physics.elements.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.stress import Heat, Parts, Stress
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
+from drivesizer.physics.winding import Heat, Parts, Stress
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.ratings import (
     ASSUMED,
@@ -35,15 +35,12 @@ from drivesizer.results.ratings import (
     short_limit,
     supply_voltage_limit,
 )
-from drivesizer.search.columns.brakes import at_motor, own_figure
-from drivesizer.search.columns.encoders import counting_limits
-from drivesizer.search.columns.shaft_limits import life_of_gearheads, shock_limits
-from drivesizer.search.columns.shaft_loads import THRUST
-from drivesizer.spec.altitude import controller_needed, motor_needed, rise_needed
-from drivesizer.spec.lives import required_life
+from drivesizer.search.columns.brakes import at_motor, counting_limits, own_figure
+from drivesizer.search.columns.shaft_limits import THRUST, life_of_gearheads, shock_limits
+from drivesizer.spec.drive import ASSUMABLE, BeltStage
+from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.select import ASSUMABLE
-from drivesizer.spec.transmission import BeltStage
+from drivesizer.spec.sections import required_life
 
 __all__ = [
     "electrical_limits",

@@ -1,29 +1,86 @@
-"""Columns common to all load cases and belts: parts that go with each motor, its own limits, and checks put together.
-
-Of several load cases a check is that of the worst; behind several belts it is made of the candidates behind each.
-"""
+"""Columns common to all load cases and belts: parts that go with each motor, what is bought, its own limits."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.belt_drive import BeltDrive
+from drivesizer.catalog import Catalog
+from drivesizer.catalog.estimates.estimate import assumed_mass
+from drivesizer.catalog.more_parts import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
-from drivesizer.physics.several_belts import AtGearheads
+from drivesizer.physics.winding import AtGearheads
 from drivesizer.results.check_columns import CheckColumn, worst_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
-from drivesizer.search.columns.brakes import OfferedBrakes, offered_brakes
+from drivesizer.search.columns.brakes import EncoderOffers, OfferedBrakes, offered_brakes, offered_encoders
+from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.controllers import Usable, usable_controllers
-from drivesizer.search.columns.encoders import EncoderOffers, offered_encoders
 from drivesizer.search.columns.limits import motor_limits
 
-__all__ = ["Offers", "limits_behind_each", "offers", "placed", "scattered", "unknown_where_doubtful", "worst_of_all"]
+__all__ = [
+    "CONTROLLING", "Offers", "bought", "chosen", "limits_behind_each", "offers", "placed", "scattered",
+    "unknown_where_doubtful", "worst_of_all",
+]  # fmt: skip
+
+
+# -- Figures of the parts that are bought with each candidate: motor or actuator, gearhead, brake, encoder, controller.
+#
+# What is inside an actuator has the figure 0 by itself. Of an encoder or controller that no catalogue lists the mass
+# is assumed where estimates count, and unknown otherwise, as its price is.
+
+
+Array = NDArray[np.float64]
+BRAKE_FIGURES = {"length": "added_length"}  # that objectives sum under another name
+CONTROLLING = ("encoder", "controller")
+_UNLISTED, _NEEDLESS = -1, -2  # in place of the row of a part
+_TABLES = {"motor": "motors", "gearhead": "gearheads", "brake": "brakes", "encoder": "encoders",
+           "controller": "controllers"}  # fmt: skip
+
+
+def chosen(
+    encoder: NDArray[np.int64], controller: NDArray[np.int64], brake: NDArray[np.int64], *, needs_encoder: bool
+) -> dict[str, Array]:
+    """The parts that go with candidates, among the figures that objectives count."""
+    unlisted = _UNLISTED if needs_encoder else _NEEDLESS
+    return {
+        "encoder": np.where(encoder < 0, unlisted, encoder).astype(float),
+        "controller": controller.astype(float),
+        "brake": np.where(brake < 0, _NEEDLESS, brake).astype(float),
+    }
+
+
+def bought(
+    catalog: Catalog,
+    sets: Candidates,
+    parts: Mapping[str, Array],
+    figure: str,
+    over: Sequence[str],
+    end: int | None = None,
+) -> Array:
+    """A figure of the parts of each candidate."""
+    found = np.zeros((len(over), len(sets.motor)))
+    for row, role in zip(found, over, strict=True):
+        table = catalog.table(_TABLES[role])
+        if role in parts:
+            assumed = end is not None and figure == "mass" and role in CONTROLLING
+            unlisted = assumed_mass(_TABLES[role])[end or 0] if assumed else nan
+            column = table[BRAKE_FIGURES.get(figure, figure) if role == "brake" else figure]
+            row[:] = np.concatenate([column, [0.0, unlisted]])[parts[role].astype(np.int64)]
+        else:
+            row[:] = table[figure][getattr(sets, role)]
+    return found
+
+
+# -- Columns common to all load cases and belts: parts that go with each motor, its own limits, and checks put together.
+#
+# Of several load cases a check is that of the worst; behind several belts it is made of the candidates behind each.
+
 
 _COLUMNS = {
     "demand": float,

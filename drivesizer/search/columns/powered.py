@@ -16,18 +16,26 @@ from numpy.typing import NDArray
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import STAGE_FIGURES
-from drivesizer.physics.stress import Heat, Parts, Stress, on, put, replaced, stress
+from drivesizer.physics.winding import Heat, Parts, Stress, on, put, replaced, stress
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
+from drivesizer.search.columns.brakes import line_frequency
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import HANGING, Speeds, controllers, no_better_than, room_on_bus
-from drivesizer.search.columns.encoders import line_frequency
-from drivesizer.search.columns.exactly import decided, exact, left_open
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed
-from drivesizer.search.columns.limits_over_time import Exactly, Moments, Pair, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import (
+    Exactly,
+    Moments,
+    Pair,
+    bounds,
+    decided,
+    exact,
+    least,
+    left_open,
+    waveform_limits,
+)
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
-from drivesizer.search.columns.waveform_bounds import bounds
-from drivesizer.spec.altitude import controller_needed
+from drivesizer.spec.mounting import controller_needed
 
 __all__ = ["UNDECIDED", "Moving", "Powered", "powered"]
 

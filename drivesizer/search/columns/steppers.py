@@ -13,19 +13,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.pull_outs import PullOuts
-from drivesizer.catalog.view.stepper_view import STEPPER
-from drivesizer.machine.pull_out import available_torque
+from drivesizer.catalog.more_parts import PullOuts
+from drivesizer.catalog.view.mounted import STEPPER
+from drivesizer.machine.part_curves import available_torque
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
-from drivesizer.physics.several_belts import scales
-from drivesizer.physics.stepper.drawn import copper_loss, electrical_energy, idle_loss
-from drivesizer.physics.stepper.pull_out import amplitude
-from drivesizer.physics.stepper.starting import natural_frequency, start_speed_with
-from drivesizer.physics.stress import Parts
+from drivesizer.physics.stepper import (
+    amplitude,
+    copper_loss,
+    electrical_energy,
+    idle_loss,
+    natural_frequency,
+    start_speed_with,
+)
+from drivesizer.physics.winding import Parts, scales
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
@@ -33,7 +37,7 @@ from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.limits_over_time import bus_limit
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
-from drivesizer.spec.altitude import controller_needed
+from drivesizer.spec.mounting import controller_needed
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [

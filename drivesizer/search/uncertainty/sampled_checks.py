@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.belt_drive import BeltDrive
-from drivesizer.catalog.view.stepper_view import STEPPER, has_steppers
+from drivesizer.catalog.more_parts import BeltDrive
+from drivesizer.catalog.view.mounted import STEPPER, has_steppers
 from drivesizer.physics.cycle_at_gearhead import Peak
 from drivesizer.physics.motor_demand import Demands, demands
-from drivesizer.physics.stress import Heat, Parts, Stress, heat, housing_loss, stress
+from drivesizer.physics.winding import Heat, Parts, Stress, heat, housing_loss, stress
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
 from drivesizer.search.columns.brakes import brake_limits, is_listed
-from drivesizer.search.columns.exactly import exact
 from drivesizer.search.columns.limits import (
     electrical_limits,
     gearhead_limits,
@@ -29,15 +28,20 @@ from drivesizer.search.columns.limits import (
     motor_limits,
     moving_limits,
 )
-from drivesizer.search.columns.limits_over_time import Pair, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import Pair, exact, least, waveform_limits
 from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.stages import felt
-from drivesizer.search.uncertainty.part_figures import PartFigures
-from drivesizer.search.uncertainty.sampled_battery import Draw, battery_limits
-from drivesizer.search.uncertainty.sampled_cycle import AtSamples
-from drivesizer.search.uncertainty.sampled_parts import Block, SetRows, parts_of, with_dry_share
-from drivesizer.search.uncertainty.sampled_steppers import SampledStepper, stepper_checks
+from drivesizer.search.uncertainty.sampled_battery import AtSamples, Draw, battery_limits
+from drivesizer.search.uncertainty.sampled_parts import (
+    Block,
+    PartFigures,
+    SampledStepper,
+    SetRows,
+    parts_of,
+    stepper_checks,
+    with_dry_share,
+)
 from drivesizer.spec.mounting import loss_at_flange
 
 __all__ = [

@@ -17,20 +17,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop.checks import checks, electrical_checks
-from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, limited, run, unlimited, without_limits
-from drivesizer.control.closed_loop.set_up import Prepared, prepared
+from drivesizer.control.closed_loop.run import (
+    ClosedLoop,
+    Prepared,
+    as_warm,
+    limited,
+    prepared,
+    run,
+    unlimited,
+    without_limits,
+)
 from drivesizer.control.engine import Simulation, Task, simulate_many
 from drivesizer.errors import InputError
-from drivesizer.load_cases.at_shaft import motion_of
-from drivesizer.load_cases.wheel import WheelLoad
+from drivesizer.load_cases.platform import WheelLoad, motion_of
 from drivesizer.loads.course import Profile
+from drivesizer.results.check import LoopShare
 from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.reliability import LoopShare
 from drivesizer.results.sizing import Check
-from drivesizer.search.uncertainty.deviating import deviating_drive
+from drivesizer.search.uncertainty.sampled_parts import deviating_drive
+from drivesizer.search.uncertainty.sampled_waveform import Judged, alike, warm_at_most, weakest
 from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
-from drivesizer.search.uncertainty.warm_bounds import Judged, alike, warm_at_most, weakest
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["deviating", "loop_share"]

@@ -1,25 +1,260 @@
-"""Uncertain figures of a machine and its drive: every figure with a tolerance, in a fixed order.
-
-First the spec's figures, in the order of the file, then the classes of the catalogue's figures. All drives of a
-machine are taken to deviate alike, and so are all drives that are compared: one sample is one machine. Where makers
-state different tolerances of a figure, a sample deviates by the same share of each.
-"""
+"""Uncertain figures of a machine and its drive, each with its tolerance, its class and the checks it enters."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from drivesizer.catalog.tolerances.classes import NOT_OF_STEPPERS, OF_STEPPERS, Class, classes
-from drivesizer.catalog.tolerances.distributions import Distribution
-from drivesizer.files.inertia import OfSolids, moment
+from drivesizer.catalog import DIRECT, Catalog
+from drivesizer.catalog.estimates.estimate import MOUNTED
+from drivesizer.catalog.tables import ESTIMATED, Table
+from drivesizer.catalog.tolerances import (
+    CLASSES,
+    NOT_OF_STEPPERS,
+    OF_STEPPERS,
+    Class,
+    Distribution,
+    MakerTolerance,
+    class_from_stall,
+    class_of,
+    classes,
+    losses_from_stall,
+    maker_tolerances_of,
+    owner_of,
+)
+from drivesizer.catalog.view.mounted import STEPPER, has_steppers
+from drivesizer.files.fields import OfSolids, moment
 from drivesizer.files.yaml_source import Path_
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.tolerance_text import Toleranced
+from drivesizer.spec.tolerances import Toleranced
 
-__all__ = ["Assumption", "applied", "assumptions", "case_paths", "of_a_class", "of_the_file"]
+__all__ = [
+    "COLUMNS", "NOT_SAMPLED", "Assumption", "applied", "assumptions", "case_paths", "enters_checks", "holding",
+    "holding_of_a_set", "of_a_class", "of_the_file", "reason", "used",
+]  # fmt: skip
+
+
+# -- Figures of a spec with tolerances: which enter checks beside the load cycle, and which have no effect on any.
+#
+# A figure shapes the load cycle of each sample, or enters checks as a column, or neither. Whether it has an effect
+# on a machine is seen from its checks, with that figure alone at either end (``without_effect``).
+
+
+COLUMNS = {
+    "load": {"pinion_diameter", "pulley_diameter", "drum_diameter", "efficiency", "rope_efficiency"},  # of shaft loads
+    "transmission": {"efficiency", "back_efficiency", "ratio", "stiffness", "max_tension", "max_speed", "backlash",
+                     "pinion_diameter", "pulley_diameter"},
+    "supply": {"nominal", "min", "max", "resistance", "current", "power", "peak_current", "regeneration",
+               "capacitance"},
+    "brake_resistor": {"chopper_voltage"},
+    "power_stage": {"voltage_drop", "resistance", "standby"},
+    "environment": {"ambient"},
+    "needs": {"radial_load", "backlash_at_load", "inertia_ratio", "resonance", "resolution_at_load", "life",
+              "shock_torque", "axial_load", "tilting_moment", "start_speed"},
+    "brake": {"torque", "dynamic_torque", "inertia", "power", "holding_power", "engage_time", "max_speed",
+              "energy_per_stop", "total_energy"},
+    "shaft": {"distance", "wheel_load", "belt_pretension", "load_factor", "static_safety", "pressure_angle",
+              "helix_angle"},
+    "battery": {"nominal_voltage", "capacity", "rated_time", "peukert_exponent", "resistance", "open_circuit",
+                "peak_current", "start", "usable", "health", "autonomy", "range"},
+    "mission": {"duration"},
+    "equipment": {"power", "peak_power", "efficiency", "duty", "time"},
+}  # fmt: skip
+_BUDGET = "budgets of the machine are at nominal figures"
+_MARGIN = "a required margin is no figure of the machine"
+_LOOP = "loops are designed at nominal figures"
+_SIZE = "sums of length, mass and price are at nominal figures"
+NOT_SAMPLED = {  # figures whose tolerance has no effect on any sampled check, by section, or by section and field
+    "brake_resistor": "the brake resistor is checked at nominal figures",
+    "supply.peak_time": "the power supply's peak and trip are checked at nominal figures",
+    "supply.overvoltage_trip": "the power supply's peak and trip are checked at nominal figures",
+    "brake.voltage": "no check depends on it", "brake.release_time": "no check depends on it",
+    "brake.mass": _SIZE, "brake.length": _SIZE, "brake.price": _SIZE, "transmission.mass": _SIZE,
+    "needs.mass": _SIZE, "needs.length": _SIZE, "needs.price": _SIZE, "needs.diameter": _SIZE,
+    "needs.holding_factor": _MARGIN, "margins": _MARGIN,
+    "needs.bandwidth": _LOOP, "control": _LOOP, "plant": "of the closed loop alone",
+    "mounting": "the mounting is in all samples as in the nominal one",
+    "environment.altitude": "derating by altitude is that of the nominal one",
+    "paper_factors": "the paper's factors do not enter the physics",
+    "requirements": "what is required is no figure of the machine",
+    "budget": _BUDGET, "battery": "of the battery autonomy, range, peak and voltage are sampled",
+    **dict.fromkeys(
+        ("platform.size", "platform.passages", "platform.misjudged", "platform.following"),
+        "of a platform its motion is sampled, not its room, footing and controller",
+    ),
+}  # fmt: skip
+
+
+def _field(path: Path_) -> str:
+    """Field of a section, or of a stage, consumer or wheel in its list."""
+    return str(next((step for step in path[1:] if isinstance(step, str)), ""))
+
+
+def enters_checks(path: Path_) -> bool:
+    """Whether a figure enters checks beside the load cycle.
+
+    >>> enters_checks(("supply", "min")), enters_checks(("transmission", 1, "mass"))
+    (True, False)
+    """
+    return _field(path) in COLUMNS.get(str(path[0]), set())
+
+
+def reason(path: Path_) -> str:
+    """Reason for which a tolerance has no effect on a sampled check; empty where it has one on some machines.
+
+    >>> reason(("margins", "torque")), reason(("supply", "min"))
+    ('a required margin is no figure of the machine', '')
+    """
+    section, field = str(path[0]), _field(path)
+    if enters_checks(path):
+        return ""
+    return NOT_SAMPLED.get(f"{section}.{field}", NOT_SAMPLED.get(section, ""))
+
+
+# -- Tolerance class of a part's figure: the spec's, else its maker's, else the default one.
+#
+# Drives of several makers are compared in one sizing, so a class may be of one maker's parts alone.
+
+
+_SECTIONS = {"motor": "motors", "gearhead": "gearheads", "controller": "controllers"}
+Given = Mapping[tuple[str, str], str]
+
+
+def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class, ...]:
+    """The classes of one part's figures, one a figure; none without the part, or of a controller inside an actuator."""
+    table = catalog.table(_SECTIONS[part])
+    if row < 0 or table["part"][row] == DIRECT or (part == "controller" and table["inside"][row] != ""):
+        return ()
+    stated = maker_tolerances_of(catalog.tolerances, part, str(table["manufacturer"][row]), str(table["family"][row]))
+    found = []
+    for default in classes(given):
+        if default.part == part and _concerns(catalog, part, row, default.figure):
+            mine = stated.get(default.figure)
+            if (part, default.figure) in given:
+                found.append(default)
+            else:
+                own = _of_a_maker(catalog, mine) if mine else _of_stall(catalog, part, row, default.figure)
+                found.append(_of_peers(catalog, default, part, row) or own or default)
+    return tuple(found)
+
+
+def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
+    """Whether a part has the figure of a class: not a dry share where both frictions are known, nor a printed peak."""
+    if (part, figure) in (NOT_OF_STEPPERS if has_steppers(catalog) else OF_STEPPERS):
+        return False
+    table = catalog.table(_SECTIONS[part])
+    if figure in _OF_THE_MODEL:
+        return bool(table[STEPPER][row] not in catalog.pull_outs.stepper)
+    if figure == "dry_friction":
+        printed = [table[name][row] for name in ("friction_torque", "viscous_friction")]
+        return bool(table["kind"][row] != "brushed" and all(value != value for value in printed))
+    if figure == "peak_torque":
+        one = _sold_as(catalog, part, row)
+        return bool(one and one.table["peak_torque"][one.row] == one.table["stall_torque"][one.row])
+    return True
+
+
+class _Sold(NamedTuple):
+    """A part as its catalogue has it."""
+
+    section: str
+    table: Table[Any]
+    row: int
+
+
+def _sold_as(catalog: Catalog, part: str, row: int) -> _Sold | None:
+    """The actuator that a part is inside of; None of a part of its own."""
+    inside = str(catalog.table(_SECTIONS[part])["inside"][row])
+    return _Sold("actuators", catalog.actuators, catalog.actuators.rows[inside]) if inside else None
+
+
+def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | None:
+    """The class of a figure that is worked out from no-load and stall figures; None of others."""
+    if figure not in ("resistance", "torque_constant", "efficiency"):
+        return None
+    sold = _sold_as(catalog, part, row) or _Sold(_SECTIONS[part], catalog.table(_SECTIONS[part]), row)
+    if "stall_current" not in sold.table.columns:
+        return None
+    one = {name: values[sold.row] for name, values in sold.table.columns.items()}
+    if not abs(one["resistance"] * one["stall_current"] / one["nominal_voltage"] - 1.0) < _ROUNDED:
+        return None
+    confidence = catalog.confidence(sold.section, sold.row)
+    k_t = "motor_torque_constant" if sold.section == "actuators" else "torque_constant"
+    column = k_t if figure == "torque_constant" else figure
+    if not {confidence["resistance"], confidence.get(column, "")} <= _WORKED_OUT:
+        return None
+    if figure == "torque_constant" and confidence.get("no_load_current", ESTIMATED) != ESTIMATED:
+        return None
+    if part == "motor":
+        return class_from_stall(figure)
+    if one["gearing"] != "spur" or not one["efficiency"] < 1.0:
+        return None
+    return losses_from_stall(str(one["part"]), *(float(one[name]) for name in ("efficiency", "ratio", "stages")))
+
+
+_WORKED_OUT = {"derived", "recalled"}  # confidences of figures that are not printed
+_ROUNDED = 0.05  # of a resistance that is voltage over stall current
+
+
+_OF_THE_MODEL = ("holding_torque", "inductance")  # which counts where no curve is printed
+_COLUMNS = {  # of a class: the columns that it varies, as far as they may be estimated
+    ("motor", "friction"): ("no_load_current",),
+    ("motor", "rotor_inertia"): ("rotor_inertia",),
+    ("motor", "pull_out"): ("pull_out_share",),
+    ("motor", "start_speed"): ("start_speed",),
+    ("motor", "thermal_resistance"): ("thermal_resistance_housing", "thermal_resistance_winding"),
+    ("gearhead", "efficiency"): ("efficiency",),
+    ("gearhead", "inertia"): ("inertia",),
+}
+
+
+def _of_peers(catalog: Catalog, default: Class, part: str, row: int) -> Class | None:
+    """The class of a figure that is estimated: the band of its law; None where the catalogue has the figure."""
+    for name in _COLUMNS.get((part, default.figure), ()):
+        one = catalog.estimate_of(_SECTIONS[part], row, name)
+        if one is None or one.fit == MOUNTED:  # a mounting is no property of the part
+            continue
+        value, low, high = (1.0 / x - 1.0 if name == "efficiency" else x for x in one[:3])  # of losses per torque
+        least, most = sorted((low / value, high / value))
+        text = f"{least:.2f} to {most:.2f} times, 5 to 95 %"
+        factor = Distribution("lognormal", least, most, 1.0)
+        whose = str(catalog.table(_SECTIONS[part])["part"][row])
+        return Class(part, default.figure, f"{default.title}, {whose}", text, factor, "estimated from peers", whose)
+    return None
+
+
+def _of_a_maker(catalog: Catalog, one: MakerTolerance) -> Class:
+    source = catalog.sources[one.source]
+    certainty = "" if source.confidence == "quoted" else source.confidence
+    date = "" if source.date in source.document else source.date
+    why = ", ".join(text for text in (f"{one.maker}: {source.document}", date, certainty) if text)
+    return class_of(one.part, one.figure, one.tolerance, why, owner_of(catalog.tolerances, one))
+
+
+def holding_of_a_set(catalog: Catalog, given: Given, *rows: int) -> tuple[Class, ...]:
+    """The classes of the figures of a motor, its gearhead and its controller, by their rows."""
+    return tuple(one for part, row in zip(_SECTIONS, rows, strict=False) for one in holding(catalog, given, part, row))
+
+
+def used(catalog: Catalog, given: Given, rows: Iterable[tuple[int, ...]]) -> tuple[Class, ...]:
+    """The classes that hold for any of some motors, gearheads and controllers, each once, in a fixed order.
+
+    The order is that of the figures, the default class of each first, then the makers' by name.
+    """
+    parts = dict.fromkeys(pair for one in rows for pair in zip(_SECTIONS, one, strict=False))
+    found = {one for part, row in parts for one in holding(catalog, given, part, row)}
+    order = {key: place for place, key in enumerate(CLASSES)}
+    return tuple(sorted(found, key=lambda one: (order[one.part, one.figure], one.whose, one.text, one.why)))
+
+
+# -- Uncertain figures of a machine and its drive: every figure with a tolerance, in a fixed order.
+#
+# First the spec's figures, in the order of the file, then the classes of the catalogue's figures. All drives of a
+# machine are taken to deviate alike, and so are all drives that are compared: one sample is one machine. Where
+# makers state different tolerances of a figure, a sample deviates by the same share of each.
+
 
 _VARIED = ("load", "motion", "supply", "environment")  # sections that a load case may replace
 

@@ -1,34 +1,33 @@
-"""All figures of a report by name, each drawn on demand."""
+"""All figures of a report by name, each drawn on demand, and as files: a drawing and a picture of each."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import isfinite, nan
+from pathlib import Path
 
-import drivesizer.output.report.figures.load_and_loop as figures
+import drivesizer.output.report.figures.cycle as figures
 from drivesizer.control.validation import Validation
-from drivesizer.output.report.figures.battery import battery, is_known
-from drivesizer.output.report.figures.block_diagram import block_diagram
-from drivesizer.output.report.figures.bode_and_step import bode, step
-from drivesizer.output.report.figures.field import torque_speed, torque_speed_panels
-from drivesizer.output.report.figures.field_panels import alone, leading, panels
-from drivesizer.output.report.figures.margins import margins
-from drivesizer.output.report.figures.motion import speed_profile
-from drivesizer.output.report.figures.pareto_front import trade_off
-from drivesizer.output.report.figures.plan_view import plan_view, ways_of
+from drivesizer.errors import InputError, reason_of
+from drivesizer.files.writing import ready, write_files
+from drivesizer.output.report.figures.choice import margins, swings, tornado, trade_off
+from drivesizer.output.report.figures.cycle import speed_profile, wheels_over_time
+from drivesizer.output.report.figures.field import alone, leading, panels, torque_speed, torque_speed_panels
+from drivesizer.output.report.figures.loops import block_diagram, bode, step
+from drivesizer.output.report.figures.machine import battery, is_known, plan_view, ways_of
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.figures.style import Form
-from drivesizer.output.report.figures.tornado import swings, tornado
-from drivesizer.output.report.figures.wheels import wheels_over_time
-from drivesizer.output.report.lines.machine import first_wheel
-from drivesizer.output.report.lines.reliability import reported
-from drivesizer.results.check_parts import sorted_by_part
+from drivesizer.output.report.figures.style import FILES, Form
+from drivesizer.output.report.lines.rows import first_wheel, reported
+from drivesizer.results.check_kinds import sorted_by_part
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.objectives import objective_figure
-from drivesizer.results.sizing import SizingResult
+from drivesizer.results.sizing import SizingResult, objective_figure
 from drivesizer.units import from_si, label
 
-__all__ = ["IN_TABLES", "STILL", "Drawing", "loop_drawings", "report_drawings"]
+__all__ = ["IN_TABLES", "STILL", "Drawing", "figures_into", "loop_drawings", "report_drawings"]
+
+
+# -- All figures of a report by name, each drawn on demand.
+
 
 Drawing = Callable[[Form], bytes]
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
@@ -105,3 +104,29 @@ def _trade_off(result: SizingResult, form: Form) -> bytes:
             for column in (across, up))  # fmt: skip
     heads = [f"{column[0].title} ({label(column[0].unit)})" for column in (across, up)]
     return trade_off([str(s.rank) for s in result.front], [s.label for s in result.front], x, y, heads, form)
+
+
+# -- Figures as files: a drawing and a picture of each.
+
+
+def figures_into(made: Mapping[str, Drawing], folder: Path) -> list[Path]:
+    """Draw into a folder; see :func:`drivesizer.output.report.write_figures`."""
+    paths = {(name, form): folder / f"{name}.{form}" for name in made for form in FILES}
+    _ready(folder, list(paths.values()))
+    files = {path: made[name](form) for (name, form), path in paths.items()}
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({reason_of(error)})") from None
+    return write_files(files)
+
+
+def _ready(folder: Path, paths: list[Path]) -> None:
+    """Refuse a folder that cannot be one, and what stands in the way in it, before time is spent on the content."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file; expected a folder for the figures")
+    if folder.is_dir():
+        for path in paths:
+            ready(path)
+    elif not folder.parent.is_dir():
+        raise InputError(f"{folder}: cannot be made, there is no folder {folder.parent}")

@@ -1,15 +1,18 @@
-"""The motor's torque-speed field as a figure: voltage lines hot and cold, what is allowed, and the load cases."""
+"""The motor's torque-speed field as a figure: voltage lines hot and cold, load cases, efficiency."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from math import isnan
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.operating_field import OperatingField, hot_winding
-from drivesizer.output.report.figures.field_panels import Panel, reach_of, signed
+from drivesizer import equations as eq
+from drivesizer.machine.operating_field import OperatingField, Operation, field, hot_winding, operation, with_pull_out
+from drivesizer.machine.set_cycle import SetCycle
 from drivesizer.output.report.figures.style import (
     CASES,
     COLOURS,
@@ -20,14 +23,110 @@ from drivesizer.output.report.figures.style import (
     outside,
     placed,
     torque_unit,
-)  # fmt: skip
+)
+from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
+from drivesizer.results.drive_set import DriveSet, Requirement
+from drivesizer.results.problem import Problem
 from drivesizer.units import from_si, label, show
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["MOST_FIELDS", "conditions", "torque_speed", "torque_speed_panels"]
+__all__ = [
+    "TOGETHER", "Panel", "alone", "conditions", "efficiency_field", "efficiency_map", "leading", "panels",
+    "paper_points", "reach_of", "signed", "torque_speed", "torque_speed_panels",
+]  # fmt: skip
+
+
+# -- Panels of the motor's field: one for load cases that share its lines, and the paper's points.
+
+
+TOGETHER = 2  # load cases that one diagram shows apart; more are drawn one by one
+_FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OperatingPoint:
+    """A moment of the cycle at the motor shaft."""
+
+    name: str
+    torque: float  # N*m
+    speed: float  # rad/s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Panel:
+    """Load cases with the same usable voltage and ambient: the motor's lines are the same for all of them."""
+
+    cases: tuple[tuple[int, str, OperatingField], ...]  # number and name; without a name where there is but one
+    points: tuple[OperatingPoint, ...] = ()
+
+
+def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> list[Panel]:
+    """The field of a set's motor with the load cases in it; the paper's points too, where its method is used."""
+    alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
+    for number, case in enumerate(problem.cases):
+        found = field(case.spec, drive_set)
+        if drive_set.steps:
+            found = with_pull_out(found, case.spec, problem.catalog, drive_set.motor.part)
+        alike.setdefault((found.voltage, found.ambient), []).append((number, case.name, found))
+    points = paper_points(drive_set, requirements) if problem.spec.method == "paper" else ()
+    return [Panel(cases=tuple(cases), points=points) for cases in alike.values()]
+
+
+def leading(found: Sequence[Panel]) -> Panel:
+    """The first panel with as many load cases as one diagram shows: all of them, or the first alone."""
+    first = found[0]
+    return first if len(first.cases) <= TOGETHER else replace(first, cases=first.cases[:1])
+
+
+def alone(found: Sequence[Panel]) -> list[Panel]:
+    """A panel for each load case, where they are more than one diagram shows; else none."""
+    single = [replace(panel, cases=(case,), points=()) for panel in found for case in panel.cases]
+    return single if len(found) > 1 or len(single) > TOGETHER else []
+
+
+def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> tuple[OperatingPoint, ...]:
+    """The operating points of the paper's cycle, every torque brought to the motor as in (18)."""
+    of = {r.name: float(r.value) for r in requirements}
+    wheels = of["maximum_torque"] / of["maximum_torque_per_motor"]
+    torques = {
+        "end of acceleration": (of["maximum_torque_per_motor"], of["nominal_speed"]),
+        "cruise": (of["nominal_torque_per_motor"], of["nominal_speed"]),
+        "start of deceleration": (of["deceleration_torque"] / wheels, of["nominal_speed"]),
+        "RMS": (of["rms_torque_per_motor"], of["rms_speed"]),
+    }
+    chain = {"K_g": drive_set.gearhead.ratio, "eta_gear": drive_set.gearhead.efficiency,
+             "i_b": drive_set.belt_ratio, "eta_b": drive_set.belt_efficiency}  # fmt: skip
+    return tuple(
+        OperatingPoint(
+            name=name, torque=float(eq.maximum_torque_at_motor(torque, **chain)), speed=speed * drive_set.total_ratio
+        )
+        for name, (torque, speed) in torques.items()
+        if not isnan(torque + speed + sum(chain.values()))  # unknown is nowhere to be marked
+    )
+
+
+def signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
+    way = np.sign(found.cycle_speed.mean(1))[:, None]
+    return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
+
+
+def reach_of(panel: Panel) -> float:
+    """The torque to which the axis goes [N*m]: what the drive may do and the cycle requires, seldom as far as stall."""
+    first = panel.cases[0][-1]
+    required = [float(np.nan_to_num(signed(f)[1]).max()) for *_, f in panel.cases]
+    if first.pull_out is not None:
+        return max(float(np.nan_to_num(first.pull_out).max()), *required)
+    stall = float(np.nan_to_num(first.voltage_cold[0]))
+    lines = (first.continuous.max(), np.fmin(first.intermittent.max(), _FAR * first.continuous.max()))
+    known = [min(float(x), stall) for x in lines if x == x]
+    return max(*known, *required, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *required)
+
+
+# -- The motor's torque-speed field as a figure: voltage lines hot and cold, what is allowed, and the load cases.
 
 
 def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
@@ -207,3 +306,108 @@ def _mark(axes: Axes, panel: Panel, unit: str) -> None:
         axes.plot(*_point(point.torque, point.speed, unit), marker=marker, markersize=5.5, markerfacecolor="none",
                   markeredgewidth=1.2, color=COLOURS[colour], linestyle="none", zorder=6,
                   label=_marked(f"paper: {point.name}", point.torque, point.speed, unit))  # fmt: skip
+
+
+# -- Efficiency of a set over torque and speed at the gearhead's output, with the load cycle in it.
+
+
+Array = NDArray[np.float64]
+LEVELS = (30, 40, 50, 60, 65, 70, 75, 80, 83, 86, 88, 90, 92, 94, 96)  # %, of the lines that may be drawn
+_FINE = 48, 56  # points of the field in torque, each way, and in speed
+_CROWDED = 1.8  # power by which the torques crowd to 0, where the efficiency changes most
+_ROOM_OF_MAP = 1.12
+_FAR_BEYOND_CYCLE = 4.0  # times the cycle's torque; a gearhead that is rated for more would leave the cycle no room
+_SHADES = ("#FFFFFF", "#CFE3F1")
+_MOST = 1500  # segments of a trace: finer than print
+_MARKED = 200  # ends of segments that are marked each
+
+
+class EfficiencyMap(NamedTuple):
+    """Data of the figure."""
+
+    torque: Array  # N*m, across
+    speed: Array  # rad/s, up
+    field: Operation  # at all of them: speeds down, torques across
+    voltage: float  # V, usable; NaN unknown
+    traces: tuple[tuple[str, Array, Array], ...]  # name, torque and speed of each load case over its cycle
+
+
+def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> EfficiencyMap:
+    """The field around the load cycles of a set."""
+    traces = tuple((name, *_cycle_trace(found)) for name, found in cases)
+    demand = max(float(np.abs(torque).max()) for _, torque, _ in traces) or 1.0
+    rated = float(cases[0][1].gearhead["continuous_torque"][0])
+    right = _ROOM_OF_MAP * max(demand, min(rated, _FAR_BEYOND_CYCLE * demand) if np.isfinite(rated) else 0.0)
+    brakes = min(float(torque.min()) for _, torque, _ in traces)
+    left = min(0.0, _ROOM_OF_MAP * brakes, -0.35 * right if brakes < 0.0 else 0.0)
+    top = _ROOM_OF_MAP * (max(float(speed.max()) for *_, speed in traces) or 1.0)
+    near = np.linspace(0.0, 1.0, _FINE[0]) ** _CROWDED
+    torque = np.concatenate([left * near[:0:-1], right * near[1:]]) if left < 0.0 else right * near[1:]
+    speed = np.linspace(top / _FINE[1], top, _FINE[1])
+    return EfficiencyMap(torque, speed, operation(cases[0][1], torque, speed[:, None]), voltage, traces)
+
+
+def _cycle_trace(found: SetCycle) -> tuple[Array, Array]:
+    """Torque and speed at the gearhead's output, one way as the other: what brakes is below 0."""
+    functions = found.cycle.functions
+    way = np.sign(functions[:, :, SPEED].mean(1))[:, None]
+    torque = functions[:, :, : AT_REST + 1].sum(axis=2)
+    torque = np.where(way == 0.0, np.abs(torque), way * torque)
+    extremes = [column.argmax(axis=0) for column in (torque, -torque, np.abs(functions[:, :, SPEED]))]
+    rows = np.unique(np.concatenate([np.arange(0, len(torque), -(-len(torque) // _MOST)), *extremes]))
+    return torque[rows].ravel(), np.abs(functions[rows, :, SPEED]).ravel()
+
+
+def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
+    """Lines of equal efficiency, as far as the voltage reaches, and the load cycles."""
+    unit = torque_unit(float(np.abs(found.torque).max()))
+
+    def draw(figure: Figure) -> None:
+        axes = placed(figure, right=2.05, top=0.22)[0][0]
+        _efficiency_lines(axes, found, unit)
+        for (name, torque, speed), (colour, dashes) in zip(found.traces, CASES, strict=False):
+            said = f"load cycle,\n{named(name)}" if name else "load cycle"
+            axes.plot(_shown(torque, unit), _rpm(speed), color=COLOURS[colour], linestyle=dashes, label=said, zorder=5,
+                      marker="o" if len(torque) <= _MARKED else "", markersize=2.2)  # fmt: skip
+        axes.axvline(0.0, color="black", linewidth=0.6)
+        axes.set(xlim=_shown(found.torque[[0, -1]], unit), ylim=(0.0, _rpm(found.speed[-1])))
+        axes.set(xlabel=f"torque at the gearhead's output ({label(unit)})", ylabel="speed there (rpm)")
+        for said, side, to in (("drives", 3, "left"), ("brakes", -3, "right")):
+            if said == "drives" or found.torque[0] < 0.0:
+                axes.annotate(said, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7,
+                              textcoords="offset points")  # fmt: skip
+        outside(axes)
+
+    return drawn(draw, 2.3, form)
+
+
+def _shown(torque: Array, unit: str) -> Array:
+    return np.asarray(from_si(torque, unit, "torque"))
+
+
+def _rpm(speed: Array) -> Array:
+    return np.asarray(from_si(speed, "rpm", "rotary_speed"))
+
+
+def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
+    """Iso-lines with their percentage, each direction of power for itself, and the end of the voltage."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    across, up = _shown(found.torque, unit), _rpm(found.speed)
+    reached = ~(np.abs(found.field.voltage) > found.voltage)
+    share = np.where(reached, 100.0 * found.field.efficiency, np.nan)
+    shades = LinearSegmentedColormap.from_list("shades", _SHADES)
+    for side in (found.torque > 0.0, found.torque < 0.0):
+        values = share[:, side]
+        known = values[np.isfinite(values)]
+        levels = [level for level in LEVELS if len(known) and known.min() < level < known.max()]
+        if side.sum() < 2 or not levels:
+            continue
+        axes.contourf(across[side], up, values, [0.0, *levels, 100.0], cmap=shades, zorder=0.5)
+        drawn_lines = axes.contour(across[side], up, values, levels, colors=COLOURS["grey"], linewidths=0.6)
+        axes.clabel(drawn_lines, fmt="%g %%", fontsize=6.2, inline_spacing=2)
+    if not reached.all():
+        edge = axes.contour(across, up, np.abs(found.field.voltage), [found.voltage], colors=COLOURS["blue"],
+                            linewidths=1.1)  # fmt: skip
+        edge.set_zorder(4)
+        axes.plot([], [], color=COLOURS["blue"], label=f"{found.voltage:.3g} V, winding warm")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from drivesizer.output.report.figures.heat import time_unit
+from drivesizer.output.report.figures.cycle import time_unit
 from drivesizer.output.report.figures.style import COLOURS, Form, drawn, heading, limit, placed, torque_unit
 from drivesizer.results.prediction import Band, Prediction, WarmingCourse
 from drivesizer.units import from_si, label

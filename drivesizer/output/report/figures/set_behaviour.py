@@ -10,28 +10,28 @@ from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import drawn as shown_runs
 from drivesizer.control.path_following.runs import follow_runs
 from drivesizer.errors import InputError
-from drivesizer.load_cases.platform_drive import Driving, driving, with_trajectory
-from drivesizer.load_cases.wheel import WheelLoad
-from drivesizer.machine.energy_flow import EnergyFlow, energy_flow
-from drivesizer.machine.permitted_speed import PermittedSpeeds, permitted_speeds
-from drivesizer.machine.set_cycle import SetCycle, set_cycle, warming
-from drivesizer.machine.warm_up import WarmUp, warm_up
-from drivesizer.output.report.figures.demand import current_and_voltage
-from drivesizer.output.report.figures.efficiency import efficiency_field, efficiency_map
-from drivesizer.output.report.figures.energy import energy_bars, energy_unit
-from drivesizer.output.report.figures.field_panels import TOGETHER
-from drivesizer.output.report.figures.heat import temperatures
-from drivesizer.output.report.figures.path import path_and_errors, speed_by_direction
+from drivesizer.load_cases.platform import Driving, WheelLoad, driving, with_trajectory
+from drivesizer.machine.platform_budget import PermittedSpeeds, permitted_speeds
+from drivesizer.machine.set_cycle import SetCycle, WarmUp, set_cycle, warm_up, warming
+from drivesizer.machine.supply_power import EnergyFlow, energy_flow
+from drivesizer.output.report.figures.cycle import (
+    MOST_WHEELS,
+    current_and_voltage,
+    energy_bars,
+    energy_unit,
+    temperatures,
+)
+from drivesizer.output.report.figures.field import TOGETHER, efficiency_field, efficiency_map
+from drivesizer.output.report.figures.machine import path_and_errors, speed_by_direction
 from drivesizer.output.report.figures.style import Form
-from drivesizer.output.report.figures.wheels import MOST_WHEELS
-from drivesizer.output.report.lines.machine import first_wheel
-from drivesizer.physics.stepper.drawn import copper_loss, idle_loss
+from drivesizer.output.report.lines.rows import first_wheel
+from drivesizer.physics.stepper import copper_loss, idle_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
-from drivesizer.spec.altitude import rise_left
 from drivesizer.spec.motions import Track, Waypoints
+from drivesizer.spec.mounting import rise_left
 from drivesizer.units import show
 
 __all__ = ["Behaviour"]

@@ -1,30 +1,80 @@
-"""One house style for all figures: colours, lines, units, and a drawing as SVG or PNG.
-
-Thin lines that differ in dashes as well as in colour (Okabe-Ito), so that a grey print and a colour-blind reader lose
-nothing; a unit on every axis. Axes have fixed places, so that those of figures on a page line up and no figure is laid
-out by drawing it twice. Nothing here depends on the clock or on installed fonts. matplotlib is imported when a figure
-is drawn.
-"""
+"""One house style for all figures: colours, lines, units, layout, stretches of long records, drawings as SVG or PNG."""
 
 from __future__ import annotations
 
 import io
 import unicodedata
 import warnings
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Callable, Mapping, Sequence
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from drivesizer.output.report.figures.layout import laid_out
-from drivesizer.output.text import clean, short
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.output.derivation import clean, short
+from drivesizer.output.thinning import extremes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = [
-    "CASES", "COLOURS", "FILES", "STYLE", "Form", "drawn", "heading", "limit", "named", "outside", "placed",
-    "torque_unit", "width",
+    "CASES", "COLOURS", "FILES", "STYLE", "Form", "Strip", "Window", "across", "drawn", "heading", "limit", "named",
+    "once", "outside", "placed", "strip", "thinned", "torque_unit", "width", "windows", "within",
 ]  # fmt: skip
+
+
+# -- matplotlib's figures, laid out once for several forms of the same drawing.
+
+
+_KEPT: ContextVar[list[Any] | None] = ContextVar("_KEPT", default=None)  # where figures are kept that are drawn once
+
+
+def once(draw: Callable[[Any], bytes]) -> Callable[[Any], bytes]:
+    """A drawing that is laid out when it is first printed as SVG, and let go when it is printed as such again."""
+    kept: list[Any] = []
+
+    def printed(form: Any) -> bytes:
+        before = _KEPT.set(None if form == "png" else kept)  # a picture has other letters
+        try:
+            return draw(form)
+        finally:
+            _KEPT.reset(before)
+
+    return printed
+
+
+def laid_out(draw: Callable[[Any], None], size: tuple[float, float], dots: int, canvas: Any) -> Any:
+    """A figure with its axes placed, that of before where a drawing is printed again."""
+    from matplotlib.figure import Figure
+
+    kept = _KEPT.get()
+    if kept:
+        return kept.pop()
+    figure = Figure(figsize=size, layout="constrained", dpi=dots)
+    canvas(figure)
+    draw(figure)
+    _place(figure)
+    if kept is not None:
+        kept.append(figure)
+    return figure
+
+
+def _place(figure: Any) -> None:
+    """Place the axes once: left to itself, matplotlib draws the whole figure for that before it draws it."""
+    if figure.get_layout_engine() is not None:
+        figure.get_layout_engine().execute(figure)
+        figure.set_layout_engine("none")
+
+
+# -- One house style for all figures: colours, lines, units, and a drawing as SVG or PNG.
+#
+# Thin lines that differ in dashes as well as in colour (Okabe-Ito), so that a grey print and a colour-blind reader
+# lose nothing; a unit on every axis. Axes have fixed places, so that those of figures on a page line up and no
+# figure is laid out by drawing it twice. Nothing here depends on the clock or on installed fonts. matplotlib is
+# imported when a figure is drawn.
+
 
 Form = Literal["svg", "png", "typeset"]  # typeset: SVG whose letters are letters, for whoever has the font
 FILES: tuple[Form, ...] = ("svg", "png")  # those that are files of their own
@@ -175,3 +225,127 @@ def width(text: str, size: float = 7.0) -> float:
 def torque_unit(largest: float) -> str:
     """The unit in which torques up to some size are shown [N*m]."""
     return "mN*m" if largest < 1.0 else "N*m"
+
+
+# -- Stretches of a long record that a figure shows, beside each other on one axis, with gaps for what is left out.
+
+
+_MOST = 700  # samples that a trace keeps: finer than print
+_SEEN = 1.0 / 300.0  # of a window: a longer step in time is more than a line's width
+
+_GAP = 0.035  # of all that is drawn, between two stretches
+_TICKS_OF_STRIP = 5  # of a stretch, at most
+_BREAK = [(-1.0, -1.8), (1.0, 1.8)]  # the mark where an axis is broken
+
+
+class Window(NamedTuple):
+    """A stretch of time with its title."""
+
+    title: str
+    start: float
+    end: float
+
+
+def windows(series: Mapping[str, NDArray[np.float64]]) -> list[Window]:
+    """The first and the last stretch in which the reference changes; all of it where it changes most of the time."""
+    time, reference = series["time"], series["speed_reference"]
+    whole = Window("whole cycle", float(time[0]), float(time[-1]))
+    changing = np.flatnonzero(np.abs(np.diff(reference)) > 1e-6 * np.abs(reference).max(initial=0.0))
+    if not len(changing):
+        return [whole]
+    still = time[changing[1:]] - time[changing[:-1] + 1]  # s, from the end of one change to the start of the next
+    gap = int(np.argmax(still)) if len(still) else 0
+    if not len(still) or still[gap] < 0.5 * (whole.end - whole.start):
+        return [whole]
+    first = whole.start, float(time[changing[gap] + 1])
+    last = float(time[changing[gap + 1]]), float(time[changing[-1] + 1])
+    room = 0.35 * max(first[1] - first[0], last[1] - last[0])
+    return [
+        Window("acceleration", first[0], first[1] + room),
+        Window("deceleration", last[0] - room, min(last[1] + room, whole.end)),
+    ]
+
+
+def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Window) -> NDArray[np.int64]:
+    """Rows of a window to draw: all when they are few, else the extremes of equal bins, so that no peak is lost.
+
+    The neighbours outside the window are among them, and both ends of every step in time that can be seen: where
+    nothing changes a record may have few samples.
+    """
+    first, last = np.searchsorted(time, [window.start, window.end])
+    start, end = max(first - 1, 0), min(last + 1, len(time))
+    steps = np.flatnonzero(np.diff(time[start:end]) > _SEEN * (window.end - window.start))
+    kept = [extremes(values[start:end], _MOST), steps, steps + 1]
+    found: NDArray[np.int64] = start + np.unique(np.concatenate(kept))
+    return found
+
+
+class Strip(NamedTuple):
+    """Stretches and where they are on the axis [s]."""
+
+    windows: tuple[Window, ...]
+    starts: tuple[float, ...]
+    end: float
+
+    def place(self, number: int, time: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Places of the times of a stretch."""
+        return time - self.windows[number].start + self.starts[number]
+
+
+def strip(windows: Sequence[Window]) -> Strip:
+    """Stretches in a row.
+
+    >>> strip([Window("", 0.0, 6.0), Window("", 100.0, 104.0)]).starts
+    (0.0, 6.35)
+    """
+    lengths = [window.end - window.start for window in windows]
+    gap, starts = _GAP * sum(lengths), [0.0]
+    for length in lengths[:-1]:
+        starts.append(round(starts[-1] + length + gap, 12))
+    return Strip(tuple(windows), tuple(starts), starts[-1] + lengths[-1])
+
+
+def within(
+    time: NDArray[np.float64], values: NDArray[np.float64], window: Window
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A record in a stretch, thinned, from its very start to its very end."""
+    rows = thinned(time, values, window)
+    t, v = time[rows], values[rows]
+    inside = (t >= window.start) & (t <= window.end)
+    edges = np.array([window.start, window.end])
+    ends = np.interp(edges, t, v)
+    missing = [not inside.any() or bool(edge != t[inside][n]) for n, edge in ((0, edges[0]), (-1, edges[1]))]
+    pieces = [(edges[:1], ends[:1])] * missing[0] + [(t[inside], v[inside])] + [(edges[1:], ends[1:])] * missing[1]
+    return np.concatenate([x for x, _ in pieces]), np.concatenate([y for _, y in pieces])
+
+
+def across(axes: Axes, shown: Strip, *, titled: bool = False) -> None:
+    """Ticks of each stretch by its own times, a gap with marks between them, and their titles."""
+    places: list[float] = []
+    names: list[str] = []
+    for number, window in enumerate(shown.windows):
+        ticks = _ticks(window)
+        places += shown.place(number, ticks).tolist()
+        names += [f"{tick:.6g}" for tick in ticks]
+        if titled:
+            axes.annotate(window.title, (shown.starts[number], 1.0), (0, 4), xycoords=("data", "axes fraction"),
+                          textcoords="offset points")  # fmt: skip
+        if number:
+            ends = shown.starts[number - 1] + shown.windows[number - 1].end - shown.windows[number - 1].start
+            _break(axes, ends, shown.starts[number])
+    axes.set_xticks(places, names)
+    axes.set_xlim(0.0, shown.end)
+
+
+def _ticks(window: Window) -> NDArray[np.float64]:
+    from matplotlib.ticker import MaxNLocator
+
+    ticks = np.asarray(MaxNLocator(_TICKS_OF_STRIP, steps=[1, 2, 5, 10]).tick_values(window.start, window.end))
+    room = 1e-9 * (window.end - window.start)
+    return ticks[(ticks >= window.start - room) & (ticks <= window.end + room)]
+
+
+def _break(axes: Axes, left: float, right: float) -> None:
+    axes.axvspan(left, right, facecolor="white", linewidth=0, zorder=3.5)
+    axes.plot([left, right], [0.0, 0.0], transform=axes.get_xaxis_transform(), linestyle="none", marker=_BREAK,
+              markersize=5, color="black", clip_on=False, zorder=6)  # fmt: skip

@@ -1,17 +1,30 @@
-"""The drives by mass, margin and price, and a front by its objectives."""
+"""The drives to choose from as figures that move, and in an order of the reader's own weights."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import isfinite
-from typing import Any
+import shlex
+from collections.abc import Iterator, Sequence
+from math import isfinite, isnan
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from drivesizer.output.derivation import cleaned, margin
+from drivesizer.output.json.documents import number
 from drivesizer.output.report.html.curves import Plot, above, figure, line, plain
-from drivesizer.results.objectives import objective_figure
-from drivesizer.results.sizing import SizingResult
-from drivesizer.units import from_si, label
+from drivesizer.output.report.sections.appendix import file_name
+from drivesizer.output.report.sections.candidates import gearhead_words
+from drivesizer.output.report.sections.section import Content, Picture, as_data
+from drivesizer.output.words import number_of
+from drivesizer.results.sizing import Choice, Choices, SizingResult, objective_figure, used_share, weighted_order
+from drivesizer.spec.drive import BOUGHT, OBJECTIVES
+from drivesizer.units import from_si, label, show
 
-__all__ = ["apart", "front_plot", "sets_plot"]
+__all__ = ["apart", "choices_plot", "front_plot", "sets_plot", "unbeaten", "weights_section"]
+
+
+# -- The drives by mass, margin and price, and a front by its objectives.
+
 
 _LOOKS = {  # of a drive by its status: colour and mark
     "pass": ("blue", "circle"),
@@ -140,3 +153,221 @@ def front_plot(result: SizingResult) -> Plot | None:
     }  # fmt: skip
     heads = [f"{f.title} ({label(f.unit)})" for f in found[0][:2]]
     return figure([points], _layout(*heads))
+
+
+# -- All drives to choose from in one figure: price over mass, energy as colour, and those that no other beats.
+
+
+_AXES = ("mass", "price", "energy")  # less of each is better
+_SCALE = [[0.0, "#2c7fb8"], [0.5, "#a1dab4"], [1.0, "#fdae61"]]  # of the energy: seen in light and in dark
+
+
+def choices_plot(chosen: Choices | None) -> Plot | None:
+    """The drives by mass and price, coloured by the energy of a cycle."""
+    every = chosen.drives if chosen else ()
+    drives = [one for one in every if isfinite(one.figures["mass"]) and isfinite(one.figures["price"])]
+    if len(drives) < 2:
+        return None
+    best = unbeaten(drives)
+    return figure([_points(drives, best)], _choices_layout(any(isfinite(one.figures["energy"]) for one in drives)))
+
+
+def unbeaten(drives: list[Choice]) -> list[bool]:
+    """Whether a drive is on the front: no other is as good in mass, price and energy and better in one of them."""
+    figures = [tuple(one.figures.get(name, float("nan")) for name in _AXES) for one in drives]
+    known = [tuple(value for value in each if isfinite(value)) for each in figures]
+
+    def beats(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+        pairs = list(zip(one, other, strict=False))
+        return len(one) >= len(other) and all(a <= b for a, b in pairs) and any(a < b for a, b in pairs)
+
+    return [not any(beats(one, other) for one in known) for other in known]
+
+
+def _points(drives: list[Choice], best: list[bool]) -> Plot:
+    mass = [1e3 * one.figures["mass"] for one in drives]
+    price = [one.figures["price"] for one in drives]
+    energy = [one.figures["energy"] for one in drives]
+    points = line(mass, price, "drives", "blue")
+    return points | {
+        "mode": "markers",
+        "marker": {
+            "size": [12 if front else 8 for front in best],
+            "symbol": ["diamond" if front else "circle" for front in best],
+            "color": [value if isfinite(value) else None for value in energy],
+            "colorscale": _SCALE,
+            "colorbar": {
+                "title": {"text": "energy per cycle (J)", "side": "right"},
+                "thickness": 10,
+                "outlinewidth": 0,
+            },
+        },
+        "customdata": [_hover_text(one, front) for one, front in zip(drives, best, strict=True)],
+        "hovertemplate": "<b>%{customdata[0]}</b><br>%{customdata[1]}<br>%{customdata[2]}<extra></extra>",
+    }
+
+
+def _hover_text(one: Choice, front: bool) -> list[str]:
+    energy = one.figures["energy"]
+    drawn = show(energy, "J", "energy") if isfinite(energy) else "energy unknown"
+    tight = one.figures.get("margin", float("nan"))
+    figures = f"{show(one.figures['mass'], 'g', 'mass')}, {one.figures['price']:.2f} EUR, {drawn}"
+    words = [f"smallest margin {margin(tight)}"] if isfinite(tight) else []
+    return [plain(one.parts.label), plain(figures), "; ".join([*words, *(["none beats it"] if front else [])])]
+
+
+def _choices_layout(coloured: bool) -> Plot:
+    return {
+        "height": 380,
+        "hovermode": "closest",
+        "xaxis": {"title": {"text": "mass (g)"}},
+        "yaxis": {},
+        "annotations": [above("price (EUR)")],
+        **({"margin": {"r": 80}} if coloured else {}),
+    }
+
+
+# -- The drives that pass in an order of the reader's own weights, which the page computes by itself.
+#
+# The table is whole without a script, in the order of the spec's objective. ``weights.js`` has the rule of
+# ``results.weights`` over the numbers of ``data``; ``weights_view.js`` joins it to the controls.
+
+
+_DIGITS = 7  # of a figure, in Python and in the page: a shorter file, and the same order in both
+_PARTS = "parts"  # number of parts, beside the objectives
+_SOURCE = (
+    "Weighted sum of ratios: R. T. Marler, J. S. Arora, Survey of multi-objective optimization methods for "
+    "engineering, Structural and Multidisciplinary Optimization 26 (2004) 369–395; C.-L. Hwang, K. Yoon, Multiple "
+    "Attribute Decision Making, Springer 1981 (simple additive weighting)."
+)
+_RULE = (
+    "Each figure is divided by the smallest of these drives; of a margin counts the share of the limit that is used, "
+    "1/(1 + margin). The score is the mean of these ratios by the weights: 1 for a drive that is the best in all that "
+    "has a weight, 1.1 for one that is a tenth worse in the mean. Of equal scores the larger margin goes first."
+)
+_NEGATIVE = "Where the smallest energy is not above zero, 1 + its distance from that over the largest amount counts."
+_PICTURE = Picture(
+    "choices",
+    "The same drives by mass and price, as far as both are known, their energy per cycle as colour. Diamonds are those "
+    "that no other beats in all three.",
+    "price over mass of the drives to choose from, coloured by energy per cycle",
+)
+_UNKNOWN = "Drives of which a figure with a weight is unknown go below all others, whatever it would be."
+
+
+class Criterion(NamedTuple):
+    """A figure that drives can be chosen by."""
+
+    name: str
+    title: str
+    texts: list[str]  # of each drive, as it is printed
+    figures: list[float]  # less is better; NaN unknown
+
+
+def weights_section(content: Content) -> dict[str, Any] | None:
+    """The section as plain data for the page's template."""
+    chosen = content.result.choices
+    every = [*_criteria(chosen.drives)] if chosen else []
+    offered = [one for one in every if len({*one.figures}) > 1]
+    if chosen is None or not offered:
+        return None
+    controls = [{"name": one.name, "title": one.title, "weight": chosen.weights.get(one.name, 0.0)} for one in offered]
+    block = {
+        "kind": "weights", "intro": _intro(content, chosen), "caption": _caption(chosen, offered), "controls": controls,
+        "rules": [*_rules(offered)], "left_out": [*_left_out(every, offered)], **_table(chosen, offered),
+        **_command(content, chosen),
+    }  # fmt: skip
+    blocks = [block, *as_data([_PICTURE])]
+    made: dict[str, Any] = cleaned({"name": "weights", "title": "Choose by weights", "level": 1, "blocks": blocks})
+    return made
+
+
+def _criteria(drives: tuple[Choice, ...]) -> Iterator[Criterion]:
+    """All figures of the drives, whether they differ or not."""
+    for name in drives[0].figures:
+        declared, values = OBJECTIVES[name], [one.figures[name] for one in drives]
+        figures = used_share(np.array(values)).tolist() if declared.more_is_better else values
+        yield Criterion(name, declared.title, [_text(name, value) for value in values], [*map(_rounded, figures)])
+    counts = [len(one.parts.parts) for one in drives]
+    yield Criterion(_PARTS, "number of parts", [number_of(count, "part") for count in counts], [*map(float, counts)])
+
+
+def _text(name: str, value: float) -> str:
+    declared = OBJECTIVES[name]
+    if isnan(value):
+        return "unknown"
+    if declared.more_is_better:
+        return margin(value)
+    return f"{value:.2f} EUR" if name == "price" else show(value, declared.unit, declared.kind)
+
+
+def _rounded(value: float) -> float:
+    """A figure with as many digits as the page has of it; one NaN for all that is unknown."""
+    return np.nan if isnan(value) else float(f"{value:.{_DIGITS}g}")
+
+
+def _table(chosen: Choices, offered: list[Criterion]) -> dict[str, Any]:
+    """The drives in the order of the spec's objective, and the numbers that another order is made of."""
+    figures = {one.name: np.array(one.figures) for one in offered}
+    found = weighted_order(figures, chosen.weights)
+    rows = [
+        {"row": row, "place": place, **_part_names(chosen.drives[row]), "texts": [one.texts[row] for one in offered],
+         "score": "unknown" if found.lacking[row] or isnan(found.score[row]) else f"{found.score[row]:.3f}"}
+        for place, row in enumerate(found.order.tolist(), 1)
+    ]  # fmt: skip
+    data = {"figures": {one.name: [*map(number, one.figures)] for one in offered}, "first": chosen.first}
+    return {"rows": rows, "belts": any(row["belt"] for row in rows), "data": data, "first": chosen.first}
+
+
+def _part_names(one: Choice) -> dict[str, str]:
+    parts = one.parts
+    return {"motor": parts.motor_name, "gearhead": gearhead_words(parts, belt=False), "belt": parts.belt_name}
+
+
+def _intro(content: Content, chosen: Choices) -> str:
+    result, count = content.result, len(chosen.drives)
+    met = "all limits" if result.sets and result.sets[0].status == "pass" else ""
+    each = ("meets " if count == 1 else "meet ") if met else ("fails " if count == 1 else "fail ")
+    picked = f"The {'drive' if count == 1 else f'{count} drives'} below {each}{met or 'no check'}"
+    if chosen.judged:
+        picked += f", in the machine as well; {chosen.passing} meet their own limits"
+    elif chosen.passing > count:
+        why = "whatever the weights, none of the others is better than the first" if chosen.whole else (
+            "by mass, price, a lower bound of the power and a bound of the margin")  # fmt: skip
+        picked += f". They are picked out of {chosen.passing}: {why}"
+    ranked = result.objective.replace("_", " ")
+    return f"{picked}. At first they are in the order of the spec, which ranks by {ranked}."
+
+
+def _caption(chosen: Choices, offered: list[Criterion]) -> str:
+    """Meaning of the figures: parts that they are summed over, or drives that they are of."""
+    there = {role for role in BOUGHT if any(getattr(one.parts, role) for one in chosen.drives)}
+    said = dict[str, list[str]]()
+    for declared in (OBJECTIVES[one.name] for one in offered if one.name != _PARTS):
+        over = f"of {', '.join(role for role in declared.over if role in there)}" if declared.over else declared.note
+        said.setdefault(over, []).append(declared.title)
+    return "; ".join(f"{' and '.join(titles)}: {over}" for over, titles in said.items())
+
+
+def _rules(offered: list[Criterion]) -> Iterator[str]:
+    yield _RULE
+    if any(np.nanmin(one.figures) <= 0.0 for one in offered):
+        yield _NEGATIVE
+    if any(isnan(figure) for one in offered for figure in one.figures):
+        yield _UNKNOWN
+    yield _SOURCE
+
+
+def _left_out(every: list[Criterion], offered: list[Criterion]) -> Iterator[str]:
+    """Figures without a weight, and why."""
+    for one in every:
+        if one in offered or one.name == _PARTS:
+            continue
+        yield f"{one.title} is unknown of all" if isnan(one.figures[0]) else f"{one.title} is the same, {one.texts[0]}"
+
+
+def _command(content: Content, chosen: Choices) -> dict[str, Any]:
+    """The search of all drives by the same weights."""
+    named = ",".join(f"{name}={weight:g}" for name, weight in chosen.weights.items())
+    command = shlex.join(["drivesizer", "size", file_name(content) or "robot.yaml", "--objective"])
+    return {"command": f"{command} ", "objective": named}

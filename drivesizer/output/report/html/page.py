@@ -1,36 +1,93 @@
-"""HTML: the sections of a report with style, script and figures inside, in one file.
-
-The file loads nothing from anywhere, and its own policy forbids it to: only the two scripts whose digests it names
-may run. Texts of a spec or a catalogue are escaped everywhere. The same input gives the same bytes.
-"""
+"""HTML: the sections of a report, of one drive or of a machine, with style, script and figures inside, in one file."""
 
 from __future__ import annotations
 
 import base64
+import colorsys
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from drivesizer.output.report.figures.all_figures import STILL, Drawing
-from drivesizer.output.report.figures.field import conditions
-from drivesizer.output.report.figures.field_panels import panels
+from drivesizer.output.report.figures.field import conditions, panels
 from drivesizer.output.report.figures.style import COLOURS
-from drivesizer.output.report.html.battery_plots import charge_plot, consumers_plot
-from drivesizer.output.report.html.candidate_plots import front_plot, sets_plot
-from drivesizer.output.report.html.choices_plot import choices_plot
+from drivesizer.output.report.html.candidate_plots import choices_plot, front_plot, sets_plot, weights_section
 from drivesizer.output.report.html.curves import Plot
-from drivesizer.output.report.html.field_plot import field_plot
-from drivesizer.output.report.html.load_plots import cycle_plot, motion_plot
-from drivesizer.output.report.html.loop_plots import bode_plot, closed_loop_plot, step_plots
-from drivesizer.output.report.html.mathematics import mathml
-from drivesizer.output.report.html.stills import image
-from drivesizer.output.report.html.templates import digest, environment, mathematics, own_file, unbroken
-from drivesizer.output.report.html.weights import weights_section
+from drivesizer.output.report.html.plots import (
+    bode_plot,
+    charge_plot,
+    closed_loop_plot,
+    consumers_plot,
+    cycle_plot,
+    field_plot,
+    motion_plot,
+    power_plot,
+    step_plots,
+)
+from drivesizer.output.report.html.templates import digest, environment, mathematics, mathml, own_file, unbroken
+from drivesizer.output.report.machine import MachineContent, shown
+from drivesizer.output.report.machine import document as machine_document
+from drivesizer.output.report.sections import document
 from drivesizer.output.report.sections.candidates import candidate_numbers
-from drivesizer.output.report.sections.content import Content
-from drivesizer.output.report.sections.document import document
+from drivesizer.output.report.sections.section import Content
 
-__all__ = ["SCRIPTS", "filled_page", "movable", "page_parts", "render", "report_html"]
+__all__ = ["both_schemes", "filled_page", "image", "machine_parts", "page_parts", "report_html"]
+
+
+# -- Still figures of the page: drawings whose colours follow the light or dark scheme of the reader.
+#
+# Each colour of a drawing becomes a variable with two values; the drawing has them itself, for as an image it sees
+# no style of the page.
+
+
+_DARK = {  # of colours that have a meaning: those of style.css
+    "#ffffff": "#14171a", "#000000": "#e8eaed", "#dddddd": "#343a41", COLOURS["blue"].lower(): "#56b4e9",
+    COLOURS["vermillion"].lower(): "#f08040", COLOURS["green"].lower(): "#2fc495", COLOURS["grey"].lower(): "#a3abb5",
+    COLOURS["purple"].lower(): "#cc79a7", COLOURS["orange"].lower(): "#e69f00", COLOURS["sky"].lower(): "#4b86a8",
+}  # fmt: skip
+_BLACK = "#000000"  # of letters and lines that name no colour
+_GROUND = re.compile(r'(<rect [^>]*)fill="(#[0-9a-f]{6})"(?=/>)')  # below a hatch: a colour that is no style
+_COLOUR = re.compile(r"(?<=: )#[0-9a-f]{6}\b")
+
+
+def image(svg: bytes) -> str:
+    """A drawing as the address of an image that follows the scheme."""
+    return f"data:image/svg+xml;base64,{base64.b64encode(both_schemes(svg.decode()).encode()).decode()}"
+
+
+def both_schemes(svg: str) -> str:
+    """A drawing with each colour as a variable, and their values for light and for dark."""
+    styled = _GROUND.sub(r'\1style="fill: \2"', svg)
+    named = _COLOUR.sub(lambda found: f"var(--{found[0][1:]})", styled)
+    used = sorted({_BLACK, *_COLOUR.findall(styled)})
+    light = "".join(f"--{colour[1:]}:{colour};" for colour in used)
+    dark = "".join(f"--{colour[1:]}:{_dark(colour)};" for colour in used)
+    style = (f"<style>:root{{{light}fill:var(--{_BLACK[1:]})}}"
+             f"@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}</style>")  # fmt: skip
+    opening = re.search(r"<svg\b[^>]*>", named)
+    assert opening is not None
+    return named[: opening.end()] + style + named[opening.end() :]
+
+
+def _dark(colour: str) -> str:
+    """A colour on a dark page: as given, else of the opposite lightness.
+
+    >>> _dark("#ffffff"), _dark("#cfe3f1")
+    ('#14171a', '#153449')
+    """
+    if colour in _DARK:
+        return _DARK[colour]
+    hue, light, full = colorsys.rgb_to_hls(*(int(colour[n : n + 2], 16) / 255.0 for n in (1, 3, 5)))
+    red, green, blue = colorsys.hls_to_rgb(hue, 0.08 + 0.86 * (1.0 - light), full)
+    return "#" + "".join(f"{round(255 * one):02x}" for one in (red, green, blue))
+
+
+# -- HTML: the sections of a report with style, script and figures inside, in one file.
+#
+# The file loads nothing from anywhere, and its own policy forbids it to: only the two scripts whose digests it names
+# may run. Texts of a spec or a catalogue are escaped everywhere. The same input gives the same bytes.
+
 
 SCRIPTS = ("tables.js", "plots.js", "weights.js", "weights_view.js", "page.js")  # one after the other, as one script
 _MOST_PANELS = 6  # of the motor's field that can be moved
@@ -71,7 +128,7 @@ def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: M
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
-    from drivesizer.output.report.html.kept import packed
+    from drivesizer.output.report.html.templates import packed
 
     doc = unbroken(filled)
     library, script = get_plotlyjs(), "".join(own_file(name) for name in SCRIPTS)
@@ -118,3 +175,27 @@ def movable(content: Content) -> dict[str, Plot]:
             for n, (title, plot) in enumerate(step_plots(validation.loops).items(), 1):
                 made[f"step-{n}"] = plot | {"title": title}
     return {name: plot for name, plot in made.items() if plot}
+
+
+# -- HTML of a machine: one page, with the figures of every axis that can be moved.
+
+
+def render_machine(content: MachineContent, path: Path, *, date: str | None = None) -> dict[Path, bytes]:
+    """The file of an HTML report."""
+    return {path: filled_page(*machine_parts(content, date))}
+
+
+def machine_parts(
+    content: MachineContent, date: str | None = None
+) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
+    """The document of a machine's report, its figures that can be moved, and those that cannot, by name."""
+    filled = machine_document(content, date)
+    wanted, drawings = set(shown(filled["sections"])), content.drawings
+    still = [*content.loads, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
+    pictures = {name: drawings[name] for name in still if name in wanted and name in drawings}
+    power = content.sizing.power
+    stacked = power_plot(power) if power else None
+    figures = {"power": stacked} if stacked else {}
+    figures |= {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
+    several = {name: re.sub(r"-\d+$", "", name) for name in figures}  # those of one kind are numbered
+    return filled, {name: figures[name] for name in figures if several[name] in wanted}, pictures

@@ -1,21 +1,98 @@
-"""The templates of the page: of a whole report, and of one section alone, each text escaped."""
+"""The templates of the page, each text escaped; mathematics as MathML; what all pages share, kept once made."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
 import re
-from collections.abc import Iterator, Mapping
+import unicodedata
+import zlib
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib import resources
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drivesizer.output.report.html.mathematics import mathml
+from jinja2 import BytecodeCache
+from jinja2.bccache import Bucket
+
+from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = ["digest", "environment", "mathematics", "own_file", "section_html", "unbroken"]
+__all__ = [
+    "Compiled", "digest", "environment", "mathematics", "mathml", "own_file", "packed", "section_html", "unbroken",
+]  # fmt: skip
+
+
+# -- Parts that all pages share, kept in the cache folder once made: the compiled template, the library as packed.
+
+
+class Compiled(BytecodeCache):
+    """Templates as Python compiles them; jinja2 holds them against their source and its own version."""
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        """Fill a bucket with what was kept, if it is whole."""
+        found = cached_bytes(_place(bucket))
+        if found is not None:
+            bucket.bytecode_from_string(found)
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Keep what a bucket holds; where the folder cannot be written it is compiled again the next time."""
+        with suppress(OSError):
+            keep(_place(bucket), bucket.bytecode_to_string())
+
+
+def _place(bucket: Bucket) -> Path:
+    return folder() / f"template{bucket.key[:8]}-{bucket.checksum}.jinja"
+
+
+def packed(script: str) -> bytes:
+    """A script as zlib packs it best, which takes a quarter of a second for a plotting library."""
+    path = folder() / f"script-{digest_of(zlib.ZLIB_RUNTIME_VERSION.encode(), script.encode())}.z"
+    found = cached_bytes(path)
+    if found is None:
+        found = zlib.compress(script.encode(), 9)
+        with suppress(OSError):
+            keep(path, found)
+    return found
+
+
+# -- Typst mathematics as MathML, which browsers set themselves: it can be copied, read aloud, and follows the page.
+
+
+def mathml(sources: Iterable[str]) -> Mapping[str, str]:
+    """MathML of pieces of typst mathematics, in one run of typst.
+
+    Examples
+    --------
+    >>> mathml(["V / t"])["V / t"]
+    '<math><mfrac><mi>V</mi><mi>t</mi></mfrac></math>'
+    """
+    import typst
+
+    wanted = list(dict.fromkeys(source for source in sources if source))
+    if not wanted:
+        return {}
+    page = "\n".join(f"#html.elem({_PLACE})[${source}$]" for source in wanted)
+    made = typst.compile(page.encode(), format="html", font_paths=typst.Fonts(include_system_fonts=False))
+    found = re.findall(f"<{_TAG}>(.*?)</{_TAG}>", made.decode(), re.DOTALL)
+    return {source: _plain(text) for source, text in zip(wanted, found, strict=True)}
+
+
+_TAG = "output"  # an element that mathematics does not have
+_PLACE = f'"{_TAG}"'
+
+
+def _plain(math: str) -> str:
+    """Letters of the alphabet in place of mathematical ones: a browser slants them itself, in any font."""
+    return re.sub(r"<mi>([^<]+)</mi>", lambda m: f"<mi>{unicodedata.normalize('NFKC', m[1])}</mi>", math)
+
+
+# -- The templates of the page: of a whole report, and of one section alone, each text escaped.
+
 
 _FILES = resources.files("drivesizer.output.report.html")
 _BREAK = "\u200b"  # where a PDF may end a line; a browser finds such places itself
@@ -36,8 +113,6 @@ def environment(math: Mapping[str, str]) -> Environment:
     """The templates with their filters; a name that a document does not have is an error, not an empty place."""
     import jinja2
     from markupsafe import Markup
-
-    from drivesizer.output.report.html.kept import Compiled
 
     made = jinja2.Environment(
         loader=jinja2.FunctionLoader(own_file), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,

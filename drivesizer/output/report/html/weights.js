@@ -1,5 +1,5 @@
 "use strict";
-// The order of drives by weights: the rule of drivesizer/results/weights.py, operation by operation, so that both
+// The order of drives by weights: the rule of drivesizer/results/sizing.py, operation by operation, so that both
 // give the same order to the last digit. Plain data in, plain data out; the page is not looked at.
 
 /** A figure of several drives as multiples of the least one; null stays null. */

@@ -1,0 +1,128 @@
+"""Export of parts: CSV with a row of units, or JSON in SI.
+
+Numbers are written as the data sheet prints them where that is the same figure, so that what is exported and
+imported again is the same. An unknown figure is an empty cell, null in JSON. A text that a spreadsheet would take
+for a formula gets an apostrophe in front, which :func:`plain` removes.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import Any
+
+from drivesizer.catalog import PARTS, Catalog, columns_of
+from drivesizer.catalog.law_check import Finding
+from drivesizer.catalog.more_parts import Column
+from drivesizer.catalog.parts import printed
+from drivesizer.catalog.query import Hit, origins, tolerances
+from drivesizer.units import KINDS, from_si, scale
+
+__all__ = ["as_csv", "as_document", "as_finding", "digits", "plain", "safe"]
+
+
+ORIGIN = ("catalog", "document", "confidence", "excluded")  # columns of a CSV that are no figures of a part
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a spreadsheet takes a cell that begins so for a formula
+
+
+def safe(text: str) -> str:
+    """A text as a cell that no spreadsheet takes for a formula.
+
+    >>> safe("=1+1"), safe("RE 25")
+    ("'=1+1", 'RE 25')
+    """
+    text = text.replace("\r\n", "\n").replace("\r", "\n")  # a lone carriage return ends the row for most readers
+    return f"'{text}" if text.lstrip("'").startswith(_FORMULA) else text
+
+
+def plain(cell: str) -> str:
+    """The text of a cell that drivesizer or another program wrote.
+
+    >>> plain("'=1+1"), plain("'n Sync")
+    ('=1+1', "'n Sync")
+    """
+    return cell[1:] if cell.startswith("'") and cell.lstrip("'").startswith(_FORMULA) else cell
+
+
+def digits(value: float, column: Column) -> str:
+    """A figure in its column's unit, with the digits that give the same figure when read again."""
+    if math.isnan(value):
+        return ""
+    factor, offset = scale(column.unit, column.kind)
+    shown = float(from_si(value, column.unit, column.kind))
+    for count in range(6, 17):
+        text = f"{shown:.{count}g}"
+        if float(text) * factor + offset == value:
+            return repr(float(text)).removesuffix(".0") if "e" in text else text
+    return repr(shown)
+
+
+def as_csv(section: str, hits: Sequence[Hit]) -> bytes:
+    """Parts of one section as CSV: a header, a row of units, then a part with its source in each row."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    columns = printed(section)
+    writer.writerow([*columns, *ORIGIN])
+    writer.writerow(["" if c.unit == "1" else c.unit for c in columns.values()] + [""] * len(ORIGIN))
+    for hit in hits:
+        source = hit.catalog.sources[hit.table.source[hit.row]]
+        origin = (safe(hit.catalogue), safe(source.document), source.confidence, _excluded(hit))
+        writer.writerow([_cell(hit[name], column) for name, column in columns.items()] + list(origin))
+    return text.getvalue().encode()
+
+
+def _cell(value: Any, column: Column) -> str:
+    return safe(value) if isinstance(value, str) else digits(value, column)
+
+
+def _excluded(hit: Hit) -> str:
+    return "true" if hit.table.excluded[hit.row] else "false"
+
+
+def as_part(hit: Hit) -> dict[str, Any]:
+    """A part with all its figures in SI, null where one is unknown."""
+    values = {name: _known(hit[name]) for name in printed(hit.section)}
+    return {"section": hit.section, "catalog": hit.catalogue, **values, "excluded": _excluded(hit) == "true"}
+
+
+def as_finding(finding: Finding) -> dict[str, Any]:
+    """A finding with its numbers in SI, null where there is none."""
+    values = {f.name: getattr(finding, f.name) for f in fields(finding)}
+    known = {name: _known(value) if isinstance(value, str | float) else value for name, value in values.items()}
+    return known | {"unexplained": finding.unexplained}
+
+
+def _known(value: Any) -> Any:
+    if isinstance(value, str):
+        return value or None
+    return value if math.isfinite(value) else None
+
+
+def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: bool = False) -> dict[str, Any]:
+    """Parts as one JSON document with their catalogues and units."""
+    sections = [section for section in PARTS if any(hit.section == section for hit in hits)]
+    parts = []
+    for hit in hits:
+        parts.append(as_part(hit) | (_sources(hit) if sources else {}))
+    return {
+        "catalogs": {name: digest for c in shelf.values() for name, digest in c.digests.items()},
+        "units": {section: _units(section) for section in sections},
+        "parts": parts,
+    }
+
+
+def _sources(hit: Hit) -> dict[str, Any]:
+    """Sources of a part's figures, and the tolerances that its maker states."""
+    stated = [
+        {"part": one.part, "figure": one.figure, "tolerance": one.tolerance, "text": one.text or None,
+         "source": hit.catalog.sources[one.source]._asdict()}
+        for one in tolerances(hit)
+    ]  # fmt: skip
+    return {"sources": {name: one._asdict() for name, one in origins(hit).items()}, "tolerances": stated}
+
+
+def _units(section: str) -> dict[str, str]:
+    return {name: KINDS[c.kind].si for name, c in columns_of(section).items() if c.kind != "text"}

@@ -1,0 +1,555 @@
+"""Gains by named rules: of the servo cascade, and of the velocity loop that acts on the voltage; warnings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.control.drive_train import DriveTrain, Mode, Regime, modes
+from drivesizer.control.validation import LEAST_PHASE_MARGIN, Cascade, Gains, Loop, Loops, Rates
+from drivesizer.errors import InputError
+from drivesizer.loads.course import Profile
+from drivesizer.physics.counted_speed import COUNT_SHARE, Counts, lags, most_gain, shortest, speed_quantum
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+__all__ = [
+    "COMPUTING", "LATE", "SPREAD", "CascadeRequirements", "design", "design_cascade", "effective_delay", "feedforward",
+    "loop_warnings", "magnitude_optimum", "margin_of", "most_bandwidth", "natural_frequency", "pole_placement",
+    "resolution_warning", "resonance_warning", "shortest_ramp", "spread_of", "symmetrical_optimum",
+]  # fmt: skip
+
+
+# -- Gains of the velocity loop that acts on the voltage: those of the spec, or PI gains by the SIMC rule [1].
+#
+# The rule works on the speed response of the motor with its reflected load, friction that grows with speed left out.
+# A counted speed is late by half its counting time, and one count may be answered with a tenth of the available
+# voltage: of all counting times the one with the fastest closed loop is taken.
+#
+# .. [1] S. Skogestad, "Simple analytic rules for model reduction and PID controller tuning", J. Process Control 13
+# (2003) 291-309: the half rule, the PI settings, and tau_c = theta for tight control. .. [2] K. J. Åström, T.
+# Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA, 1995, ch. 3: filter of the derivative.
+
+
+_Array = NDArray[np.float64]
+
+RULE = "SIMC PI"
+SOURCE = "S. Skogestad, J. Process Control 13 (2003) 291-309"
+GIVEN = "given in the spec"
+COMPUTING = 1.0  # control periods between a measurement and the voltage that answers it
+_HOLDING = 0.5  # control periods by which a held voltage is late on average
+_FILTER = 10.0  # derivative time over its filter's, 8 to 20 by [2]
+_LARGEST_GAIN = 1e9  # V per unit: with it, rounding errors of the speed would be volts
+
+
+def effective_delay(train: DriveTrain, mode: Mode, period: float) -> tuple[float, float]:
+    r"""Lag and delay of the first-order model of the speed response.
+
+    .. math:: \frac{w}{u} = \frac{1/k_e}{(T_1 s + 1)(T_2 s + 1)} \approx \frac{1/k_e}{\tau_1 s + 1} e^{-\theta s},
+              \quad \tau_1 = T_1 + T_2 / 2, \quad \theta = T_2 / 2 + 1.5\,T_s
+
+    Notes
+    -----
+    :math:`T_1 + T_2 = R J/(k_t k_e)` and :math:`T_1 T_2 = (T_1 + T_2) L/R`; where they are complex (a light rotor
+    behind a large inductance) their real part is taken. Half rule: [1].
+    """
+    mechanical = train.resistance * mode.inertia / (train.torque_constant * train.back_emf_constant)
+    electrical = train.inductance / train.resistance
+    spread = math.sqrt(max(0.0, 1.0 - 4.0 * electrical / mechanical))
+    slow = mechanical / 2 * (1.0 + spread)
+    fast = mechanical - slow
+    return slow + fast / 2, fast / 2 + (COMPUTING + _HOLDING) * period
+
+
+def design(
+    spec: RobotSpec, train: DriveTrain, period: float, counts: Counts | None = None, slower: float = 1.0
+) -> Gains:
+    """Gains of the voltage PI: given by the spec, or by the SIMC rule."""
+    if spec.control.kp is not None:
+        return _given_gains(spec, spec.control.kp, period, counts)
+    tau_1, theta = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], period)
+    periods, late = lags(counts, period)
+    tight, quiet = _least(train, period, counts)
+    least = np.maximum(tight, quiet)
+    tau_c = slower * _time_constant(spec, float(tight.min()), float(least.min()))
+    # at a bandwidth that is given, counts may be too noisy: then they are taken as long as the delay allows
+    n = shortest(least, tau_c) if tau_c >= least.min() else int(np.flatnonzero(tight <= tau_c)[-1])
+    theta += float(late[n])
+    kp = train.back_emf_constant * tau_1 / (tau_c + theta)
+    tau_i = min(tau_1, 4.0 * (tau_c + theta))
+    rule = f"{RULE}, tau_c = {show(tau_c, 'ms', 'time', 3)}{' (tight)' if tau_c == least.min() else ''}"
+    return Gains(
+        kp=kp, ki=kp / tau_i, kd=0.0, filter_time=0.0, period=period, counted_over=int(periods[n]), rule=rule,
+        source=SOURCE,
+    )  # fmt: skip
+
+
+def _least(train: DriveTrain, period: float, counts: Counts | None) -> tuple[_Array, _Array]:
+    """Shortest time constants of the closed loop, by delay and by noise, for every time of counting [s]."""
+    every = modes(train)
+    tau_1, theta = effective_delay(train, every[Regime.FORWARD_DRIVING], period)
+    lightest, _ = effective_delay(train, every[Regime.FORWARD_BRAKING], period)
+    periods, late = lags(counts, period)
+    delay = theta + late
+    # braking, the gears' losses help and the loop is faster: even there tau_c is no shorter than the delay
+    tight = tau_1 / lightest * 2.0 * delay - delay
+    if counts is None:
+        return tight, tight
+    return tight, train.back_emf_constant * tau_1 / most_gain(counts, periods, period) - delay
+
+
+def _time_constant(spec: RobotSpec, tight: float, least: float) -> float:
+    """Time constant of the closed loop [s]: that of the required bandwidth, else the least by delay and noise."""
+    if spec.control.bandwidth is not None:
+        tau_c = 1.0 / (2.0 * math.pi * spec.control.bandwidth)
+        if tau_c < tight:
+            most = show(1.0 / (2.0 * math.pi * tight), "Hz", "frequency", 3)
+            raise InputError(
+                f"{spec.where(('control', 'bandwidth'))}: {show(spec.control.bandwidth, 'Hz', 'frequency')} is faster "
+                f"than the delay of the loop allows; expected at most {most}"
+            )
+        return tau_c
+    if spec.needs.bandwidth is not None:  # a need that cannot be met fails its check
+        return max(least, 1.0 / (2.0 * math.pi * spec.needs.bandwidth))
+    return least
+
+
+def _given_gains(spec: RobotSpec, kp: float, period: float, counts: Counts | None) -> Gains:
+    ki, kd = spec.control.ki, spec.control.kd
+    for name, gain in (("kp", kp), ("ki", ki), ("kd", kd)):
+        if gain > _LARGEST_GAIN:
+            where = spec.where(("control", name))
+            raise InputError(f"{where}: {gain:g} is no gain of a real controller; expected at most {_LARGEST_GAIN:g}")
+    filter_time = max(period, kd / kp / _FILTER) if kp and kd else period if kd else 0.0
+    over = max(counts.periods, 1) if counts else 0
+    return Gains(
+        kp=kp, ki=ki, kd=kd, filter_time=filter_time, period=period, counted_over=over, rule=GIVEN, source=""
+    )  # fmt: skip
+
+
+# -- Gains of the servo cascade by named rules, from the inside out.
+#
+# The winding is a lag :math:`L/R`; the delay of a held voltage, computing included, is the small lag
+# :math:`T_{\sigma i} = 1.5\,T_i`. The magnitude optimum [1]_ makes of it a current loop with the lag
+# :math:`2\,T_{\sigma i}` and damping 0.707; the back-EMF is a disturbance. The velocity loop sees the inertia behind
+# :math:`T_{\sigma w} = R/k_{i,i} + 1.5\,T_w`, the position loop sees the velocity loop.
+# Symbols: J inertia at the motor [kg*m^2], k_t torque constant [N*m/A], T period [s].
+#
+# .. [1] C. Kessler, "Über die Vorausberechnung optimal abgestimmter Regelkreise, Teil III", Regelungstechnik 3
+# (1955) 40-49. .. [2] C. Kessler, "Das symmetrische Optimum", Regelungstechnik 6 (1958) 395-400, 432-436. .. [3] D.
+# Schröder, *Elektrische Antriebe - Regelung von Antriebssystemen*, Springer: both optima, cascade control. .. [4] W.
+# Leonhard, *Control of Electrical Drives*, 3rd ed., Springer 2001: cascade, symmetrical optimum, position loop. ..
+# [5] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995: pole placement,
+# phase margins, filter of the derivative.
+
+
+LATE = COMPUTING + 0.5  # periods: computing, and the half by which a held value is late on average
+SPREAD = 2.0  # a of the symmetrical optimum [2]: phase margin 36.9 deg
+FILTER = 10.0  # derivative time over its filter's, 8 to 20 by [5]
+SOURCES = {
+    "magnitude optimum": "C. Kessler, Regelungstechnik 3 (1955) 40-49",
+    "symmetrical optimum": "C. Kessler, Regelungstechnik 6 (1958) 395-400",
+    "pole placement": "K. J. Åström, T. Hägglund, PID Controllers, ISA 1995",
+    "aperiodic": "W. Leonhard, Control of Electrical Drives, Springer 2001",
+}
+
+
+def magnitude_optimum(resistance: float, inductance: float, lag: float) -> tuple[float, float]:
+    r"""Current PI gains by the magnitude optimum [1]_ [3]_.
+
+    .. math:: k_p = \frac{L}{2 T_\sigma}, \quad k_i = \frac{R}{2 T_\sigma}
+              \quad\Rightarrow\quad \frac{i}{i^*} = \frac{1}{1 + 2 T_\sigma s + 2 T_\sigma^2 s^2}
+    """
+    return inductance / (2.0 * lag), resistance / (2.0 * lag)
+
+
+def spread_of(phase_margin: float) -> float:
+    r"""The spread a of the symmetrical optimum that has a phase margin [rad] [3]_.
+
+    .. math:: \varphi = \arctan a - \arctan (1/a) \quad\Leftrightarrow\quad a = \frac{1 + \sin\varphi}{\cos\varphi}
+
+    >>> round(spread_of(math.atan(0.75)), 12)
+    2.0
+    """
+    return (1.0 + math.sin(phase_margin)) / math.cos(phase_margin)
+
+
+def margin_of(a: float) -> float:
+    """The phase margin [rad] that the symmetrical optimum has with a spread, the inverse of :func:`spread_of`."""
+    return math.atan(a) - math.atan(1.0 / a)
+
+
+def symmetrical_optimum(inertia: float, torque_constant: float, lag: float, a: float = SPREAD) -> tuple[float, float]:
+    r"""Velocity PI gains by the symmetrical optimum [2]_ [3]_ [4]_.
+
+    .. math:: k_p = \frac{J}{k_t\, a\, T_\sigma}, \quad k_i = \frac{k_p}{a^2 T_\sigma}
+    """
+    kp = inertia / (torque_constant * a * lag)
+    return kp, kp / (a * a * lag)
+
+
+def natural_frequency(bandwidth: float, damping: float) -> float:
+    r"""Natural frequency [rad/s] of the poles of a PI loop around an inertia, for a -3 dB bandwidth [Hz].
+
+    Of :math:`(2 D\omega_0 s + \omega_0^2)/(s^2 + 2 D\omega_0 s + \omega_0^2)`:
+
+    .. math:: \omega_b = \omega_0 \sqrt{1 + 2D^2 + \sqrt{(1 + 2D^2)^2 + 1}}
+    """
+    b = 1.0 + 2.0 * damping**2
+    return 2.0 * math.pi * bandwidth / math.sqrt(b + math.hypot(b, 1.0))
+
+
+def pole_placement(
+    inertia: float, torque_constant: float, natural_frequency: float, damping: float, viscous: float = 0.0
+) -> tuple[float, float]:
+    r"""Velocity PI gains by pole placement [5]_.
+
+    .. math:: k_p = \frac{2 D \omega_0 J - b}{k_t}, \quad k_i = \frac{\omega_0^2 J}{k_t}
+    """
+    kp = (2.0 * damping * natural_frequency * inertia - viscous) / torque_constant
+    return kp, natural_frequency**2 * inertia / torque_constant
+
+
+def most_bandwidth(lag: float, damping: float, lightest: float = 1.0) -> float:
+    r"""Largest -3 dB bandwidth [Hz] with a phase margin of 30 deg behind a dead time; NaN where there is none.
+
+    With :math:`\rho` the share of the inertia that is left (driven by the load, the gears' losses help):
+
+    .. math:: x = \left(\frac{\omega_c}{\omega_0}\right)^2 = \frac{2D^2 + \sqrt{4D^4 + \rho^2}}{\rho^2}, \quad
+              \varphi = \arctan(2 D \sqrt{x}) - \omega_0 \sqrt{x}\, T_\sigma
+    """
+    x = math.sqrt(2.0 * damping**2 + math.hypot(2.0 * damping**2, lightest)) / lightest
+    left = math.atan(2.0 * damping * x) - LEAST_PHASE_MARGIN
+    return left / (x * lag) / natural_frequency(1.0, damping) if left > 0.0 else math.nan
+
+
+def current_lag(train: DriveTrain, kp: float, ki: float, period: float) -> float:
+    """Lag of the closed current loop [s]: R/k_i, twice the small lag for the magnitude optimum [3]_."""
+    if ki > 0.0:
+        return train.resistance / ki
+    return train.inductance / (train.resistance + kp) + LATE * period
+
+
+def position_gain(velocity_lag: float) -> float:
+    """Gain of the position loop [1/s] around a velocity loop with a lag [s]: both poles real and equal [4]_."""
+    return 1.0 / (4.0 * velocity_lag)
+
+
+def feedforward(train: DriveTrain) -> tuple[float, float, float]:
+    """Feedforward gains of the current, driving: acceleration, viscous friction, Coulomb friction."""
+    every, k_t = modes(train), train.torque_constant
+    forward, backward = every[Regime.FORWARD_DRIVING], every[Regime.BACKWARD_DRIVING]
+    return forward.inertia / k_t, train.viscous / k_t, (forward.drag - backward.drag) / 2.0 / k_t
+
+
+# -- The gains of a servo cascade: those that are given are kept, the rest is designed around them by named rules.
+#
+# From the inside out: current loop, velocity loop, position loop, feedforward; the rules and their sources are those
+# of ``cascade_rules``.
+
+
+_DAMPING = math.sqrt(0.5)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CascadeRequirements:
+    """Gains and requirements that the user gives; the rest is designed. Units as in :class:`Cascade`."""
+
+    current_kp: float | None = None
+    current_ki: float | None = None
+    velocity_kp: float | None = None
+    velocity_ki: float | None = None
+    velocity_kd: float | None = None
+    filter_time: float | None = None
+    position_kp: float | None = None
+    feedforward_velocity: float | None = None
+    feedforward_friction: float | None = None
+    feedforward_acceleration: float | None = None
+    bandwidth: float | None = None  # Hz, of the velocity loop: pole placement
+    damping: float | None = None  # of the poles that are placed
+    phase_margin: float | None = None  # rad, of the velocity loop: symmetrical optimum
+    position: bool = False  # whether there is a position loop
+
+
+def design_cascade(
+    train: DriveTrain,
+    every: Rates,
+    wanted: CascadeRequirements,
+    *,
+    where: Callable[[str], str] = "control.{}".format,
+    counts: Counts | None = None,
+    slower: float = 1.0,
+) -> tuple[Cascade, list[str]]:
+    """All gains of a cascade: those that are given, and the rest designed around them.
+
+    Velocity loop: pole placement where a bandwidth or a damping is given, else the symmetrical optimum.
+    """
+    _look(wanted, where)
+    current, current_rule = _current(train, every, wanted, where)
+    lag = current_lag(train, *current, every.current) + LATE * every.velocity
+    over, lag = _late(train, lag, every.velocity, wanted, counts)
+    velocity, velocity_rule = _velocity(train, lag * slower, wanted, where)
+    outer, outer_rule = _position(train, lag + LATE * every.position, velocity, wanted)
+    rules = [rule for rule in (current_rule, velocity_rule, outer_rule) if rule]
+    kd = wanted.velocity_kd or 0.0
+    fed = dict(zip(("acceleration", "velocity", "friction"), feedforward(train), strict=True))
+    given = {f"feedforward_{name}": getattr(wanted, f"feedforward_{name}") for name in fed}
+    found = Cascade(
+        current_kp=current[0],
+        current_ki=current[1],
+        velocity_kp=velocity[0],
+        velocity_ki=velocity[1],
+        velocity_kd=kd,
+        filter_time=_filter_time(wanted, velocity[0], every.velocity) if kd else 0.0,
+        position_kp=outer,
+        **{name: fed[name.removeprefix("feedforward_")] if gain is None else gain for name, gain in given.items()},
+        current_period=every.current,
+        velocity_period=every.velocity,
+        position_period=every.position if outer else 0.0,
+        counted_over=over,
+        rule="; ".join(rules),
+        source="; ".join(source for name, source in SOURCES.items() if any(name in rule for rule in rules)),
+    )
+    return found, ["gains are designed for the inertia of driving; braking, the gears' losses make it less"]
+
+
+def _look(wanted: CascadeRequirements, where: Callable[[str], str]) -> None:
+    """Refuse what is no gain, and figures that exclude or lack each other."""
+    for f in fields(wanted):
+        value = getattr(wanted, f.name)
+        if value is not None and not 0.0 <= value <= _LARGEST_GAIN:
+            raise InputError(f"{where(f.name)}: {value:g} is no use; expected 0 to {_LARGEST_GAIN:g}")
+    if wanted.phase_margin is not None and not 0.0 < wanted.phase_margin < math.pi / 2:
+        raise InputError(f"{where('phase_margin')}: expected more than 0° and less than 90°")
+    gains = [name for name in ("velocity_kp", "velocity_ki") if getattr(wanted, name) is not None]
+    for name, others in (("bandwidth", gains), ("phase_margin", gains), ("damping", gains if len(gains) > 1 else [])):
+        if getattr(wanted, name) is not None and others:
+            raise InputError(f"{where(name)}: {others[0]} is given too, and settles it; expected one of them")
+    if wanted.phase_margin is not None and (wanted.bandwidth is not None or wanted.damping is not None):
+        raise InputError(f"{where('phase_margin')}: expected either it, or bandwidth and damping: they are two rules")
+    if wanted.damping is not None and wanted.bandwidth is None and not gains:
+        raise InputError(
+            f"{where('damping')}: it belongs to bandwidth, velocity_kp or velocity_ki; expected one of them"
+        )
+    if wanted.filter_time is not None and not wanted.velocity_kd:
+        raise InputError(f"{where('filter_time')}: it belongs to velocity_kd; expected both")
+    for name in ("bandwidth", "damping"):
+        if getattr(wanted, name) == 0.0:
+            raise InputError(f"{where(name)}: 0 is no use; expected more")
+
+
+def _current(
+    train: DriveTrain, every: Rates, wanted: CascadeRequirements, where: Callable[[str], str]
+) -> tuple[tuple[float, float], str]:
+    """Gains of the current loop and their rule: around one that is given, the other cancels the winding's lag."""
+    kp, ki = wanted.current_kp, wanted.current_ki
+    if kp == 0.0 and not ki:
+        raise InputError(f"{where('current_kp')}: without it and current_ki no current flows; expected one of them")
+    if kp is not None and ki is not None:
+        return (kp, ki), "current: given"
+    if kp is None and ki is None:
+        gains = magnitude_optimum(train.resistance, train.inductance, LATE * every.current)
+        return gains, "current: magnitude optimum"
+    cancels = "the reset time is the winding's, as in the magnitude optimum"
+    if kp is not None:
+        return (kp, kp * train.resistance / train.inductance), f"current: kp given, {cancels}"
+    assert ki is not None
+    return (ki * train.inductance / train.resistance, ki), f"current: ki given, {cancels}"
+
+
+def _late(
+    train: DriveTrain, lag: float, period: float, wanted: CascadeRequirements, counts: Counts | None
+) -> tuple[int, float]:
+    """Periods over which counts are taken, and the total lag of the velocity loop [s].
+
+    The symmetrical optimum is as fast as the lag or the answer to one count allows; for a bandwidth that is given,
+    counts are taken as long as its gain needs. Gains that are given are kept, with counts of one period.
+    """
+    periods, late = lags(counts, period)
+    every = lag + late
+    if counts is None or counts.periods:
+        return int(periods[0]), float(every[0])
+    most = most_gain(counts, periods, period)
+    if _pair(wanted) != (None, None):
+        return 1, float(every[0])
+    inertia = modes(train)[Regime.FORWARD_DRIVING].inertia
+    if wanted.bandwidth is not None:
+        w = natural_frequency(wanted.bandwidth, wanted.damping or _DAMPING)
+        kp, _ = pole_placement(inertia, train.torque_constant, w, wanted.damping or _DAMPING, train.viscous)
+        lightest = modes(train)[Regime.FORWARD_BRAKING].inertia / inertia
+        within = every * wanted.bandwidth <= most_bandwidth(1.0, wanted.damping or _DAMPING, lightest)
+        # the first that is quiet; else as long as the delay allows, and one where it allows none
+        quiet, last = np.flatnonzero(within & (kp <= most)), np.flatnonzero(within)
+        n = int(quiet[0]) if len(quiet) else int(last[-1]) if len(last) else 0
+        return int(periods[n]), float(every[n])
+    a = SPREAD if wanted.phase_margin is None else spread_of(wanted.phase_margin)
+    least = np.maximum(every, inertia / (train.torque_constant * a * most))
+    n = shortest(least, float(least.min()))
+    return int(periods[n]), float(least[n])
+
+
+def _velocity(
+    train: DriveTrain, lag: float, wanted: CascadeRequirements, where: Callable[[str], str]
+) -> tuple[tuple[float, float], str]:
+    """Gains of the velocity loop and their rule."""
+    kp, ki = wanted.velocity_kp, wanted.velocity_ki
+    if kp is not None and ki is not None:
+        return (kp, ki), "velocity: given"
+    if wanted.bandwidth is None and wanted.damping is None:
+        return _symmetrical(train, lag, wanted, where)
+    every, k_t = modes(train), train.torque_constant
+    J, damping = every[Regime.FORWARD_DRIVING].inertia, wanted.damping or _DAMPING
+    if kp is not None:
+        w = (k_t * kp + train.viscous) / (2.0 * damping * J)
+    elif ki is not None:
+        w = math.sqrt(k_t * ki / J)
+    else:
+        assert wanted.bandwidth is not None
+        most = most_bandwidth(lag, damping, every[Regime.FORWARD_BRAKING].inertia / J)
+        _reachable(wanted.bandwidth, most, damping, where)
+        w = natural_frequency(wanted.bandwidth, damping)
+    placed = pole_placement(J, k_t, w, damping, train.viscous)
+    if placed[0] < 0.0:
+        raise InputError(f"{where('bandwidth')}: the friction alone makes the drive faster than that; expected more")
+    gains = (placed[0] if kp is None else kp, placed[1] if ki is None else ki)
+    return gains, f"velocity: pole placement, {show(w, 'rad/s', 'rotary_speed', 3)}, damping {damping:.3g}"
+
+
+def _reachable(bandwidth: float, most: float, damping: float, where: Callable[[str], str]) -> None:
+    """Refuse a bandwidth or damping that the delay of the loop does not allow."""
+    if math.isnan(most):
+        raise InputError(f"{where('damping')}: {damping:.3g} leaves a phase margin below 30° at any bandwidth")
+    if bandwidth > most:
+        raise InputError(
+            f"{where('bandwidth')}: {show(bandwidth, 'Hz', 'frequency')} is faster than the delay of the loop allows "
+            f"at 30° of phase margin; expected at most {show(math.floor(most * 10) / 10, 'Hz', 'frequency')}"
+        )
+
+
+def _symmetrical(
+    train: DriveTrain, lag: float, wanted: CascadeRequirements, where: Callable[[str], str]
+) -> tuple[tuple[float, float], str]:
+    """The symmetrical optimum; one gain that is given sets the spread, and with it the other."""
+    J, k_t, kp, ki = modes(train)[Regime.FORWARD_DRIVING].inertia, train.torque_constant, *_pair(wanted)
+    if kp == 0.0 or ki == 0.0:  # P or I alone is what was meant
+        return (kp or 0.0, ki or 0.0), "velocity: given"
+    a = SPREAD if wanted.phase_margin is None else spread_of(wanted.phase_margin)
+    if kp is not None:
+        a = J / (k_t * kp * lag)
+    elif ki is not None:
+        a = math.cbrt(J / (k_t * ki * lag * lag))
+    if a <= 1.0:
+        name, most = ("velocity_kp", J / (k_t * lag)) if kp else ("velocity_ki", J / (k_t * lag * lag))
+        raise InputError(
+            f"{where(name)}: with {getattr(wanted, name):.4g} no reset time makes the loop stable; expected less than "
+            f"{most:.4g}, or velocity_kp and velocity_ki together"
+        )
+    designed = symmetrical_optimum(J, k_t, lag, a)
+    gains = (designed[0] if kp is None else kp, designed[1] if ki is None else ki)
+    return gains, f"velocity: symmetrical optimum, a = {a:.3g}"
+
+
+def _pair(wanted: CascadeRequirements) -> tuple[float | None, float | None]:
+    return wanted.velocity_kp, wanted.velocity_ki
+
+
+def _position(
+    train: DriveTrain, lag: float, velocity: tuple[float, float], wanted: CascadeRequirements
+) -> tuple[float, str]:
+    """Gain of the position loop and its rule; the velocity loop is late by its reset time, or its inertia's lag."""
+    if wanted.position_kp is not None:
+        return wanted.position_kp, "position: given" if wanted.position_kp else ""
+    kp, ki = velocity
+    if not wanted.position or not (kp or ki):
+        return 0.0, ""
+    inertia = modes(train)[Regime.FORWARD_DRIVING].inertia
+    late = kp / ki if kp and ki else inertia / (train.torque_constant * kp) if kp else lag
+    return position_gain(late + lag), "position: aperiodic"
+
+
+def _filter_time(wanted: CascadeRequirements, kp: float, period: float) -> float:
+    """Filter of the derivative [s]: as given, else a tenth of the derivative time, a period at least."""
+    if wanted.filter_time is not None:
+        return wanted.filter_time
+    assert wanted.velocity_kd is not None
+    return max(period, wanted.velocity_kd / kp / FILTER) if kp else period
+
+
+# -- Warnings about a loop in words, each with the figure that would be right.
+#
+# .. [1] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995, ch. 4: margins.
+# .. [2] G. Ellis, *Control System Design Guide*, 4th ed., Elsevier 2012, ch. 16: resonance and the loop's bandwidth.
+
+
+RESONANCE_SHARE = 0.2  # a bandwidth above a fifth of the resonance is near it [2]
+_RISE = math.log(9.0) / (2.0 * math.pi)  # bandwidth times rise time (10-90 %) of a first-order lag, 0.35
+
+
+def _hertz(figure: float) -> str:
+    return show(figure, "Hz", "frequency", 3)
+
+
+def loop_warnings(loops: Iterable[Loop], profile: Profile | None = None) -> list[str]:
+    """Warnings about loops that are unstable, ring, or are slower than a profile requires."""
+    ramp = shortest_ramp(profile) if profile else math.nan
+    said = []
+    for loop in loops:
+        where = f"the {loop.name} loop" + (f", {loop.direction}," if loop.direction else "")
+        if not loop.stable:
+            said.append(f"{where} is unstable with these gains: largest pole {loop.pole_radius:.4g}, stable inside 1")
+        elif loop.phase_margin < LEAST_PHASE_MARGIN:
+            margin, least = (f"{math.degrees(figure):.3g}°" for figure in (loop.phase_margin, LEAST_PHASE_MARGIN))
+            said.append(f"{where} rings: phase margin {margin}, expected {least} at least")
+        if loop.stable and loop.bandwidth < _RISE / ramp:
+            said.append(
+                f"the {loop.name} loop is slower than the profile: bandwidth {_hertz(loop.bandwidth)}, and the "
+                f"shortest ramp, {show(ramp, 's', 'time', 3)}, needs {_hertz(_RISE / ramp)}"
+            )
+    return said
+
+
+def shortest_ramp(profile: Profile) -> float:
+    """Shortest time in which a profile goes from one constant or extreme speed to the next [s]; NaN: none.
+
+    Successive straight pieces in one direction are one ramp, so that the rounded ramp of an S-curve counts whole.
+    """
+    ramps: list[float] = []
+    sign = 0.0
+    for t0, t1, v0, v1 in profile.pieces():
+        before, sign = sign, math.copysign(1.0, v1 - v0) if v1 != v0 else 0.0
+        if sign and sign == before:
+            ramps[-1] += t1 - t0
+        elif sign:
+            ramps.append(t1 - t0)
+    return min(ramps, default=math.nan)
+
+
+def resonance_warning(loops: Loops, stiffness: float) -> list[str]:
+    """Warning where the bandwidth that the gains have on a stiff shaft reaches the resonance [2]."""
+    wanted, most = loops.rigid_bandwidth, RESONANCE_SHARE * loops.resonance
+    if not wanted > most:
+        return []
+    inside = "within" if wanted >= loops.anti_resonance else "near"
+    stiffer = stiffness * (wanted / most) ** 2  # a frequency goes with the root of the stiffness
+    return [
+        f"the load swings against the motor {inside} the bandwidth of {_hertz(wanted)} that the velocity loop has with "
+        f"a stiff shaft: anti-resonance at {_hertz(loops.anti_resonance)}, resonance at {_hertz(loops.resonance)}; "
+        f"expected a bandwidth below a fifth of that, {_hertz(most)}, or a stiffness above {stiffer:.3g} N·m/rad"
+    ]
+
+
+def resolution_warning(lines: float, time: float, kp: float, peak: float, kind: str = "current") -> list[str]:
+    """Warning where one encoder count is answered with much of the controller's range."""
+    quantum = speed_quantum(lines, time)
+    if not quantum * kp > COUNT_SHARE * peak:  # unknown too
+        return []
+    answer, most = (show(figure, "A" if kind == "current" else "V", kind, 3) for figure in (quantum * kp, peak))
+    return [
+        f"one encoder count over {show(time, 'ms', 'time', 3)} is {show(quantum, 'rpm', 'rotary_speed', 3)}, answered "
+        f"with {answer} of {most}: expected {COUNT_SHARE:.0%} at most, by more encoder lines, less gain, or counts "
+        "over a longer time"
+    ]

@@ -1,0 +1,552 @@
+"""A platform on its trajectory as load cases: one for each driven wheel; and any load as inertia at its shaft."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import PrivateAttr
+
+from drivesizer.errors import InputError
+from drivesizer.files.csv_columns import path_from_spec
+from drivesizer.files.text import missing
+from drivesizer.load_cases import cycle_of_course, driven_shaft_cycle, load_cycle
+from drivesizer.load_cases.profile import profile_of
+from drivesizer.load_cases.requirements import requirements
+from drivesizer.loads.course import Course, Profile
+from drivesizer.loads.hoist import Hoist
+from drivesizer.loads.kinds import Load
+from drivesizer.loads.recorded import ComputedLoad, Recorded
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle, rolling_resistance, turning_inertia, wheel_friction
+from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, rms
+from drivesizer.platform import wheels as platform_wheels
+from drivesizer.platform.dynamics import Dynamics, Ground, contact_loads, dynamics, motion, own_rolling, wheel_torques
+from drivesizer.platform.grip import wheel_cycles
+from drivesizer.platform.kinematics import map_columns
+from drivesizer.platform.planner import Limits, Waypoint, plan, read_track
+from drivesizer.platform.trajectory import Trajectory
+from drivesizer.results.drive_set import Requirement
+from drivesizer.spec.motions import Track, Waypoints
+from drivesizer.spec.platform import Platform
+from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
+from drivesizer.units import show
+
+__all__ = [
+    "AtShaft", "Driving", "Wheel", "WheelLoad", "at_shaft", "box_inertia", "cycles_of", "driving", "dynamics_of",
+    "floor_friction", "ground_of", "motion_of", "over_time", "platform_assumptions", "platform_of", "remaining_torque",
+    "trajectory_of", "wheel_load", "wheels", "with_trajectory",
+]  # fmt: skip
+
+
+# -- The platform of a spec as the record that kinematics and dynamics take: section and load put together.
+
+
+def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 0.0) -> platform_wheels.Platform:
+    """The platform with its payloads, of the load's mass."""
+    driven = sum(place.driven for place in section.places)
+    if driven != load.driven_wheels:
+        raise InputError(f"platform: {driven} of its wheels are driven, load.driven_wheels is {load.driven_wheels}")
+    C_rr = rolling_resistance(load)
+    common = {"inertia": turning_inertia(load), "rolling_resistance": C_rr}
+    placed = [place.record(load.wheel_diameter / 2, **common) for place in section.places]
+    turned = (replace(w, rotor_inertia=rotor_inertia) if w.drive == "motor" else w for w in placed)
+    rolling = (w if w.held else replace(w, roller_resistance=section.roller_resistance) for w in turned)
+    centre, own = section.centre_of_mass, _own_mass(section, load)
+    empty = platform_wheels.Platform(
+        wheels=tuple(rolling),
+        mass=own,
+        inertia=box_inertia(section, own) if section.inertia is None else section.inertia,
+        x=centre.x,
+        y=centre.y,
+        height=centre.height or 0.0,
+        casters=tuple(
+            platform_wheels.Caster(
+                x=c.x, y=c.y, rolling_resistance=C_rr if c.rolling_resistance is None else c.rolling_resistance
+            )
+            for c in section.casters
+        ),
+    )
+    carried = (
+        platform_wheels.Payload(mass=p.mass, x=p.x, y=p.y, height=p.height or 0.0, inertia=p.inertia)
+        for p in section.payloads
+    )
+    whole = platform_wheels.loaded(empty, *carried)
+    for number in dict.fromkeys(section.failed):
+        whole = platform_wheels.without_motor(whole, number, blocked=section.blocked)
+    return whole
+
+
+def _own_mass(section: Platform, load: WheeledVehicle) -> float:
+    """Mass of the robot without its payloads [kg]."""
+    carried = sum(p.mass for p in section.payloads)
+    if not carried < load.mass:
+        found, of_all = show(carried, "kg", "mass"), show(load.mass, "kg", "mass")
+        raise InputError(f"platform: payloads of {found} leave nothing of load.mass, {of_all}, which includes them")
+    return load.mass - carried
+
+
+def box_inertia(section: Platform, mass: float) -> float:
+    """Inertia of a homogeneous box of the robot's size about its vertical axis, m (L² + W²) / 12 [kg*m^2]."""
+    assert section.size is not None
+    return mass * (section.size.length**2 + section.size.width**2) / 12.0
+
+
+def platform_assumptions(section: Platform, load: WheeledVehicle) -> tuple[str, ...]:
+    """Assumptions about the platform where the spec gives no figure, as sentences."""
+    found = []
+    if section.inertia is None:
+        inertia = show(box_inertia(section, _own_mass(section, load)), "kg*m^2", "inertia")
+        found.append(f"The robot's inertia is that of a homogeneous box of its size without payloads, {inertia}.")
+    if not section.height_known:
+        found.append("The height of the centre of mass is not given: wheels are taken to carry what they do at rest.")
+    if any(not place.driven for place in section.places):
+        found.append("A wheel without a drive has the inertia of one with.")
+    if any(c.rolling_resistance is None for c in section.casters):
+        found.append("Casters roll as hard as the wheels.")
+    return tuple(found)
+
+
+# -- One driven wheel of a platform on its trajectory, as the load of a drive: computed, not recorded.
+
+
+class WheelLoad(ComputedLoad):
+    """The load cycle of a wheel, or of several with equal load cycles."""
+
+    is_wheel: ClassVar[bool] = True
+
+    _numbers: tuple[int, ...] = PrivateAttr(default=())
+    _distance: float = PrivateAttr(default=0.0)
+    _of: str = PrivateAttr(default="")
+    _rolling: float = PrivateAttr(default=0.0)
+
+    @property
+    def alike(self) -> int:
+        """Number of wheels with this load cycle."""
+        return len(self._numbers)
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Numbers of these among the driven wheels, from 0."""
+        return self._numbers
+
+    @property
+    def distance(self) -> float:
+        """Distance that the platform travels in the cycle [m]."""
+        return self._distance
+
+    @property
+    def of(self) -> str:
+        """The load case of the platform that it belongs to."""
+        return self._of
+
+    @property
+    def rolling_torque(self) -> float:
+        """Torque of rolling on a level floor, in either direction [N*m]."""
+        return self._rolling
+
+
+def wheel_load(
+    cycle: LoadCycle, wheels: int, numbers: Iterable[int], distance: float, of: str, rolling: float
+) -> WheelLoad:
+    """The load of one wheel, or of several alike."""
+    made = WheelLoad.model_construct(kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0)
+    made._cycle, made._numbers, made._distance, made._of, made._rolling = cycle, tuple(numbers), distance, of, rolling
+    return made
+
+
+def machine_cases(cases: Iterable[tuple[str, Load]]) -> list[tuple[str, list[int]]]:
+    """The load cases of the whole machine: the name of each, and the numbers of those of its wheels."""
+    found: dict[tuple[str, int], list[int]] = {}  # two may have one name, unless they are wheels of one
+    for number, (name, load) in enumerate(cases):
+        key = (load.of, -1) if isinstance(load, WheelLoad) else (name, number)
+        found.setdefault(key, []).append(number)
+    return [(name, numbers) for (name, _), numbers in found.items()]
+
+
+# -- A platform on its trajectory as load cases: one for each driven wheel, wheels with equal load cycles as one.
+#
+# A drive is sized for all of them: for the worst wheel. What the supply and the battery give is shared by all
+# wheels; the checks of the supply take every wheel as the one of the case, the battery's add up what each draws.
+
+
+_SAME = 1e-9  # of the largest figure
+
+
+def trajectory_of(spec: RobotSpec) -> Trajectory | None:
+    """The trajectory of the platform; None where the spec's motion is none."""
+    motion = spec.motion
+    if isinstance(motion, Track):
+        path = path_from_spec(spec.file, motion.trajectory, spec.where(("motion", "trajectory")))
+        return read_track(path, limits_of(spec), motion.smoothing, spec.where(("motion", "smoothing")))
+    if isinstance(motion, Waypoints):
+        limits = limits_of(spec)
+        if limits is None:
+            where = spec.where(("platform", "limits"))
+            raise InputError(f"{where}: expected speed and acceleration to plan the waypoints with, e.g. speed: 1 m/s")
+        points = [Waypoint(x=p.x, y=p.y, heading=p.heading, pause=p.pause) for p in motion.waypoints]
+        with _located(spec, "motion", "waypoints"):
+            return plan(points, limits)
+    return None
+
+
+@contextmanager
+def _located(spec: RobotSpec, *path: str | int) -> Iterator[None]:
+    """Say of what is wrong inside where the spec has it."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{spec.where(path)}: {str(error).removeprefix(f'{path[-1]}: ')}") from None
+
+
+def limits_of(spec: RobotSpec) -> Limits | None:
+    """Limits of the platform's motion; None where speed or acceleration is not given."""
+    given = spec.platform.limits if spec.platform else None
+    if given is None or given.speed is None or given.acceleration is None:
+        return None
+    with _located(spec, "platform", "limits"):
+        return Limits(**{name: getattr(given, name) for name in type(given).model_fields})
+
+
+def dynamics_of(spec: RobotSpec, rotor_inertia: float = 0.0) -> Dynamics:
+    """Kinematics and dynamics of a spec's platform."""
+    assert spec.platform is not None and isinstance(spec.load, WheeledVehicle)
+    with _located(spec, "platform"):
+        return dynamics(platform_of(spec.platform, spec.load, rotor_inertia))
+
+
+def ground_of(spec: RobotSpec) -> Ground:
+    """The floor that a spec's platform stands on."""
+    assert spec.platform is not None and isinstance(spec.load, WheeledVehicle)
+    return Ground(slope=spec.load.slope, uphill=spec.platform.uphill, gravity=spec.environment.gravity)
+
+
+def floor_friction(spec: RobotSpec, force: float) -> float:
+    """Force that friction transmits at a driven wheel of a vehicle straight on, of a platform at its worst [N]."""
+    load, section, g = spec.load, spec.platform, spec.environment.gravity
+    assert isinstance(load, WheeledVehicle)
+    if section is None:
+        return wheel_friction(load, g)
+    if load.friction_coefficient is None or not section.height_known:
+        return math.nan
+    p = platform_of(section, load)
+    gains = np.array([1.0, -1.0]) * load.driven_wheels * force / p.mass - g * math.sin(load.slope)
+    ground = Ground(slope=load.slope, gravity=g)
+    carried = contact_loads(p, 0.0, ground, (gains, 0.0 * gains))[: len(p.wheels)].min(axis=1)
+    held = [n * math.cos(w.roller_angle) for n, w in zip(carried, p.wheels, strict=True) if w.drive == "motor"]
+    return load.friction_coefficient * max(float(min(held)), 0.0)
+
+
+def wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
+    """A load case of a platform as those of its wheels, the one of the largest RMS torque first."""
+    if not isinstance(case.motion, Track | Waypoints):
+        yield name, case
+        return
+    d, trajectory = dynamics_of(case), trajectory_of(case)
+    assert trajectory is not None and isinstance(case.load, WheeledVehicle)
+    cycles, driven = cycles_of(case, d, trajectory), d.kinematics.driven
+    rolling = own_rolling(d, contact_loads(d.platform, ground=Ground(gravity=case.environment.gravity)))
+    for alike in sorted(_groups(cycles), key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
+        which = _listed([driven[i] + 1 for i in alike])
+        cycle = _with_the_worst_limits([cycles[i] for i in alike])
+        own = float(rolling[driven[alike[0]]])
+        load = wheel_load(cycle, case.load.driven_wheels, alike, trajectory.length, name, own)
+        one = case.alone(load=load, motion=None)
+        yield (which if name in ("", AS_SPECIFIED) else f"{name}, {which}"), one
+
+
+def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[LoadCycle, ...]:
+    """The load cycle of each driven wheel of a platform on its trajectory, with the grip that it needs.
+
+    What takes load off a wheel is a matter of the machine, whatever drives it: see ``budgets``.
+    """
+    load = case.load
+    assert isinstance(load, WheeledVehicle)
+    known = case.platform is not None and case.platform.height_known  # else nobody knows what a wheel carries
+    friction = load.friction_coefficient if known else None
+    with _located(case, "motion"):
+        found = wheel_cycles(d, trajectory, ground_of(case), friction=friction)
+    return tuple(replace(cycle, own=tuple(own for own in cycle.own if own.name == "traction")) for cycle in found)
+
+
+def _groups(cycles: Sequence[LoadCycle]) -> list[list[int]]:
+    """Wheels with equal load cycles, in either direction of turning."""
+    found: list[list[int]] = []
+    for i, cycle in enumerate(cycles):
+        group = next((g for g in found if _alike(cycles[g[0]], cycle)), None)
+        if group is None:
+            found.append([i])
+        else:
+            group.append(i)
+    return found
+
+
+def _alike(a: LoadCycle, b: LoadCycle) -> bool:
+    if len(a.duration) != len(b.duration) or not np.allclose(a.duration, b.duration, rtol=_SAME, atol=0.0):
+        return False
+    return any(
+        all(_near(getattr(a, name), sign * getattr(b, name)) for name in ("speed", "torque")) for sign in (1.0, -1.0)
+    )
+
+
+def _near(a: Ends, b: Ends) -> bool:
+    return bool(np.abs(a - b).max() <= _SAME * max(np.abs(a).max(), np.abs(b).max()))
+
+
+def _with_the_worst_limits(cycles: Sequence[LoadCycle]) -> LoadCycle:
+    """The first of cycles alike, with each limit of the load where it is tightest."""
+    worst = [max(limits, key=_tightness) for limits in zip(*(cycle.own for cycle in cycles), strict=True)]
+    return replace(cycles[0], own=tuple(worst))
+
+
+def _tightness(own: OwnLimit) -> float:
+    return own.demand / own.limit if own.limit > 0.0 else np.inf if own.limit <= 0.0 else own.demand
+
+
+def _listed(numbers: list[int]) -> str:
+    """``wheel 2``, ``wheels 1, 3 and 4``."""
+    if len(numbers) == 1:
+        return f"wheel {numbers[0]}"
+    return f"wheels {', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
+
+
+# -- A platform driven along a trajectory: the requirements at each of its wheels.
+
+
+Array = NDArray[np.float64]
+
+
+class Wheel(NamedTuple):
+    """A driven wheel along the trajectory."""
+
+    number: int
+    cycle: LoadCycle
+    requirements: tuple[Requirement, ...]
+
+    @property
+    def grip(self) -> OwnLimit | None:
+        """Its force on the floor where that is largest beside the grip."""
+        return next(iter(self.cycle.own), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Driving:
+    """A platform along its trajectory."""
+
+    spec: RobotSpec  # whose motion the trajectory is
+    trajectory: Trajectory
+    wheels: tuple[Wheel, ...]
+
+
+def with_trajectory(spec: RobotSpec, file: Path | None, failed: Sequence[int] = ()) -> RobotSpec:
+    """The spec with a trajectory as its motion, in one load case.
+
+    Parameters
+    ----------
+    spec
+        With a platform.
+    file
+        The trajectory; that of the spec's own motion when not given.
+    failed
+        Wheels whose motor has failed, by number; those of the spec when none is given.
+
+    Returns
+    -------
+    RobotSpec
+        The machine with that motion, and no other load case.
+
+    Raises
+    ------
+    InputError
+        When the spec has no platform, or neither it nor a file names a trajectory.
+    """
+    if spec.platform is None:
+        raise InputError(f"{spec.where(())}: no section platform; expected one, e.g. platform: {{layout: ...}}")
+    if file is None and not isinstance(spec.motion, Track | Waypoints):
+        raise InputError(
+            "TRAJECTORY.CSV is missing and the spec's motion is none; expected e.g. drivesizer drive robot.yaml a.csv"
+        )
+    if file is not None and (reason := missing(file)):
+        raise InputError(f"{file}: cannot be read ({reason})")
+    motion = spec.motion if file is None else Track(profile="trajectory", trajectory=_relative_path(spec, file))
+    platform = spec.platform
+    if failed:
+        wheels = len(platform.places)
+        wrong = [number for number in failed if not 1 <= number <= wheels]
+        if wrong:
+            raise InputError(f"--failed: there is no wheel {wrong[0]}; expected 1 to {wheels}")
+        platform = platform.model_copy(update={"failed": list(failed)})
+    return spec.alone(motion=motion, platform=platform)
+
+
+def _relative_path(spec: RobotSpec, file: Path) -> str:
+    """A file's path from the folder of the spec, where it is in there."""
+    folder = Path(spec.file).absolute().parent if spec.file else Path.cwd()
+    whole = file.absolute()
+    return str(whole.relative_to(folder) if whole.is_relative_to(folder) else whole)
+
+
+def driving(spec: RobotSpec) -> Driving:
+    """Load cycle and requirements of each wheel of a platform along its trajectory.
+
+    Parameters
+    ----------
+    spec
+        Of ``with_trajectory``.
+
+    Raises
+    ------
+    InputError
+        When the trajectory is wrong, or the wheels do not allow it.
+    """
+    d, trajectory = dynamics_of(spec), trajectory_of(spec)
+    assert trajectory is not None
+    wheels = (
+        Wheel(place + 1, cycle, tuple(requirements([cycle])))
+        for place, cycle in zip(d.kinematics.driven, cycles_of(spec, d, trajectory), strict=True)
+    )
+    return Driving(spec, trajectory, tuple(wheels))
+
+
+def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
+    """Posture, velocity, speed and torque of each driven wheel: by name columns with their kind and unit of the trade.
+
+    Torques are those of the load at the wheel's shaft; where one jumps there are two rows of one time.
+    """
+    d, trajectory = dynamics_of(found.spec), found.trajectory
+    seen = motion(d, trajectory, ground_of(found.spec))
+    ends = np.cumsum(seen.duration)
+    time = np.stack([np.append(0.0, ends[:-1]), ends], axis=1)
+    E = d.kinematics.E[list(d.kinematics.driven)]
+    torque = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards,
+                           rotors=False)  # fmt: skip
+    columns = dict(_columns(time, trajectory.at(time.reshape(-1)), seen.eta, map_columns(E, seen.eta), torque, found))
+    keep = _different(np.array([column for column, *_ in columns.values()]))
+    return {name: (column[keep], kind, unit) for name, (column, kind, unit) in columns.items()}
+
+
+def _columns(
+    time: Array, posture: Array, eta: Array, speed: Array, torque: Array, found: Driving
+) -> Iterator[tuple[str, tuple[Array, str, str]]]:
+    yield "time", (time.reshape(-1), "time", "s")
+    for name, row, kind, unit in zip(("x", "y", "heading"), posture, _PLACES, ("m", "m", "deg"), strict=True):
+        yield name, (row, kind, unit)
+    for name, row, (kind, unit) in zip(("forwards", "to_the_left", "turning"), eta, _VELOCITIES, strict=True):
+        yield name, (row.reshape(-1), kind, unit)
+    for wheel, one, other in zip(found.wheels, speed, torque, strict=True):
+        yield f"speed_{wheel.number}", (one.reshape(-1), "rotary_speed", "rpm")
+        yield f"torque_{wheel.number}", (other.reshape(-1), "torque", "N*m")
+
+
+_PLACES = ("length", "length", "angle")
+_VELOCITIES = (("speed", "m/s"), ("speed", "m/s"), ("rotary_speed", "rpm"))
+
+
+def _different(rows: Array) -> NDArray[np.bool_]:
+    """Columns of a table that differ from the one before."""
+    return np.append(True, (np.diff(rows, axis=1) != 0.0).any(axis=0))
+
+
+# -- The load as inertia and torques at the shaft, for the closed loop, where the motion is not known beforehand.
+#
+# A load cycle says what torque a motion takes; in closed loop the motion is the result. So the load is split into
+# a part that depends on the shaft alone and a remainder over time:
+#
+# .. math:: T = J \dot w + T_{dir} + T_r(t)
+#
+# J is the inertia at the shaft. T_dir are three constants, at the start of the motion: creeping forward, creeping
+# backward and at rest; between the latter two friction holds. They come from the load's own torque law, so that no
+# formula is repeated here. T_r is the torque of the cycle beyond both, such as the changing weight of a swinging
+# arm, wind, or losses of a screw's acceleration; it acts at its time, whatever the drive does. Convention: as in
+# ``load_cycle``; torque is positive when it resists forward motion.
+
+
+_CREEP = 1e-9  # m/s or rad/s: no drag to speak of, and a direction
+_NOTHING = 1e-12  # of the largest torque: what rounding leaves
+
+
+class AtShaft(NamedTuple):
+    """A load as seen from the driven shaft of one drive."""
+
+    inertia: float  # kg*m^2
+    radius: float  # m, travel of the load per angle of the shaft; 1 where it turns with it
+    forward_torque: float  # N*m that resists when it creeps forward
+    backward_torque: float  # N*m, the same backward: below the forward one by friction
+    rest_torque: float  # N*m without friction: weight
+
+
+@np.errstate(all="ignore")  # what leaves the range of numbers is refused with the drive train
+def at_shaft(spec: RobotSpec) -> AtShaft:
+    """Inertia and torques of a spec's load at the shaft."""
+    forward, rest = _creeping(spec, _CREEP), _creeping(spec, 0.0)
+    found = (_first(forward), _backward(spec), _first(rest))
+    return AtShaft(forward.inertia, forward.radius, *found)
+
+
+def _creeping(spec: RobotSpec, speed: float) -> LoadCycle:
+    """A second at a speed, from where the motion starts; of a recording without its torque."""
+    ends, still, load = np.full((1, 2), speed), np.zeros((1, 2)), spec.load
+    if isinstance(load, Recorded):
+        rolling = load.rolling_torque if isinstance(load, WheelLoad) else 0.0
+        torque = np.full((1, 2), math.copysign(rolling, speed) if speed else 0.0)
+        alone = LoadCycle("creeping", np.ones(1), ends, still, torque, load.shaft_inertia)
+    else:
+        alone = cycle_of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, still))
+    return driven_shaft_cycle(spec, alone)
+
+
+def _first(cycle: LoadCycle) -> float:
+    return float(cycle.torque[0, 0])
+
+
+def _backward(spec: RobotSpec) -> float:
+    try:
+        return _first(_creeping(spec, -_CREEP))
+    except InputError:
+        if not isinstance(spec.load, Hoist):
+            raise
+        return 0.0  # friction outweighs the load: its rope hangs slack and pulls with nothing
+
+
+def motion_of(spec: RobotSpec) -> Profile:
+    """The motion profile of a spec; that of the shaft where the load is a recording."""
+    if not isinstance(spec.load, Recorded):
+        return profile_of(spec)
+    cycle = load_cycle(spec)
+    time = np.append(cycle.time[:, 0], cycle.total)
+    speed = np.append(cycle.speed[:, 0], cycle.speed[-1, 1])
+    return Profile(cycle.name, tuple(time.tolist()), tuple(speed.tolist()))
+
+
+def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArray[np.float64]:
+    """Torque of a motion beyond inertia and the constants of its direction."""
+    cycle = load_cycle(spec, None if isinstance(spec.load, Recorded) else profile)
+    direction = np.sign(cycle.speed.mean(axis=1, keepdims=True))
+    known = np.where(direction > 0.0, shaft.forward_torque, shaft.backward_torque)
+    known = np.where(direction == 0.0, shaft.rest_torque, known) + shaft.inertia * cycle.acceleration
+    largest = float(np.abs(cycle.torque).max() + np.abs(known).max())
+    left = cycle.torque - known
+    left[np.abs(left) <= _NOTHING * largest] = 0.0
+    if not left.any():
+        return np.empty((0, 2))
+    level = np.abs(left[:, 1] - left[:, 0]) <= _NOTHING * largest
+    left[level, 1] = left[level, 0]
+    edges = profile.time[0] + np.concatenate([[0.0], np.cumsum(cycle.duration)])
+    return _corners(edges, left, _NOTHING * largest)
+
+
+def _corners(edges: NDArray[np.float64], value: NDArray[np.float64], small: float) -> NDArray[np.float64]:
+    """Segments with two ends as rows of rising time; where the ends of two segments meet, one row is enough."""
+    time = np.stack([edges[:-1], edges[1:]], axis=1)
+    meets = np.append(np.abs(value[1:, 0] - value[:-1, 1]) <= small, False)
+    time[:-1, 1] = np.maximum(np.nextafter(time[:-1, 1], -math.inf), time[:-1, 0])
+    kept = np.stack([np.ones(len(meets), bool), ~meets], axis=1).ravel()
+    rows: NDArray[np.float64] = np.stack([time, value], axis=2).reshape(-1, 2)[kept]
+    rises = np.append(np.diff(rows[:, 0]) > 0.0, True)
+    found: NDArray[np.float64] = rows[rises]
+    return found  # a segment too short for its times to differ: its end

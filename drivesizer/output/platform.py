@@ -1,0 +1,253 @@
+"""A platform in numbers, for all outputs: kinematics, dynamics, the speed that its drives permit by direction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from math import isinf, isnan
+from typing import NamedTuple
+
+import numpy as np
+
+from drivesizer.errors import InputError
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
+from drivesizer.machine.platform_budget import PermittedSpeeds
+from drivesizer.physics.load_cycle import end_times
+from drivesizer.platform.dynamics import Dynamics, motion, wheel_torques
+from drivesizer.platform.matrix_equation import PLATFORM, Array, MatrixEquation, computed, text
+from drivesizer.platform.robot_figures import (
+    Instant,
+    Numbers,
+    figures,
+    matrices,
+    mobility,
+    numbers_of,
+    robot_at_instant,
+    wheel_table,
+)
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import label, show
+
+__all__ = [
+    "FOLLOWING", "SPEEDS", "EquationNumbers", "PlatformNumbers", "Printed", "cell", "equation_of", "failed_motors_text",
+    "formula", "hardest_instant", "platform_numbers", "printed", "speed_heads", "speed_remarks", "speed_rows",
+    "speed_text",
+]  # fmt: skip
+
+
+# -- The instant of a platform's motion at which a wheel has its largest torque.
+
+
+_SAME = 1e-9  # of the largest torque
+
+
+class HardestInstant(NamedTuple):
+    """A platform where one of its wheels has its largest torque."""
+
+    dynamics: Dynamics
+    instant: Instant
+    time: float  # s, from the start of the motion
+    wheel: int  # from 1
+    case: str  # name of the load case; empty where there is one
+
+
+def hardest_instant(spec: RobotSpec, rotor_inertia: float = 0.0) -> HardestInstant:
+    """A platform at the instant of its motion, in the first load case, at which a wheel has its largest torque."""
+    name, case = spec.load_cases[0]
+    d, trajectory = dynamics_of(case, rotor_inertia), trajectory_of(case)
+    if trajectory is None:
+        cycle = load_cycle(case)
+        at = _largest(cycle.torque, cycle.speed)
+        eta, eta_dot = (np.array([cycle.radius * course[at], 0.0, 0.0]) for course in (cycle.speed, cycle.acceleration))
+        ground = replace(ground_of(case), uphill=0.0)  # its slope is along its path
+        turned = cycle.duration * cycle.speed.mean(axis=1)  # rad, of each segment; its speed is a straight line
+        turned[at[0]] *= at[1]  # at its start or at its end
+        posture = np.array([cycle.radius * turned[: at[0] + 1].sum(), 0.0, 0.0])
+        straight = Instant(posture, eta, eta_dot, ground)
+        return HardestInstant(d, straight, float(cycle.time[at]), d.kinematics.driven[0] + 1, name)
+    seen = motion(d, trajectory, ground_of(case))
+    torque = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards)
+    wheel, piece, end = _largest(torque, np.hypot(*seen.eta[:2])[None])
+    place, time = (slice(None), piece, end), float(end_times(seen.duration)[piece, end])
+    posture = np.array([*trajectory.at(time)[:2], seen.theta[piece, end]])
+    instant = Instant(posture, seen.eta[place], seen.eta_dot[place], ground_of(case), seen.towards[place])
+    return HardestInstant(d, instant, time, d.kinematics.driven[wheel] + 1, name)
+
+
+def _largest(torque: Array, speed: Array) -> tuple[int, ...]:
+    """Place of the largest torque; of several alike that at the highest speed."""
+    size = np.abs(torque)
+    fastest = np.where(size >= (1.0 - _SAME) * size.max(), np.abs(speed), -1.0)
+    return tuple(int(i) for i in np.unravel_index(fastest.argmax(), size.shape))
+
+
+# -- Tables of a platform, for terminal and reports: the speed that its drives permit in each direction.
+
+
+FOLLOWING = "Path following: largest deviations"
+SPEEDS = "Highest steady speed by direction, counterclockwise from ahead"
+
+
+def speed_heads(found: PermittedSpeeds) -> list[str]:
+    """Heads of the columns: direction, motors, and each failed wheel."""
+    return ["direction", failed_motors_text(found), *(f"without {failed}" for failed in found.speed if failed)]
+
+
+def failed_motors_text(found: PermittedSpeeds) -> str:
+    """Motors that drive where no further one fails: ``all motors``, or without the failed ones."""
+    return f"without {', '.join(map(str, found.failed))}" if found.failed else "all motors"
+
+
+def speed_rows(found: PermittedSpeeds) -> Iterator[tuple[str, str, list[float]]]:
+    """Direction, what limits it, and speeds [m/s], with all motors and without each; of a quarter turn."""
+    for degrees in range(0, 91, 15):
+        here = found.at(degrees)
+        if not isnan(here[0][0]):
+            yield f"{degrees} °", here[0][1], [speed for speed, _ in here.values()]
+
+
+def speed_text(speed: float) -> str:
+    """A speed of the table; a dash where the wheels do not go there.
+
+    >>> speed_text(1.35), speed_text(float("nan")), speed_text(float("inf"))
+    ('1.35 m/s', '–', 'any')
+    """
+    return "any" if isinf(speed) else "–" if isnan(speed) else show(speed, "m/s", "speed", 3)
+
+
+def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
+    """Directions in which a speed is not permitted, and assumptions of the table, as sentences."""
+    required, every = found.required, len(found.direction)
+    slow = {failed: int((speed < (required or 0.0)).sum()) for failed, speed in found.speed.items()}
+    if required is not None and any(slow.values()):
+        less = f", without a motor in up to {max(slow.values())}" if len(slow) > 1 else ""
+        yield f"{speed_text(required)}, as in the spec, is not permitted in {slow[0]} of {every} directions{less}."
+    yield (
+        "At constant speed for long, at the lowest supply voltage: what is left for gaining speed is not in it, and "
+        "neither are supply and battery."
+    )
+    by = dict.fromkeys(name for names in found.limit.values() for name in names if name)
+    never = "; 0 m/s: not for long at any speed" * any((speed == 0.0).any() for speed in found.speed.values())
+    yield f"Limited by {_listed(by)}{never}." if by else "No limit is known."
+    if len(found.speed) > 1 or found.failed:
+        yield "Without: the motor of that wheel has failed, and neither it nor its gearhead resists."
+    if found.estimated:
+        yield f"Estimated, at the middle of its band: {_listed(found.estimated)}."
+    if found.unknown:
+        yield f"Unknown and not looked at: {_listed(found.unknown)}."
+
+
+def _listed(titles: Iterable[str]) -> str:
+    return "; ".join(f"{title[0].lower()}{title[1:]}" for title in titles)
+
+
+# -- Kinematics and dynamics of a spec's platform in numbers, as every output prints them.
+
+
+class PlatformNumbers(NamedTuple):
+    """The tables of a platform, and sentences on what they are of."""
+
+    rotors: str
+    moment: str
+    wheels: Numbers
+    mobility: Numbers
+    matrices: list[Numbers]
+    at_instant: tuple[Numbers, Numbers]  # course, forces
+
+    @property
+    def every(self) -> list[Numbers]:
+        """All tables in their order."""
+        return [self.wheels, self.mobility, *self.matrices, *self.at_instant]
+
+
+def platform_numbers(spec: RobotSpec, drive: DriveSet | None) -> PlatformNumbers:
+    """Tables of a platform."""
+    at = hardest_instant(spec, drive.rotors_at_load if drive else 0.0)
+    d = at.dynamics
+    sentences = _rotors(drive), _moment(at)
+    return PlatformNumbers(*sentences, wheel_table(d), mobility(d), matrices(d), robot_at_instant(d, at.instant))
+
+
+class EquationNumbers(NamedTuple):
+    """An equation with the numbers of a platform: its name, sentences on what they are of, then result and terms."""
+
+    of: str
+    remarks: list[str]
+    tables: list[Numbers]
+
+
+def equation_of(declared: MatrixEquation, spec: RobotSpec, drive: DriveSet | None, turning: bool) -> EquationNumbers:
+    """An equation of the platform with the numbers of a spec."""
+    at = hardest_instant(spec, drive.rotors_at_load if drive else 0.0)
+    try:
+        tables, others = (
+            numbers_of(declared, figures(at.dynamics, one)) for one in (at.instant, _other_instant(at.dynamics))
+        )
+    except InputError as error:
+        raise InputError(f"{spec.where(('platform',))}: {error}") from None
+    moves = any((one.values != other.values).any() for one, other in zip(tables, others, strict=True))
+    remarks = [_moment(at)] if moves else []
+    return EquationNumbers(spec.name, [*remarks, *([_rotors(drive)] if turning else [])], tables)
+
+
+def _other_instant(d: Dynamics) -> Instant:
+    """A motion that the wheels allow, with something of each that they do."""
+    eta = 0.3 * d.kinematics.motions.sum(axis=1)
+    return Instant(np.array([1.0, 2.0, 0.5]), eta, 2.0 * eta)
+
+
+def _rotors(drive: DriveSet | None) -> str:
+    of = f"with motor and gearhead of {drive.label}" if drive else "without rotors, as there is no drive"
+    return f"Inertias of the wheels are {of}."
+
+
+def _moment(at: HardestInstant) -> str:
+    when = f"{at.time:.4g} s{f' of load case {at.case}' if at.case else ''}"
+    return f"What changes with the motion is that at {when}, where wheel {at.wheel} has its largest torque."
+
+
+def formula(numbers: Numbers) -> str:
+    """The equation that a table is the result of, as text; empty where it is of none."""
+    if not numbers.equations:
+        return ""
+    declared = PLATFORM[numbers.equations[0]]
+    return f"{declared.symbol} = {text(computed(declared))}"
+
+
+class Printed(NamedTuple):
+    """A table as text: the unit of all its entries where they share one, heads, and cells by row."""
+
+    unit: str
+    heads: tuple[str, ...]
+    cells: list[tuple[str, ...]]
+
+
+def printed(numbers: Numbers, *, above: bool = True) -> Printed:
+    """A table with each unit once: above it, else at the head of its column, else in its cells."""
+    columns = list(zip(*numbers.values.tolist(), strict=True)), list(zip(*numbers.units, strict=True))
+    shared = [{u for v, u in zip(*column, strict=True) if v} for column in zip(*columns, strict=True)]
+    of_all = set().union(*shared)
+    if above and len(of_all) <= 1:
+        unit, heads, apart = next(iter(of_all), ""), numbers.columns, [True] * len(shared)
+    else:
+        unit, apart = "", [len(one) <= 1 for one in shared]
+        heads = tuple(f"{head} {f'({label(*one)})' if alike and label(*one or ('1',)) else ''}".strip()
+                      for head, one, alike in zip(numbers.columns, shared, apart, strict=True))  # fmt: skip
+    cells = [
+        tuple(cell(v, "1" if alone else u) for v, u, alone in zip(values, units, apart, strict=True))
+        for values, units in zip(numbers.values.tolist(), numbers.units, strict=True)
+    ]
+    return Printed(label(unit), heads, cells)
+
+
+def cell(value: float, unit: str) -> str:
+    """An entry with its unit, to four digits.
+
+    Examples
+    --------
+    >>> cell(0.0, "kg*m"), cell(47.204, "kg")
+    ('0', '47.2 kg')
+    """
+    return f"{value:.4g} {label(unit)}".rstrip() if value else "0"

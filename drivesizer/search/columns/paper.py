@@ -1,0 +1,284 @@
+"""The paper's method: equations (1)-(20) for a spec, and its selection rule (section 3.1.3) as checks on columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer import equations as eq
+from drivesizer.catalog import Catalog
+from drivesizer.loads.wheeled_vehicle import Cylinder, WheeledVehicle
+from drivesizer.physics.equation import Equation
+from drivesizer.physics.figures import Figures
+from drivesizer.results.check_columns import CheckColumn, at_least, at_most
+from drivesizer.results.drive_set import DriveSet, Requirement
+from drivesizer.spec.motions import Trapezoid
+from drivesizer.spec.robot import RobotSpec
+
+__all__ = [
+    "FEW", "drive_requirements", "hopeless", "largest_allowed", "largest_torque_at_motor", "motor_requirements", "rule",
+    "vehicle",
+]  # fmt: skip
+
+
+# -- The paper's method: equations (1)-(20) for a spec.
+#
+# One derivation serves everything: with one rotor inertia it gives the figures of one drive, with a column of them
+# the figures of all candidates at once. Every step keeps its equation and the numbers put in.
+
+
+BRAKING = eq.braking_torque_per_motor.name
+
+
+class Derivation:
+    """Requirements in the order in which they were derived, by name."""
+
+    def __init__(self) -> None:
+        self.steps: dict[str, Requirement] = {}
+
+    def step(self, declared: Equation, *, name: str = "", symbol: str = "", title: str = "", **inputs: Any) -> Any:
+        """Compute a declared equation, keep the step, and give its value."""
+        value, called = declared(**inputs), name or declared.name
+        self.steps[called] = Requirement(
+            name=called,
+            title=title or declared.title,
+            symbol=symbol or declared.symbol,
+            value=value,
+            kind=declared.kind,
+            unit=declared.shown,
+            declared=declared,
+            inputs=inputs,
+            note=declared.note,
+        )
+        return value
+
+    def given(self, like: Equation, value: Any, *, name: str = "", symbol: str = "", title: str = "") -> Any:
+        """Keep a figure that the spec gives in place of an equation."""
+        self.steps[name or like.name] = Requirement(
+            name=name or like.name,
+            title=title or like.title,
+            symbol=symbol or like.symbol,
+            value=value,
+            kind=like.kind,
+            unit=like.shown,
+            note="given in the spec",
+        )
+        return value
+
+
+def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
+    """Requirements (1)-(16) of a wheeled vehicle."""
+    d, load, motion, factors = Derivation(), spec.load, spec.motion, spec.paper_factors
+    assert isinstance(load, WheeledVehicle) and isinstance(motion, Trapezoid)  # nothing else: RobotSpec.paper_applies
+    g, N, wheel, m_R = spec.environment.gravity, load.driven_wheels, load.wheel_diameter, load.mass
+    t_acc, t_nom, t_rest = motion.acceleration_time, motion.cruise_time, motion.rest_time
+    PF, V_nom = factors.oversize, motion.speed
+
+    n_nom = d.step(eq.nominal_speed, V_nom=V_nom, d=wheel, eta_speed=factors.speed_reserve)
+    C_rr = _rolling_resistance(d, load)
+    F_nom = d.step(eq.nominal_force, C_rr=C_rr, m_R=m_R, g=g, theta=load.slope)
+    M_nom = d.step(eq.nominal_torque, d=wheel, F_nom=F_nom, delta=factors.bearing)
+    d.step(eq.nominal_torque_per_motor, M_nom=M_nom, N=N)
+    a = d.step(eq.acceleration, V_nom=V_nom, t_acc=t_acc)
+    kappa = factors.confidence
+    d.step(eq.nominal_power_per_motor, PF=PF, m_R=m_R, V_nom=V_nom, a=a, g=g, theta=load.slope, kappa=kappa, N=N)
+    d.step(eq.mechanical_power_per_motor, PF=PF, F_nom=F_nom, m_R=m_R, a=a, V_nom=V_nom, kappa=kappa, N=N)
+    J_w, J_s = _turning_parts(d, load)
+    M_acc = d.step(
+        eq.acceleration_torque,
+        N=N, J_w=J_w, J_m=rotor_inertia, J_s=J_s, m_R=m_R, eta_robot=factors.robot_efficiency, d=wheel, a=a, PF=PF,
+    )  # fmt: skip
+    M_max = d.step(eq.maximum_torque, M_nom=M_nom, M_acc=M_acc)
+    M_max_m = d.step(eq.maximum_torque_per_motor, M_max=M_max, N=N)
+    M_dec = d.step(eq.deceleration_torque, M_nom=M_nom, M_acc=M_acc)
+    if M_nom < 0.0:  # downhill
+        d.step(eq.braking_torque_per_motor, M_dec=M_dec, N=N)
+    times: dict[str, Any] = {"t_acc": t_acc, "t_nom": t_nom, "t_dec": t_acc, "t_rest": t_rest}
+    M_rest = d.step(eq.rest_torque, m_R=m_R, g=g, theta=load.slope, d=wheel) if load.slope else 0.0
+    M_rms = d.step(eq.rms_torque, M_max=M_max, M_nom=M_nom, M_dec=M_dec, M_rest=M_rest, **times)
+    M_rms_m = d.step(eq.rms_torque_per_motor, M_rms=M_rms, N=N)
+    d.step(eq.maximum_power_per_motor, M_max_m=M_max_m, n_nom=n_nom)
+    n_rms = d.step(eq.rms_speed, n_nom=n_nom, **times)
+    d.step(eq.rms_power_per_motor, M_rms_m=M_rms_m, n_rms=n_rms)
+    return d
+
+
+def _rolling_resistance(d: Derivation, load: WheeledVehicle) -> Any:
+    if load.sinkage is not None:
+        return d.step(eq.rolling_resistance_coefficient, z=load.sinkage, d=load.wheel_diameter)
+    return d.given(eq.rolling_resistance_coefficient, load.rolling_resistance)
+
+
+def _turning_parts(d: Derivation, load: WheeledVehicle) -> tuple[Any, Any]:
+    """J_w and J_s: from the cylinders by (8) and (9), or given as one inertia."""
+    if load.cylinders is None:
+        J_w = d.given(eq.cylinder_inertia, load.inertia, name="wheel_inertia", symbol="J_w", title="Inertia of a wheel")
+        return J_w, 0.0
+    J_w = _cylinder(d, "wheel", "w", load.cylinders.wheel)
+    J_s = _cylinder(d, "shaft", "s", load.cylinders.shaft) if load.cylinders.shaft else 0.0
+    return J_w, J_s
+
+
+def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Any:
+    radii = {"r_a": cylinder.outer_diameter / 2, "r_i": cylinder.inner_diameter / 2}
+    m_i = d.step(
+        eq.cylinder_mass, name=f"{what}_mass", symbol=f"m_{index}", title=f"Mass of a {what}",
+        rho=cylinder.density, h=cylinder.width, **radii,
+    )  # fmt: skip
+    return d.step(
+        eq.cylinder_inertia, name=f"{what}_inertia", symbol=f"J_{index}", title=f"Inertia of a {what}", m_i=m_i, **radii
+    )
+
+
+def motor_requirements(
+    spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Figures, gearhead: Figures, belt: Any
+) -> Derivation:
+    """Requirements (17)-(20) of candidates."""
+    d = Derivation()
+    geared = {"K_g": gearhead["ratio"], "eta_gear": gearhead["efficiency"]}
+    chain = geared | {"i_b": belt, "eta_b": spec.belt_efficiency}
+    K, M_rms_m = gearhead["ratio"] * belt, wheel["rms_torque_per_motor"].value
+    M_max_m = wheel["maximum_torque_per_motor"].value
+    d.step(eq.rms_torque_at_motor, M_rms_m=M_rms_m, **chain)
+    M_max_m0 = d.step(eq.maximum_torque_at_motor, M_max_m=M_max_m, **chain)
+    if BRAKING in wheel:
+        d.step(
+            eq.maximum_torque_at_motor, name=f"{BRAKING}_at_motor", symbol="M_brake/m0",
+            title="Largest torque at the motor downhill, while it brakes", M_max_m=wheel[BRAKING].value, **chain,
+        )  # fmt: skip
+    V_0 = d.step(
+        eq.no_load_speed, n_nom=wheel["nominal_speed"].value, K=K, tau=motor["speed_torque_gradient"], M_max_m0=M_max_m0
+    )
+    d.step(eq.speed_constant, V_0=V_0, U=motor["nominal_voltage"])
+    d.step(eq.rotor_inertia_at_wheel, J_m=motor["rotor_inertia"], K=K)
+    if spec.belt:
+        _as_printed(d, eq.rms_torque_at_motor, M_rms_m=M_rms_m, **geared)
+        _as_printed(d, eq.maximum_torque_at_motor, M_max_m=M_max_m, **geared)
+    return d
+
+
+def drive_requirements(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Requirement]:
+    """Requirements (1)-(20) of a wheeled vehicle with a drive; without one (1)-(16), with no rotor inertia."""
+    if drive is None:
+        return vehicle(spec, 0.0).steps
+    wheel = vehicle(spec, drive.motor.rotor_inertia).steps
+    return wheel | motor_requirements(spec, wheel, drive.motor, drive.gearhead, drive.belt_ratio).steps
+
+
+def _as_printed(d: Derivation, declared: Equation, **inputs: Any) -> None:
+    d.step(
+        declared, name=f"{declared.name}_as_printed", title=f"{declared.title}, as printed (no belt)", **inputs
+    )  # fmt: skip
+
+
+# -- The paper's selection rule (section 3.1.3): its conditions on gearhead and motor as checks on columns.
+
+
+FEW = 4096  # candidates that are kept: variants of a spec have them in common, and more of them take room
+
+
+def largest_torque(wheel: Mapping[str, Requirement]) -> Any:
+    """The largest torque at one wheel by magnitude [N*m]: (11), or downhill that of braking."""
+    return wheel.get(BRAKING, wheel["maximum_torque_per_motor"]).value
+
+
+def largest_torque_at_motor(shaft: Mapping[str, Requirement]) -> Any:
+    """The same at the motor, by (18) [N*m]."""
+    return shaft.get(f"{BRAKING}_at_motor", shaft["maximum_torque_at_motor"]).value
+
+
+def _speed_constant(shaft: Mapping[str, Requirement], motor: Figures) -> Any:
+    """Least speed constant by (19) and (20): at the end of acceleration or where braking begins.
+
+    Uphill and on level ground it is the first, as printed.
+    """
+    printed, first = shaft["speed_constant"].value, shaft["no_load_speed"].inputs
+    if f"{BRAKING}_at_motor" not in shaft:
+        return printed
+    braked = eq.no_load_speed(**first | {"M_max_m0": -largest_torque_at_motor(shaft)})
+    return np.maximum(np.abs(printed), np.abs(eq.speed_constant(braked, motor["nominal_voltage"])))
+
+
+def rule(
+    spec: RobotSpec,
+    wheel: Mapping[str, Requirement],
+    shaft: Mapping[str, Requirement],
+    motor: Figures,
+    gearhead: Figures,
+    belt: Any,
+) -> list[CheckColumn]:
+    """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates."""
+    at_gearhead = belt * spec.belt_efficiency
+    n_motor = _motor_speed(wheel, gearhead["ratio"], belt)
+    torque = wheel["rms_torque_per_motor"].value / at_gearhead, largest_torque(wheel) / at_gearhead
+    rms, peak = shaft["rms_torque_at_motor"].value, largest_torque_at_motor(shaft)
+    checks = [
+        at_most("gearhead_continuous_torque", torque[0], gearhead["continuous_torque"]),
+        at_most("gearhead_intermittent_torque", torque[1], gearhead["intermittent_torque"]),
+        _input_speed(n_motor, gearhead["continuous_input_speed"]),
+        at_least("motor_speed", n_motor, motor["no_load_speed"]),
+        at_most("motor_continuous_torque", rms, motor["nominal_torque"]),
+        at_most("motor_maximum_torque", peak, motor["stall_torque"]),
+        _power(wheel, motor),
+        at_least("speed_constant", _speed_constant(shaft, motor), motor["speed_constant"]),
+    ]
+    if spec.needs.backlash_at_load is not None:
+        lost = gearhead["backlash"] / belt
+        checks.append(at_most("backlash_at_load", lost, spec.needs.backlash_at_load))
+    return checks
+
+
+def _motor_speed(wheel: Mapping[str, Requirement], ratio: Any, belt: Any) -> Any:
+    return wheel["nominal_speed"].value * ratio * belt
+
+
+def _input_speed(n_motor: Any, limit: Any) -> CheckColumn:
+    return at_most("gearhead_input_speed", n_motor, limit)
+
+
+def _power(wheel: Mapping[str, Requirement], motor: Figures) -> CheckColumn:
+    return at_most("motor_power", wheel["rms_power_per_motor"].value, motor["assigned_power"])
+
+
+def hopeless(
+    spec: RobotSpec, catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], belt: NDArray[Any]
+) -> NDArray[np.bool_]:
+    """Candidates that the rule rejects by figures of one part: no motor for this machine, or a gearhead too fast.
+
+    Without them the others pass and fail as with them: the reductions of a family are compared for each motor, and one
+    that turns too fast is none that is allowed.
+    """
+    wheel, gears = vehicle(spec, catalog.motors["rotor_inertia"]).steps, catalog.gearheads
+    found: NDArray[np.bool_] = _power(wheel, catalog.motors).failed[motor]
+    left = np.flatnonzero(~found)
+    row = gearhead[left]
+    n_motor = _motor_speed(wheel, gears["ratio"][row], belt[left])
+    found[left] = _input_speed(n_motor, gears["continuous_input_speed"][row]).failed
+    return found
+
+
+def _groups(catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any]) -> NDArray[np.int64]:
+    """Number of each candidate's motor and gearhead family among those that there are, from 0."""
+    families = catalog.once("families", lambda: np.unique(catalog.gearheads["family"], return_inverse=True)[1])
+    group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
+    found: NDArray[np.int64] = np.unique(group, return_inverse=True)[1]
+    return found
+
+
+def largest_allowed(
+    catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], total: NDArray[Any], gear: list[CheckColumn]
+) -> CheckColumn:
+    """The rule that one reduction remains per motor and gearhead family: the largest that is allowed."""
+    allowed = np.logical_and.reduce([check.passed for check in gear])
+    possible = ~np.logical_or.reduce([check.failed for check in gear])
+    key, of = "families of candidates", (motor, gearhead)
+    group = catalog.once(key, lambda: _groups(catalog, *of), of) if len(motor) <= FEW else _groups(catalog, *of)
+    largest = np.full(group.max(initial=-1) + 1, -np.inf)
+    np.maximum.at(largest, group[allowed], total[allowed])
+    doubtful = possible & ~np.isfinite(largest[group])
+    np.maximum.at(largest, group[doubtful], total[doubtful])
+    required = np.where(np.isfinite(largest[group]), largest[group], total)
+    return at_least("largest_reduction", required, total, by_choice=True)

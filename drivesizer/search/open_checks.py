@@ -1,0 +1,353 @@
+"""Drives whose checks hang on estimated figures: which they are, how probable each passes, at which value it turns."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence, Set
+from dataclasses import replace
+from functools import cache
+from math import nan
+from statistics import NormalDist
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog, Table, columns_of
+from drivesizer.catalog.estimates.estimate import law_text, shipped_laws
+from drivesizer.catalog.tables import Pairs
+from drivesizer.catalog.tolerances import lognormal
+from drivesizer.catalog.view.mounted import has_steppers
+from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
+from drivesizer.physics.thermal import rated_ambient, steady_winding
+from drivesizer.results.check import Check
+from drivesizer.results.drive_set import EstimatedFigure, voltage_assumption
+from drivesizer.results.problem import Problem
+from drivesizer.search.columns.brakes import is_listed
+from drivesizer.search.columns.candidates import Candidates
+from drivesizer.search.columns.evaluation import Evaluation, at_figures
+from drivesizer.units import show
+
+__all__ = ["estimated", "passing", "resolved_checks", "turns"]
+
+
+# -- Drives whose checks hang on estimated figures: how probable it is that each passes, and at which value it turns.
+#
+# Every estimated figure is a random factor of its own, log-normal with the band as its 5th and 95th percentile;
+# those of motor and gearhead are independent, and an actuator's torque constant at the rotor follows the loss of its
+# gears. One row of a catalogue made for it is one sample, so that the checks are those of the search; open ones are
+# judged by themselves, of samples that fail on something else as well.
+
+
+Array = NDArray[np.float64]
+Figure = tuple[str, str]  # section and column
+SAMPLES = 128
+_FARTHEST = 3.0  # standard deviations that a figure is followed
+_STEPS = 13
+_FINER = 9  # steps within the one in which a check turns
+_RATED = "max_winding_temperature"  # of brushless motors that of their nominal current: ``estimates.assumed.by_rating``
+_FOLLOWS: dict[Figure, Figure] = {
+    ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
+}
+_HOUSING: Figure = ("motors", "thermal_resistance_housing")
+_WITH_THE_HOUSING = ("motor_time_constant", "nominal_current", "nominal_torque")  # as ``catalog.view.mounted`` has them
+
+
+class Turn(NamedTuple):
+    """Value at which a check turns when one estimated figure moves and the others stay at the middle of their bands."""
+
+    figure: Figure
+    value: float  # SI
+    passes_below: bool
+
+
+def estimated_figures(problem: Problem, motor: int, gearhead: int, brake: int = -1) -> list[Figure]:
+    """Figures of a drive's motor, gearhead and brake that are not the same at both ends of their bands."""
+    if not problem.catalog.ends:
+        return []
+    low, high = problem.catalog.ends
+    inside = problem.catalog.motors["inside"][motor] != ""
+    motors = problem.catalog.motors
+    own_limit = motors["kind"][motor] == "brushed" or np.isnan(motors["nominal_current"][motor])
+    found = []
+    own = {"motors": motor, "gearheads": gearhead} | ({"brakes": brake} if brake >= 0 else {})
+    follows = _followers(problem.catalog, motor)
+    for section, row in own.items():
+        for name, column in columns_of(section).items():
+            ends = low.table(section)[name][row], high.table(section)[name][row]
+            leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or own_limit)
+            leads = leads and (section, name) not in follows
+            if column.kind != "text" and leads and ends[0] != ends[1] and ends[0] == ends[0]:
+                found.append((section, name))
+    return found
+
+
+def _followers(catalog: Catalog, motor: int) -> dict[Figure, Figure]:
+    """Figures of a mounted motor that follow its housing's thermal resistance; brushes have a limit of their own."""
+    if not catalog.mounted:
+        return {}
+    low, high = (end.motors[_HOUSING[1]][motor] for end in catalog.ends)
+    names = _WITH_THE_HOUSING[: 1 if catalog.motors["kind"][motor] == "brushed" else None]
+    return dict.fromkeys((("motors", name) for name in names), _HOUSING) if low != high else {}
+
+
+def passing(
+    problem: Problem, one: Candidates, names: Set[str], samples: int = SAMPLES, *, each: bool = True
+) -> dict[str, float]:
+    """Probability that each check of a drive passes, by name; under "" that all of these pass."""
+    figures = estimated_figures(problem, *_rows_of(one))
+    points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
+    checks = [
+        check
+        for check in drive_at_points(problem, one, points, samples, names if each else ()).checks
+        if not check.advice
+    ]
+    known = [check for check in checks if check.name in names or (check.passed | check.failed).any()]
+    every = np.logical_and.reduce([check.passed for check in known])
+    return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
+
+
+def _rows_of(one: Candidates) -> tuple[int, int, int]:
+    """Motor, gearhead and brake of a single candidate; -1 no brake."""
+    return int(one.motor[0]), int(one.gearhead[0]), -1 if one.brake is None else int(one.brake[0])
+
+
+@cache
+def _normal(samples: int, figures: int) -> Array:
+    """Points spread evenly over independent standard normal figures: shape (samples, figures).
+
+    An additive recurrence (M. Roberts, *The unreasonable effectiveness of quasirandom sequences*, 2018): few points are
+    wanted, and nothing need be loaded for them.
+    """
+    ratio = 2.0
+    for _ in range(40):
+        ratio = (1.0 + ratio) ** (1.0 / (figures + 1))
+    steps = ratio ** -np.arange(1.0, figures + 1)
+    cube = (0.5 + np.arange(1, samples + 1)[:, None] * steps) % 1.0
+    return np.array([[NormalDist().inv_cdf(p) for p in row] for row in cube.tolist()]).reshape(samples, figures)
+
+
+def turns(problem: Problem, one: Candidates, names: Set[str]) -> dict[str, Turn]:
+    """For some checks of a drive the estimated figure that moves each most, and the value at which it turns."""
+    figures = estimated_figures(problem, *_rows_of(one))
+    if not figures or not names:
+        return {}
+    coarse = [np.linspace(-_FARTHEST, _FARTHEST, _STEPS)] * len(figures)
+    near = {
+        name: place for name, passed in _along(problem, one, figures, coarse, names).items()
+        if name in names and (place := _nearest_change(coarse, passed)) is not None
+    }  # fmt: skip
+    places = list(dict.fromkeys(near.values()))
+    fine = [np.linspace(coarse[k][step], coarse[k][step + 1], _FINER) for k, step in places]
+    found = _along(problem, one, [figures[k] for k, _ in places], fine, names) if places else {}
+    number = {place: n for n, place in enumerate(places)}
+    return {
+        name: _turn(problem, one, figures[place[0]], fine[number[place]], passed)
+        for name, place in near.items()
+        if (passed := found[name][number[place]]).any() and not passed.all()  # else open among many points alone
+    }
+
+
+def _along(
+    problem: Problem, one: Candidates, figures: list[Figure], steps: Sequence[Array], names: Set[str]
+) -> dict[str, list[NDArray[np.bool_]]]:
+    """Whether each check passes along the steps of one figure after the other, the others at the middle."""
+    ends = np.cumsum([len(each) for each in steps])
+    owner = np.repeat(np.arange(len(steps)), np.diff(ends, prepend=0))
+    every, points = np.concatenate(steps), dict[Figure, Array]()
+    for k, figure in enumerate(figures):
+        points[figure] = points.get(figure, 0.0) + np.where(owner == k, every, 0.0)
+    checks = drive_at_points(problem, one, points, len(every), names).checks
+    return {check.name: np.split(check.passed, ends[:-1]) for check in checks}
+
+
+def _nearest_change(steps: Sequence[Array], passed: Sequence[NDArray[np.bool_]]) -> tuple[int, int] | None:
+    """Figure and step between which a check turns nearest to the middle of the band; None where none turns it."""
+    changes = [
+        (abs(float(each[step] + each[step + 1])), k, int(step))
+        for k, (each, good) in enumerate(zip(steps, passed, strict=True))
+        for step in np.flatnonzero(good[1:] != good[:-1])
+    ]
+    return min(changes)[1:] if changes else None
+
+
+def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passed: NDArray[np.bool_]) -> Turn:
+    """The value at which a check turns, between two steps of a figure."""
+    step = int(np.flatnonzero(passed != passed[0])[0]) - 1
+    row = dict(zip(("motors", "gearheads", "brakes"), _rows_of(one), strict=True))[figure[0]]
+    three = np.array([steps[step], (steps[step] + steps[step + 1]) / 2.0, steps[step + 1]])
+    below, value, above = _moved(problem.catalog, figure, np.array([row, row, row]), three).tolist()
+    return Turn(figure, value, bool(passed[step]) == (below < above))
+
+
+def drive_at_points(
+    problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, names: Collection[str]
+) -> Evaluation:
+    """A drive with its estimated figures at several points of their bands, a row each."""
+    catalog, every = problem.catalog, np.arange(count)
+    motor, gearhead = (np.full(count, rows[0]) for rows in (one.motor, one.gearhead))
+    tables = {
+        "motors": _table(catalog, "motors", motor, points),
+        "gearheads": _table(catalog, "gearheads", gearhead, points),
+    }
+    brake = _rows_of(one)[2]
+    if brake >= 0:
+        tables["brakes"] = _table(catalog, "brakes", np.full(count, brake), points)
+    fitting = catalog.motor_encoder
+    mine = fitting.left == one.motor[0]
+    sides = np.repeat(every, mine.sum()), np.tile(fitting.right[mine], count), np.tile(fitting.source[mine], count)
+    pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides)), **_braked(catalog, one, every)}
+    varied = replace(catalog.with_tables(tables, pairs), ends=())
+    given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
+    if brake >= 0:
+        given = given._replace(brake=every)
+    return at_figures(replace(problem, catalog=varied), given, exact=False, each=names)
+
+
+def _braked(catalog: Catalog, one: Candidates, every: NDArray[np.int64]) -> dict[str, Pairs]:
+    """The list of what goes together of the motor at each point and its brake."""
+    motor, _, brake = _rows_of(one)
+    rows = (every if is_listed(catalog, motor, brake) else every[:0]).astype(np.int32)
+    return {"motor_brake": Pairs(rows, rows, np.zeros_like(rows))}
+
+
+def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapping[Figure, Array]) -> Table[Any]:
+    table = catalog.table(section).taken(rows)
+    inside = section != "brakes" and bool(table["inside"][0] != "")
+    follows = (_FOLLOWS if inside else {}) | (_followers(catalog, int(rows[0])) if section == "motors" else {})
+    columns = dict(table.columns)
+    for name, column in columns_of(section).items():
+        own = (section, name)
+        by = points.get(follows.get(own, own), points.get(own))
+        if by is not None and column.kind != "text":
+            columns[name] = _moved(catalog, own, rows, by)
+    if section == "motors":
+        _with_rated_temperature(catalog, rows, columns)
+    return replace(table, columns=columns)
+
+
+def _with_rated_temperature(catalog: Catalog, rows: NDArray[np.int64], columns: dict[str, NDArray[Any]]) -> None:
+    """Put in the permitted temperature that is that of the nominal current: it follows the thermal resistances."""
+    easy, hard = (end.motors[_RATED][rows] for end in catalog.ends)
+    reached = steady_winding(columns, rated_ambient(columns), columns["nominal_current"])
+    follows = (columns["kind"] != "brushed") & (easy != hard) & ~np.isnan(easy + reached)
+    columns[_RATED] = np.where(follows, reached, columns[_RATED])
+
+
+def _moved(catalog: Catalog, figure: Figure, rows: NDArray[np.int64], by: Array) -> Array:
+    """A figure of some parts, moved from the middle of its band towards its unfavourable end."""
+    section, name = figure
+    easy, middle, hard = (c.table(section)[name][rows] for c in (catalog.ends[0], catalog, catalog.ends[1]))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        moved = lognormal(easy, middle, hard, by)
+    return np.minimum(np.where(np.isnan(moved), middle, moved), 1.0 if name == "efficiency" else np.inf)
+
+
+# -- Estimated figures of one drive: which they are, and which of its open checks depend on them.
+
+
+_PART = {
+    "motors": "motor",
+    "gearheads": "gearhead",
+    "encoders": "encoder",
+    "controllers": "controller",
+    "actuators": "actuator",
+    "brakes": "brake",
+}
+_CONTROLLING = ("encoders", "controllers")  # their masses count in the budget of a machine alone
+
+
+def estimated(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]:
+    """Figures of a drive's parts that are estimated."""
+    catalog, candidates = evaluation.catalog, evaluation.candidates
+    motor, gearhead = int(candidates.motor[index]), int(candidates.gearhead[index])
+    loss = _stage_loss(evaluation, index)
+    if not catalog.ends:
+        return loss
+    inside = str(catalog.motors["inside"][motor])
+    own = {"motors": motor, "gearheads": gearhead}
+    places = {"actuators": catalog.actuators.rows[inside]} if inside else own
+    chosen = zip(_CONTROLLING, (evaluation.encoder, evaluation.controller), strict=True)
+    rows_of = {section: int(rows[index]) for section, rows in chosen if rows[index] >= 0}
+    places |= {section: row for section, row in rows_of.items() if not catalog.table(section)["inside"][row]}
+    found = [(section, one) for section, row in places.items() for one in _part_bands(catalog, section, row)]
+    weighed = evaluation.spec.budget is not None and evaluation.spec.budget.weighs
+    if (brake := int(evaluation.brake[index])) >= 0:
+        found += [("brakes", one) for one in _part_bands(catalog, "brakes", brake)]
+    weighing = (one for section, one in found if weighed or section not in _CONTROLLING or one.figure != "mass")
+    return (*weighing, *loss)
+
+
+def _stage_loss(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ...]:
+    """The loss of a controller of which none is printed, with its band."""
+    row = int(evaluation.controller[index])
+    controller = evaluation.catalog.controllers.record(row) if row >= 0 else None
+    steps = has_steppers(evaluation.catalog)  # of a stepper's driver no loss is counted
+    if steps or not evaluation.spec.feed_of(controller).stage.assumed:
+        return ()
+    low, high = (ASSUMED_LOSS * share for share in ASSUMED_BAND)
+    law = "assumed: of drops and efficiencies that makers print, and one measured bridge"
+    return (EstimatedFigure("controller", "loss_voltage", ASSUMED_LOSS, low, high, "voltage", "V", law),)
+
+
+def _part_bands(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:
+    names = catalog.estimates.get(section, {})
+    found = {name: one for name in names if (one := catalog.estimate_of(section, row, name)) is not None}
+    columns = columns_of(section)
+    return [
+        EstimatedFigure(
+            _PART[section], name, *one[:3], columns[name].kind, columns[name].unit, law_text(shipped_laws()[one.fit])
+        )
+        for name, one in found.items()
+    ]
+
+
+def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], float]:
+    """The checks of a drive, its open ones with the value at which they turn and how probable it is that they pass."""
+    checks = tuple(_with_assumption(evaluation, index, check) for check in evaluation.checks_of(index))
+    names = evaluation.open_checks(index)
+    if not names or evaluation.spec.method != "physics":
+        return checks, nan
+    controller, brake = evaluation.controller[[index]], evaluation.brake[[index]]
+    one = evaluation.candidates.on(np.array([index]))._replace(controller=controller, brake=brake)
+    probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
+    own = bool(evaluation.catalog.motors["inside"][evaluation.candidates.motor[index]])
+    open_ = {name: (probable[name], _turning(turning.get(name), own)) for name in names}
+    return tuple(
+        _with_probability(check, *open_[check.name]) if check.name in names else check for check in checks
+    ), probable[""]
+
+
+def _with_assumption(evaluation: Evaluation, index: int, check: Check) -> Check:
+    """A check, that of the voltage with what is assumed of the controller's drop."""
+    if check.name != "supply_voltage" or check.method != "physics" or has_steppers(evaluation.catalog):
+        return check
+    row = int(evaluation.controller[index])
+    controller = evaluation.catalog.controllers.record(row) if row >= 0 else None
+    note = voltage_assumption(evaluation.spec, controller, check.limit)
+    return replace(check, note="; ".join(text for text in (check.note, note) if text)) if note else check
+
+
+def _with_probability(check: Check, probability: float, note: str) -> Check:
+    return replace(check, probability=probability, note="; ".join(text for text in (note, check.note) if text))
+
+
+# figures of an actuator's parts that are the actuator's own at its output, as its maker names them
+_OF_ACTUATORS = {
+    ("gearheads", "continuous_torque"): "nominal_torque",
+    ("gearheads", "intermittent_torque"): "peak_torque",
+    ("motors", "nominal_current"): "nominal_current",
+}  # fmt: skip
+
+
+def _turning(turn: Turn | None, actuator: bool) -> str:
+    """A sentence on where a check turns."""
+    if turn is None:
+        return "hangs on several estimated figures together"
+    section, name = turn.figure
+    column = columns_of(section)[name]
+    side = "at most" if turn.passes_below else "at least"
+    value = show(turn.value, column.unit, column.kind, 2)
+    if actuator and turn.figure in _OF_ACTUATORS:
+        figure = _OF_ACTUATORS[turn.figure].replace("_", " ")
+        return f"passes with a {figure} of {side} {value}; the maker prints none as a limit"
+    return f"passes with a {_PART[section]} {name.replace('_', ' ')} of {side} {value}, which is estimated"

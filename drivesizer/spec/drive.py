@@ -1,0 +1,395 @@
+"""Sections of a spec on its drive: stages between motor and load, permitted parts and objective, the closed loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from drivesizer.files.fields import (
+    Angle,
+    BackEfficiency,
+    Current,
+    Duration,
+    Force,
+    Frequency,
+    Gain,
+    Inertia,
+    Length,
+    Mass,
+    Names,
+    Part,
+    Ratio,
+    Section,
+    Share,
+    Speed,
+    Stiffness,
+    Thickness,
+    Torque,
+    all_defaults,
+    default,
+    exactly_one,
+)
+from drivesizer.loads.stage_losses import FixedGear
+
+__all__ = [
+    "ASSUMABLE", "BOUGHT", "DIRECT", "OBJECTIVES", "BeltStage", "Choice", "Control", "ControllerChoice", "DirectStage",
+    "EncoderChoice", "GearStage", "GearheadStage", "MotorChoice", "Plant", "Pulleys", "Select", "Stage", "Weighted",
+]  # fmt: skip
+
+
+# -- The stages between motor and load that a spec may name.
+
+
+DIRECT = "direct"  # the kind of stage, and the name of direct drive in catalogues
+
+
+class GearheadStage(Section):
+    """A gearhead out of the catalogues: searched; none where the catalogues list a motor for direct drive."""
+
+    kind: Literal["gearhead"]
+
+
+class DirectStage(Section):
+    """No gearhead: any motor may drive the load directly, or the belt."""
+
+    kind: Literal["direct"]
+
+
+class Pulleys(Section):
+    """A toothed belt and its two pulleys out of the catalogues: every ratio that they give is searched."""
+
+    profile: str = Field(min_length=1, max_length=60, description="of the teeth, as catalogues name it: HTD, GT2")
+    pitch: Length
+    width: Length = Field(description="of the belt; pulleys take it or a wider one")
+    ratio_min: Ratio = Field(description="teeth of the load's pulley per tooth of the gearhead's, at least")
+    ratio_max: Ratio = Field(description="and at most; below 1 the load turns faster")
+    centre_distance: Length | None = Field(default=None, description="of the shafts; any where not given")
+    adjustable: Thickness = default("3 mm", description="by how much the shafts may be moved, either way")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.ratio_min <= self.ratio_max:
+            raise ValueError("expected ratio_min <= ratio_max")
+        return self
+
+
+class BeltStage(Section):
+    """A belt between gearhead, or motor, and load: one ratio, several to search, or pulleys out of the catalogues."""
+
+    kind: Literal["belt"]
+    ratio: Ratio | None = Field(default=None, description="gearhead turns per turn of the load; or ratios, or pulleys")
+    ratios: Annotated[list[Ratio], Field(min_length=1, max_length=1000)] | None = None
+    pulleys: Pulleys | None = None
+    efficiency: Share = Field(description="in either direction of power")
+    inertia: Inertia = default("0 kg*m^2", description="of belt and pulleys, seen at the load's shaft")
+    friction_torque: Torque = default("0 N*m", description="of its bearings at any load, seen at the load's shaft")
+    stiffness: Stiffness | None = Field(default=None, description="of the belt, seen at the load's shaft")
+    mass: Mass | None = Field(
+        default=None, description="of belt and pulleys, where these are not out of the catalogues"
+    )
+    pulley_diameter: Length | None = Field(
+        default=None, description="of the load's pulley; with pulleys it follows from the teeth"
+    )
+    max_tension: Force | None = Field(default=None, description="permitted effective tension, with a known pulley")
+    max_speed: Speed | None = Field(default=None, description="permitted belt speed, with a known pulley")
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        exactly_one(self, "ratio", "ratios", "pulleys")
+        if self.pulleys is not None and self.pulley_diameter is not None:
+            raise ValueError("give pulleys or pulley_diameter, not both: diameters of pulleys follow from their teeth")
+        if self.pulleys is None and self.pulley_diameter is None and (self.max_tension or self.max_speed):
+            raise ValueError("give pulley_diameter beside max_tension and max_speed")
+        return self
+
+    @property
+    def to_search(self) -> list[float]:
+        """The ratios that the stage names, the smallest first; those of pulleys are out of the catalogues."""
+        return [self.ratio] if self.ratio is not None else sorted(set(self.ratios or []))
+
+
+class GearStage(Section):
+    """One further stage of fixed ratio, behind or before the belt: spur or bevel gears, a chain, or a worm."""
+
+    kind: Literal["gear", "bevel", "chain", "worm"]
+    ratio: Ratio = Field(description="turns of its input shaft per turn of its output shaft; below 1 it steps up")
+    efficiency: Share = Field(description="when the input shaft drives")
+    back_efficiency: BackEfficiency | None = Field(
+        default=None,
+        description="when the output shaft drives; where not given as efficiency, of a worm 2 - 1/efficiency. 0 or "
+        "below is self-locking",
+    )
+    pinion_inertia: Inertia = default("0 kg*m^2", description="of what turns with its input shaft: pinion or worm")
+    wheel_inertia: Inertia = default("0 kg*m^2", description="of what turns with its output shaft: wheel or sprocket")
+    pinion_friction: Torque = default("0 N*m", description="of bearings and seals of the input shaft, at any load")
+    wheel_friction: Torque = default("0 N*m", description="of bearings and seals of the output shaft, at any load")
+    pinion_diameter: Length | None = Field(
+        default=None, description="pitch circle of pinion or sprocket, for its force on the shaft; bevels: the mean one"
+    )
+    backlash: Angle | None = Field(default=None, description="at its output shaft; unknown where not given")
+    mass: Mass | None = Field(default=None, description="of the whole stage; unknown where not given")
+
+    @model_validator(mode="after")
+    def _forces(self) -> Self:
+        if self.kind == "worm" and self.pinion_diameter is not None:
+            raise ValueError("forces of a worm are not computed; leave pinion_diameter out, see needs.radial_load")
+        return self
+
+    def fixed_gear(self, behind: float = 1.0) -> FixedGear:
+        """Its figures, with inertia and friction as seen where a belt of a ratio is behind it."""
+        back = self.back_efficiency
+        if back is None:
+            back = 2.0 - 1.0 / self.efficiency if self.kind == "worm" else self.efficiency
+        return FixedGear(
+            self.ratio, self.efficiency, back,
+            self.pinion_inertia * behind**2, self.wheel_inertia * behind**2,
+            self.pinion_friction * behind, self.wheel_friction * behind,
+        )  # fmt: skip
+
+    @property
+    def has_own_torque(self) -> bool:
+        """Whether inertia or friction at any load is given."""
+        return any((self.pinion_inertia, self.wheel_inertia, self.pinion_friction, self.wheel_friction))
+
+
+Stage = Annotated[GearheadStage | DirectStage | BeltStage | GearStage, Field(discriminator="kind")]
+
+
+# -- Section of a spec on permitted parts and the objective of the ranking.
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectiveKind:
+    """An objective of ranking: a sum of catalogue figures, or a figure of the load cycle."""
+
+    title: str
+    kind: str  # of quantity
+    unit: str  # of the trade
+    figure: str = ""  # of the parts, that is summed; none: what ``search.columns.powered`` computes under this name
+    over: tuple[str, ...] = ()  # roles of the parts that it is summed over
+    note: str = ""  # beside a value that is no sum: its meaning
+    more_is_better: bool = False
+    by_waveform: bool = False  # needs the current over time, not moments and extremes alone
+
+
+_TURNING = ("motor", "gearhead", "brake")
+BOUGHT = (*_TURNING, "encoder", "controller")
+"""Roles of the parts that mass and price are summed over: an actuator has some of them inside."""
+OBJECTIVES: dict[str, ObjectiveKind] = {
+    "mass": ObjectiveKind("mass", "mass", "g", "mass", BOUGHT),
+    "price": ObjectiveKind("price", "price", "EUR", "price", BOUGHT),
+    "length": ObjectiveKind("length", "length", "mm", "length", _TURNING),
+    "power": ObjectiveKind("assigned power", "power", "W", "assigned_power", ("motor",)),
+    "energy": ObjectiveKind("energy per cycle", "energy", "J", note="all drives, per cycle", by_waveform=True),
+    "joule_heat": ObjectiveKind(
+        "heat of the winding", "power", "W", note="of the motor's winding, mean", by_waveform=True
+    ),
+    "peak_current": ObjectiveKind("peak current", "current", "A", note="the motor's, in the worst case"),
+    "winding_temperature": ObjectiveKind(
+        "winding temperature", "temperature", "degC", note="peak over the periodic cycle, in the worst case",
+        by_waveform=True,
+    ),
+    "margin": ObjectiveKind(
+        "smallest margin", "dimensionless", "%", note="smallest margin of all checks", more_is_better=True,
+        by_waveform=True,
+    ),
+}  # fmt: skip
+
+
+ASSUMABLE: dict[str, tuple[str, ...]] = {  # checks that pass where a figure is missing, if the spec says so
+    "ambient_range": ("motor_temperature_range", "gearhead_temperature_range"),
+    "backlash": ("backlash_at_load",),
+    "peak_time": ("controller_peak_time",),
+}
+
+
+class Choice(Section):
+    """Restricts a kind of part to some families or part numbers; * stands for any text."""
+
+    family: Names | None = Field(default=None, description='such as "EC 45 flat" or "EC*"')
+    part: Names | None = None
+
+    @property
+    def named(self) -> dict[str, list[str]]:
+        """Names or patterns by the catalogue's column, as far as given."""
+        return {key: names for key, names in (("family", self.family), ("part", self.part)) if names}
+
+
+class MotorChoice(Choice):
+    """Restricts the motor."""
+
+    kind: Literal["brushed", "brushless", "stepper"] | None = Field(
+        default=None, description="stepper: of the catalogues' steppers; else they are left out"
+    )
+
+
+class EncoderChoice(Choice):
+    """Restricts the encoder."""
+
+    min_counts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="counts per turn at least")
+
+
+class ControllerChoice(Choice):
+    """Restricts the controller."""
+
+    bus: str | None = Field(default=None, description="such as CANopen or EtherCAT")
+
+
+if TYPE_CHECKING:
+    Objective = str
+else:
+    Objective = Literal[tuple(OBJECTIVES)]
+
+
+class Weighted(Section):
+    """One of several objectives, weighted relative to the smallest value of all drives."""
+
+    objective: Objective
+    weight: Ratio
+
+
+class Select(Section):
+    """Permitted parts, and the objective of the ranking."""
+
+    catalogs: Names = Field(default=["maxon"])
+    motor: MotorChoice = all_defaults()
+    gearhead: Choice = all_defaults()
+    encoder: EncoderChoice = all_defaults()
+    controller: ControllerChoice = all_defaults()
+    brake: Choice = all_defaults()
+    objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
+    unknown: Literal["allow", "reject"] = Field(default="allow", description="drives with a check that is unknown")
+    assume: list[Literal["ambient_range", "backlash", "peak_time"]] = Field(
+        default=[], description="checks that pass where their figure is missing, shown as assumed"
+    )
+
+    estimates: Literal["on", "off"] = Field(
+        default="on", description="figures that data sheets leave out, from those of their peers"
+    )
+
+    @field_validator("objective")
+    @classmethod
+    def _each_once(cls, given: Objective | list[Weighted]) -> Objective | list[Weighted]:
+        names = [one.objective for one in given] if isinstance(given, list) else []
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise ValueError(f"expected each objective once; {twice[0]} is given twice")
+        return given
+
+    @property
+    def is_restricted(self) -> bool:
+        """Whether families or parts are named."""
+        return any(c.named for c in (self.motor, self.gearhead, self.encoder, self.controller, self.brake))
+
+
+# -- Sections of a spec on the closed loop: the controller's structure and gains, and the model of the machine.
+
+
+class CurrentLoop(Section):
+    """Gains of the current loop; designed where none is given."""
+
+    kp: Gain | None = Field(default=None, description="proportional gain [V/A]")
+    ki: Gain | None = Field(default=None, description="integral gain [V/(A s)]")
+
+
+class VelocityLoop(Section):
+    """Gains of the velocity loop, or targets of their design."""
+
+    kp: Gain | None = Field(default=None, description="proportional gain [A per rad/s at the motor]")
+    ki: Gain | None = Field(default=None, description="integral gain [A per rad]")
+    kd: Gain | None = Field(default=None, description="derivative gain [A per rad/s^2]")
+    filter_time: Duration | None = Field(default=None, description="of the derivative")
+    bandwidth: Frequency | None = Field(default=None, description="to place the poles for")
+    damping: Gain | None = Field(default=None, description="of the placed poles; 0.707 where not given")
+    phase_margin: Angle | None = Field(default=None, description="for the symmetrical optimum; 37 deg where not given")
+
+
+class PositionLoop(Section):
+    """The position loop; without this section there is none."""
+
+    kp: Gain | None = Field(default=None, description="speed demand per position error [1/s]")
+
+
+class Feedforward(Section):
+    """Current added to the velocity loop's; from the model where not given, 0 for none."""
+
+    velocity: Gain | None = Field(default=None, description="[A per rad/s at the motor]")
+    friction: Gain | None = Field(default=None, description="[A] in the direction of the speed")
+    acceleration: Gain | None = Field(default=None, description="[A per rad/s^2 at the motor]")
+
+
+class Control(Section):
+    """The controller of the validation; gains are designed where none are given."""
+
+    structure: Literal["voltage_pid", "cascade"] = Field(
+        default="voltage_pid", description="one velocity loop on the voltage, or current, velocity and position loops"
+    )
+    kp: Gain | None = Field(default=None, description="proportional gain of voltage_pid [V per rad/s at the motor]")
+    ki: Gain = Field(default=0, description="integral gain of voltage_pid [V per rad]")
+    kd: Gain = Field(default=0, description="derivative gain of voltage_pid [V per rad/s^2]")
+    bandwidth: Frequency | None = Field(default=None, description="closed-loop bandwidth to design voltage_pid for")
+    current: CurrentLoop = all_defaults()
+    velocity: VelocityLoop = all_defaults()
+    position: PositionLoop | None = None
+    feedforward: Feedforward = all_defaults()
+    rate: Frequency | None = Field(
+        default=None, description="at which the velocity loop runs; the controller's own where not given"
+    )
+    speed_from: Literal["exact", "counts"] = Field(
+        default="counts", description="how speed is measured: by the encoder's counts where it has one, or exactly"
+    )
+    at_rest: Literal["drain", "hold", "brake"] = Field(
+        default="drain",
+        description="integral of the velocity loop at rest where friction alone holds the load: drained to no current, "
+        "or kept as braking left it; or the holding brake closes at every rest: no current holds the load there, none "
+        "keeps the brake released (the closed loop is simulated without the brake)",
+    )
+    count_time: Duration | None = Field(
+        default=None, description="over which counts are taken for a speed; designed where not given"
+    )
+    microsteps: Annotated[int, Field(ge=1)] | None = Field(
+        default=None,
+        description="of a stepper's driver, to a full step, in size and validate; its finest where not given",
+    )
+    phase_current: Current | None = Field(
+        default=None, description="that a stepper's driver is set to; the stepper's rated current where not given"
+    )
+    idle_current: Share | None = Field(
+        default=None,
+        description="of a stepper's current at rest, as a share of that in motion; all of it where not given",
+    )
+    damping_ratio: Part | None = Field(
+        default=None, description="of the swings of a stepper's rotor; 0.1 where not given"
+    )
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if self.kp is None and (self.ki or self.kd):
+            raise ValueError("ki and kd need kp")
+        if self.count_time is not None and self.speed_from == "exact":
+            raise ValueError("count_time belongs to speed_from: counts")
+        if self.kp is not None and self.bandwidth is not None:
+            raise ValueError("give kp or bandwidth, not both")
+        own = {"current", "velocity", "position", "feedforward"} & self.model_fields_set
+        if self.structure == "voltage_pid" and own:
+            raise ValueError(f"{min(own)} belongs to structure: cascade")
+        if self.structure == "cascade" and {"kp", "ki", "kd", "bandwidth"} & self.model_fields_set:
+            raise ValueError("kp, ki, kd and bandwidth belong under current or velocity in structure: cascade")
+        return self
+
+
+class Plant(Section):
+    """Model of the machine in closed loop; rigid where not given."""
+
+    model: Literal["rigid", "two_mass"] = Field(default="rigid", description="two_mass: motor, shaft, load")
+    stiffness: Stiffness | None = Field(default=None, description="of the shaft, seen at the load; else the belt's")
+    damping_ratio: Part = Field(default=0.02, description="of the load on its shaft, the motor held")
+    backlash: Angle | None = Field(default=None, description="at the load; else the gearhead's")
+    warming: bool = Field(default=True, description="whether the winding warms along the run")
+
+    @model_validator(mode="after")
+    def _of_two_masses(self) -> Self:
+        if self.model == "rigid" and {"stiffness", "damping_ratio", "backlash"} & self.model_fields_set:
+            raise ValueError("stiffness, damping_ratio and backlash belong to model: two_mass")
+        return self

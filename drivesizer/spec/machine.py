@@ -1,0 +1,511 @@
+"""machine.yaml to typed data: named axes on one supply, and which of them ride on one another."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import reduce
+from graphlib import CycleError, TopologicalSorter
+from math import fsum
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import Field, ValidationError, field_validator
+
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.fields import Allowance, Duration, Pause, Place, Section, all_defaults, default, no_entries
+from drivesizer.files.yaml_source import Path_, YamlSource, overlay, read, written
+from drivesizer.loads.arm import Arm
+from drivesizer.loads.kinds import Load
+from drivesizer.loads.rotary_table import RotaryTable
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
+from drivesizer.spec.messages import explained
+from drivesizer.spec.motions import Cam, Harmonic
+from drivesizer.spec.platform import Budget
+from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.spec.robot_section import RobotSection
+from drivesizer.spec.sections import Environment, Margins, Mission, Supply, TitleBlock
+from drivesizer.spec.tolerances import split_tolerances
+
+__all__ = [
+    "WHOLE", "AxisFields", "AxisSpec", "MachineFields", "MachineSpec", "carrying", "joint_axis", "load_machine",
+    "machine_schema", "read_machine", "sizing_order", "with_common_bus",
+]  # fmt: skip
+
+
+# -- A machine of several axes as data: named axes on one supply, each of them a spec of its own.
+
+
+class Carried(NamedTuple):
+    """An axis whose drives ride on another one."""
+
+    name: str
+    distance: float | None  # m, from the carrying axis; None along a line
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisSpec:
+    """An axis of a machine."""
+
+    name: str
+    spec: RobotSpec  # it alone, all shared sections in it
+    carries: tuple[Carried, ...]
+    start: float  # s, of its motion in the machine's cycle
+    repeats: bool | None  # its motion, at once; None: where it is not at rest at both ends of it
+    own_supply: bool  # whether it is not on the machine's
+    is_joint: bool  # of the robot, whose description gives its load
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineSpec:
+    """A machine.yaml: named axes, and what they share."""
+
+    name: str
+    axes: tuple[AxisSpec, ...]  # in the order of the file
+    order: tuple[str, ...]  # names, carried axes before those that carry them
+    synchronised: bool
+    cycle_time: float | None  # s
+    whole: bool  # whether carried drives are chosen for the best sum
+    few_kinds: float | None  # share of that sum that common drives may cost more; None: none are preferred
+    supply: Supply
+    environment: Environment
+    margins: Margins
+    mission: Mission | None
+    battery: Battery | None
+    equipment: tuple[Consumer, ...]
+    budget: Budget | None
+    brake_resistor: BrakeResistor | None
+    report: TitleBlock
+    robot: RobotSection | None  # whose joints are axes as well
+    source: YamlSource
+    changes: tuple[Callable[[RobotSpec], RobotSpec], ...] = ()  # that joints have yet to undergo
+
+    def axis(self, name: str) -> AxisSpec:
+        """The axis of a name."""
+        found = next((axis for axis in self.axes if axis.name == name), None)
+        if found is None:
+            names = [axis.name for axis in self.axes]
+            listed = f"{', '.join(names)}{nearest(name, names)}"
+            raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
+        return found
+
+    def carried(self, name: str) -> dict[str, float | None]:
+        """All whose drives ride on an axis, on others that ride on it too, each with its distance from this one."""
+        direct = {one.name: one.distance for one in self.axis(name).carries}
+        found = dict(direct)
+        for other, distance in direct.items():
+            for further, beyond in self.carried(other).items():
+                found.setdefault(further, None if distance is None else distance + (beyond or 0.0))
+        return found
+
+    def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> MachineSpec:
+        """The machine with the same change in the specs of all its axes."""
+        axes = tuple(replace(axis, spec=axis.spec.changed(change)) for axis in self.axes)
+        return replace(self, axes=axes, changes=(*self.changes, change))
+
+    @property
+    def is_several(self) -> bool:
+        """Whether there is more than one axis, or a robot with joints."""
+        return len(self.axes) > 1 or self.robot is not None
+
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return self.source.name
+
+    @property
+    def entered(self) -> dict[str, Any]:
+        """The machine as the user wrote it."""
+        return dict(self.source.data)
+
+    @property
+    def text(self) -> str:
+        """The file as the user wrote it."""
+        return self.source.text
+
+    def where(self, path: Path_) -> str:
+        """File, line and name of a field, for a message."""
+        return self.source.where(path)
+
+
+# -- Loads with the drives of other axes on them.
+#
+# Along a line a carried mass adds to that of the load. About an axis it is a point at a distance, the housing's own
+# inertia about its centre left out:
+#
+# .. math:: m' = m + m_c, \qquad r' = (m r + m_c a) / m', \qquad J' = J + m_c a^2
+
+
+_ALONG = ("belt_axis", "rack_pinion", "hoist", "lead_screw", "ball_screw", "conveyor", "wheeled_vehicle")
+
+
+def check_carrier(load: Load, distances: Iterable[float | None]) -> None:
+    """Refuse a load that carries no drives, and a distance that its kind lacks or does not have."""
+    turning = isinstance(load, Arm | RotaryTable)
+    if not turning and load.kind not in _ALONG:
+        raise InputError(f"a {load.kind} carries no drives; expected an axis with a mass, an arm or a rotary_table")
+    for distance in distances:
+        if turning and distance is None:
+            raise InputError(f"a {load.kind} carries them at a distance; expected e.g. {{wrist: {{at: 300 mm}}}}")
+        if not turning and distance is not None:
+            raise InputError(f"a {load.kind} moves along a line; expected the name alone, without at")
+
+
+def carrying(load: Load, masses: Iterable[tuple[float, float | None]]) -> Load:
+    """A load with the drives of other axes on it."""
+    found = [(mass, distance or 0.0) for mass, distance in masses if mass]
+    if not found:
+        return load
+    total, moment, inertia = (fsum(mass * distance**power for mass, distance in found) for power in (0, 1, 2))
+    if isinstance(load, Arm):
+        mass = load.mass + total
+        own = load.mass * load.length**2 if load.inertia is None else load.inertia
+        length = (load.mass * load.length + moment) / mass
+        return load.model_copy(update={"mass": mass, "length": length, "inertia": own + inertia})
+    if isinstance(load, RotaryTable):
+        mass = load.mass + total
+        off_axis = (load.mass * load.eccentricity + moment) / mass
+        return load.model_copy(update={"mass": mass, "eccentricity": off_axis, "inertia": load.inertia + inertia})
+    key = "mass"
+    assert isinstance(load, WheeledVehicle) or hasattr(load, key)
+    return load.model_copy(update={key: getattr(load, key) + total})
+
+
+# -- machine.yaml to typed data: the only place where its text becomes numbers.
+#
+# Sections at the top are defaults of every axis; an axis has them field by field over these, as load cases have
+# theirs over a spec's. Battery, equipment, budget and brake resistor are of the whole machine: of one axis they are
+# its own.
+
+
+_OWN = ("axes", "timing", "cycle_time", "total", "few_kinds", "robot")  # fields of a machine that no axis has
+WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
+_COMPUTED = {"kind": "recorded", "file": "of the description"}  # the load of a joint, until it is computed
+Both = tuple[dict[str, Any], dict[str, Any]]  # sections of an axis as written, and without tolerances
+_NAME = re.compile(r"[^\W_][\w .-]{0,59}")  # of an axis, which names files of exports too
+
+
+class CarriedPlace(Section):
+    """Place of a carried drive."""
+
+    at: Place | None = Field(
+        default=None,
+        description="distance of its drive from the carrying axis, where that turns; distances add along the chain",
+    )
+
+
+class AxisFields(Section):
+    """Fields of an axis that a robot.yaml lacks."""
+
+    carries: list[str] | dict[str, CarriedPlace] = no_entries(
+        description="axes whose drives ride on this one; where it turns, each with its distance"
+    )
+
+    @field_validator("carries", mode="before")
+    @classmethod
+    def _names(cls, given: Any) -> Any:
+        if not isinstance(given, list | dict) or not all(isinstance(name, str) for name in given):
+            raise ValueError("expected names of axes, e.g. [wrist], or each with its distance, {wrist: {at: 300 mm}}")
+        twice = next((name for place, name in enumerate(given) if name in list(given)[:place]), None)
+        if twice is not None:
+            raise ValueError(f"{quoted(twice)} is there twice; expected each axis once")
+        return given
+
+    start: Pause = default("0 s", description="of its motion, after that of the machine's cycle")
+    repeats: bool | None = Field(
+        default=None,
+        description="its motion at once, with a period of its own; false: it waits at rest until the machine's cycle "
+        "is over, as by default all do that begin and end at rest, but for harmonic and cam",
+    )
+
+
+class MachineFields(Section):
+    """Fields of a machine beside the sections that are defaults of its axes."""
+
+    name: str = Field(min_length=1, max_length=200)
+    axes: Annotated[dict[str, dict[str, Any]], Field(max_length=100)] = all_defaults(
+        description="by name, each with sections of a robot.yaml over those of the machine"
+    )
+    robot: RobotSection | None = Field(default=None, description="joints of a description, each an axis by its name")
+    timing: Literal["synchronised", "independent"] = Field(
+        default="synchronised", description="common start of the axes' motions; or each at any time"
+    )
+    cycle_time: Duration | None = Field(
+        default=None, description="of the machine; that of its longest axis if not given"
+    )
+    total: Literal["best", "axis_by_axis"] = Field(
+        default="best", description="whether carried drives are chosen so that the sum over all axes is best"
+    )
+    few_kinds: Allowance | None = Field(
+        default=None,
+        description="by how much the sum of the objective may grow for common motors and gearheads",
+    )
+    supply: Supply
+    environment: Environment = all_defaults()
+    margins: Margins = all_defaults()
+    mission: Mission | None = None
+    battery: Battery | None = None
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = no_entries()
+    budget: Budget | None = None
+    brake_resistor: BrakeResistor | None = None
+    report: TitleBlock = all_defaults()
+
+    @field_validator("axes", mode="before")
+    @classmethod
+    def _named(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
+            raise ValueError("expected axes by name, each a group of fields, e.g. {lift: {load: ..., motion: ...}}")
+        for name, sections in given.items():
+            if not isinstance(sections, dict):
+                raise ValueError(f"{quoted(name)}: expected a group of fields such as load, motion, carries")
+        return given
+
+
+def load_machine(given: str | Path | Mapping[str, Any]) -> MachineSpec:
+    """A machine from a file, or from the same fields as a dict.
+
+    Parameters
+    ----------
+    given
+        As of ``load_spec``.
+
+    Returns
+    -------
+    MachineSpec
+        The machine.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or something in it is wrong: one line with place and reason.
+    """
+    return read_machine(written(given, "machine") if isinstance(given, Mapping) else read(Path(given)))
+
+
+def read_machine(source: YamlSource) -> MachineSpec:
+    """A machine from YAML source."""
+    head = _head(source)
+    if not head.axes and head.robot is None:
+        raise InputError(
+            f"{source.where(('axes',))}: expected at least one axis by name, or robot: {{description: ...}}"
+        )
+    alone = len(head.axes) == 1 and head.robot is None
+    shared = _shared(source, alone=alone)
+    written_axes = source.data.get("axes") or {}  # with the tolerances of their figures
+    axes = tuple(_axis(source, shared, name, (written_axes[name], own), alone) for name, own in head.axes.items())
+    if not alone:
+        _check_whole(source, head)
+        axes = tuple(with_common_bus(axis, head.brake_resistor) for axis in axes)
+    machine = MachineSpec(
+        name=head.name,
+        axes=axes,
+        order=(),
+        synchronised=head.timing == "synchronised",
+        cycle_time=head.cycle_time,
+        whole=head.total == "best",
+        few_kinds=head.few_kinds,
+        supply=head.supply,
+        environment=head.environment,
+        margins=head.margins,
+        mission=head.mission,
+        battery=head.battery,
+        equipment=tuple(head.equipment),
+        budget=head.budget,
+        brake_resistor=head.brake_resistor,
+        report=head.report,
+        robot=head.robot,
+        source=source,
+    )
+    return machine if head.robot else sizing_order(machine)
+
+
+def _check_whole(source: YamlSource, head: MachineFields) -> None:
+    """Refuse sections of the machine that do not go together: each as it is refused of a single axis."""
+    name, own = next(iter(head.axes.items()), (head.name, {}))
+    sections = {field: value for field, value in own.items() if field not in (*AxisFields.model_fields, "supply")}
+    if head.robot is not None and "load" not in sections:
+        sections["load"] = _COMPUTED
+    read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
+
+
+def with_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
+    """The axis on a bus that rises to its chopper's voltage, for the choice of its controllers."""
+    volts = resistor.chopper_voltage if resistor else None
+    if volts is None or axis.own_supply:
+        return axis
+
+    def raised(spec: RobotSpec) -> RobotSpec:
+        highest = max(volts, spec.supply.highest)
+        return spec.model_copy(update={"supply": spec.supply.model_copy(update={"max": highest})})
+
+    return replace(axis, spec=axis.spec.changed(raised))
+
+
+def _shared(source: YamlSource, *, alone: bool) -> dict[str, Any]:
+    """Sections of the machine that are defaults of its axes."""
+    left = _OWN if alone else (*_OWN, *WHOLE)
+    return {name: value for name, value in source.data.items() if name not in left}
+
+
+def _head(source: YamlSource) -> MachineFields:
+    """Fields of the machine itself; sections that only axes have are left to these."""
+    data, _ = split_tolerances(source)
+    given = {name: value for name, value in data.items() if name in MachineFields.model_fields}
+    unknown = next((name for name in data if name not in MachineFields.model_fields | RobotSpec.model_fields), None)
+    if unknown is not None:
+        names = {*MachineFields.model_fields, *RobotSpec.model_fields}
+        raise InputError(f"{source.where((unknown,))}: unknown key{nearest(unknown, names)}")
+    try:
+        return MachineFields.model_validate(given)
+    except ValidationError as error:
+        raise explained(error, source, MachineFields, given) from None
+
+
+def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisSpec:
+    """A joint of a machine's robot as an axis, which the file need not name."""
+    axis = next((axis for axis in machine.axes if axis.name == name), None)
+    if axis is not None and not axis.is_joint:
+        where = machine.where(("axes", name, "load"))
+        raise InputError(f"{where}: the description has a joint of this name; expected no load, or another name")
+    if axis is None:
+        axis = _axis(machine.source, _shared(machine.source, alone=False), name, ({}, {}), alone=False)
+        axis = with_common_bus(axis, machine.brake_resistor)
+        axis = replace(axis, spec=reduce(lambda one, change: one.changed(change), machine.changes, axis.spec))
+    return replace(axis, carries=tuple(Carried(other, None) for other in carried))
+
+
+def _axis(source: YamlSource, shared: dict[str, Any], name: str, given_as: Both, alone: bool) -> AxisSpec:
+    """An axis of the file."""
+    at: Path_ = ("axes", name)
+    own, nominal = given_as
+    if not _NAME.fullmatch(name):
+        raise InputError(f"{source.where(at)}: {quoted(name)} names no axis; expected letters and digits, e.g. lift")
+    given = {field: nominal[field] for field in AxisFields.model_fields if field in nominal}
+    try:
+        head = AxisFields.model_validate(given)
+    except ValidationError as error:
+        raise explained(error, source, AxisFields, given, at) from None
+    sections = _sections(source, at, own, alone)
+    is_joint = source.data.get("robot") is not None and "load" not in sections
+    if is_joint and head.carries:
+        raise InputError(f"{source.where((*at, 'carries'))}: it is in the description; leave it out")
+    if is_joint:
+        sections["load"] = _COMPUTED
+    spec = read_spec(overlay(source, at, shared if alone else {**shared, "name": name}, sections))
+    own_supply = not alone and "nominal" in (sections.get("supply") or ())
+    axis = AxisSpec(
+        name=name,
+        spec=spec if alone or own_supply else spec.on_supply_of_machine(),
+        carries=_carries(head),
+        start=head.start,
+        repeats=True if head.repeats is None and isinstance(spec.motion, Harmonic | Cam) else head.repeats,
+        own_supply=own_supply,
+        is_joint=is_joint,
+    )
+    _check_carried(source, at, axis)
+    return axis
+
+
+def _sections(source: YamlSource, at: Path_, own: dict[str, Any], alone: bool) -> dict[str, Any]:
+    """Sections of an axis that a robot.yaml has too."""
+    sections = {field: value for field, value in own.items() if field not in AxisFields.model_fields}
+    unknown = next((field for field in sections if field not in RobotSpec.model_fields), None)
+    if unknown is not None:
+        names = [*AxisFields.model_fields, *RobotSpec.model_fields]
+        raise InputError(f"{source.where((*at, unknown))}: unknown key{nearest(unknown, names)}")
+    whole = next((field for field in WHOLE if field in sections and not alone), None)
+    if whole:
+        raise InputError(f"{source.where((*at, whole))}: it is of the machine; expected at the top of the file")
+    return sections
+
+
+def _carries(head: AxisFields) -> tuple[Carried, ...]:
+    """Carried axes, with their distances where these are given."""
+    places = head.carries if isinstance(head.carries, dict) else dict.fromkeys(head.carries, CarriedPlace())
+    return tuple(Carried(other, place.at) for other, place in places.items())
+
+
+def _check_carried(source: YamlSource, at: Path_, axis: AxisSpec) -> None:
+    if not axis.carries:
+        return
+    try:
+        for _, case in axis.spec.load_cases:
+            check_carrier(case.load, (one.distance for one in axis.carries))
+    except InputError as error:
+        raise InputError(f"{source.where((*at, 'carries'))}: {error}") from None
+
+
+def sizing_order(machine: MachineSpec) -> MachineSpec:
+    """The machine with the order in which its axes are sized: carried ones before those that carry them."""
+    names = [axis.name for axis in machine.axes]
+    for axis in machine.axes:
+        for other in axis.carries:
+            if other.name not in names:
+                where = machine.where(("axes", axis.name, "carries"))
+                raise InputError(f"{where}: there is no axis {quoted(other.name)}{nearest(other.name, names)}")
+    sorter = TopologicalSorter({axis.name: [one.name for one in axis.carries] for axis in machine.axes})
+    try:
+        return replace(machine, order=tuple(sorter.static_order()))
+    except CycleError as error:
+        ring = error.args[1]
+        where = machine.where(("axes", ring[1], "carries"))
+        text = f"{' carries '.join(ring[::-1])}: no order to size them in; expected axes that do not carry each other"
+        raise InputError(f"{where}: {text}") from None
+
+
+# -- JSON Schema of machine.yaml, out of those of a spec, of the machine's own fields and of the robot's section.
+#
+# A section that an axis lays over the machine's need not be whole: there no field of it is required.
+
+
+_REF = "#/$defs/"
+_ROBOT = "Robot"  # before the models of the robot's section, two of which a spec has by the same name
+_PARTIAL = "Axis"  # before models of which no field is required
+
+
+def machine_schema() -> dict[str, Any]:
+    """The JSON Schema of machine.yaml."""
+    spec, head, axis = (model.model_json_schema() for model in (RobotSpec, MachineFields, AxisFields))
+    robot = RobotSection.model_json_schema(ref_template=f"{_REF}{_ROBOT}{{model}}")
+    models = spec["$defs"] | {f"{_ROBOT}{name}": one for name, one in robot.pop("$defs").items()}
+    models |= axis["$defs"] | {"RobotSection": robot}
+    sections = {name: _partial(field, models) for name, field in spec["properties"].items()}
+    own = {name: field for name, field in head["properties"].items() if name not in spec["properties"]}
+    whole = {name: spec["properties"][name] for name in head["properties"] if name in spec["properties"]}
+    models["Axis"] = {
+        "title": "Axis",
+        "description": "An axis: sections of a spec, over those of the machine, and what of it others carry.",
+        "type": "object",
+        "additionalProperties": False,
+        "properties": axis["properties"] | {name: one for name, one in sections.items() if name not in WHOLE},
+    }
+    own["axes"] |= {"additionalProperties": {"$ref": f"{_REF}Axis"}}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "drivesizer machine",
+        "description": head["description"],
+        "type": "object",
+        "additionalProperties": False,
+        "required": head["required"],
+        "anyOf": [{"required": ["axes"]}, {"required": ["robot"]}],
+        "properties": {"name": head["properties"]["name"]} | own | sections | whole,
+        "$defs": models,
+    }
+
+
+def _partial(field: dict[str, Any], models: dict[str, Any]) -> dict[str, Any]:
+    """A section of which no field is required; the models that it needs are added."""
+    if "$ref" in field:
+        name = field["$ref"].removeprefix(_REF)
+        if not models[name].get("required"):
+            return field
+        models[_PARTIAL + name] = {key: value for key, value in models[name].items() if key != "required"}
+        return field | {"$ref": f"{_REF}{_PARTIAL}{name}"}
+    options = field.get("oneOf", field.get("anyOf"))
+    if options is None:
+        return field
+    kept = {key: value for key, value in field.items() if key not in ("oneOf", "anyOf", "discriminator")}
+    # without its kind a section may be one of several
+    return kept | {"anyOf": [_partial(option, models) for option in options]}

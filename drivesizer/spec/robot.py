@@ -1,0 +1,539 @@
+"""robot.yaml to typed data: the only place where a user's file becomes numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping
+from copy import deepcopy
+from functools import lru_cache
+from math import nan
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
+
+from drivesizer.catalog import Brake, Controller
+from drivesizer.errors import InputError, quoted
+from drivesizer.files.fields import Section, all_defaults, default, left_out_before, no_entries, read_before
+from drivesizer.files.yaml_source import Path_, YamlSource, read, written
+from drivesizer.loads.kinds import AXES, Load
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.physics.braking import released_power
+from drivesizer.physics.figures import Figures, once_per_part
+from drivesizer.physics.power_stage import Feed, power_stage
+from drivesizer.physics.power_stage import PowerStage as StageFigures
+from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
+from drivesizer.spec.drive import (
+    DIRECT,
+    BeltStage,
+    Control,
+    DirectStage,
+    GearheadStage,
+    GearStage,
+    Plant,
+    Select,
+    Stage,
+)
+from drivesizer.spec.messages import explained, refuse_contradictions
+from drivesizer.spec.motions import Motion, Trapezoid
+from drivesizer.spec.mounting import Mounting, OwnBrake, Shaft
+from drivesizer.spec.platform import Budget, Platform
+from drivesizer.spec.sections import (
+    Case,
+    Environment,
+    Margins,
+    Mission,
+    Needs,
+    PaperFactors,
+    PowerStage,
+    Requirements,
+    Supply,
+    TitleBlock,
+)
+from drivesizer.spec.tolerances import Toleranced, Tolerances, split_tolerances
+
+__all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
+
+
+# -- A model that knows the file of which it was read: its text, its data as they were written, and lines of fields.
+
+
+class OfFile(Section):
+    """A group of fields that was read of a file, or of a dict, which has no name."""
+
+    _source: YamlSource | None = PrivateAttr(default=None)
+
+    @property
+    def entered(self) -> dict[str, Any]:
+        """The spec as the user wrote it."""
+        return dict(self._source.data) if self._source else {}
+
+    @property
+    def text(self) -> str:
+        """The file as the user wrote it, comments included."""
+        return self._source.text if self._source else ""
+
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return self._source.name if self._source else ""
+
+    def where(self, path: Path_) -> str:
+        """File, line and name of a field, for a message."""
+        return self._source.where(path) if self._source else ".".join(str(step) for step in path)
+
+
+# -- Power stages between the supply and the motors: of one controller, and with what keeps a brake released.
+
+
+@lru_cache(maxsize=64)
+def stage_of(controller: Controller | None, volts: float, given: PowerStage, assume: bool) -> StageFigures:
+    """The power stage of one controller: of those of late as before."""
+    return power_stage(controller or Controller(), volts, given, assume=assume)
+
+
+def fed(stage: StageFigures, supply: Supply, motors: int, brake: Figures | None, released: float = 1.0) -> Feed:
+    """Power stages and what feeds as many as there are motors."""
+    if brake is not None:
+        stage = stage._replace(standby=stage.standby + released * released_power(brake))
+    return Feed(stage, supply.lowest, 0.0 if supply.resistance is None else supply.resistance, motors)
+
+
+# -- robot.yaml to typed data: the only place where a user's file becomes numbers.
+#
+# Every quantity is read by the strict reader of ``units`` and is an SI float from here on. Models are the file's
+# schema; their descriptions are the documentation that ``drivesizer schema`` prints.
+
+
+AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
+
+
+def or_any(schema: dict[str, Any]) -> None:
+    """Let the schema of a section take the word ``any``."""
+    schema["anyOf"].insert(0, {"const": "any", "type": "string"})
+
+
+class RobotSpec(OfFile):
+    """A robot.yaml: the load, its motion, and what the drive may be made of."""
+
+    name: str = Field(min_length=1, max_length=200)
+    method: Literal["paper", "physics"] = Field(
+        default="physics", description="what ranks: the whole load cycle, or the paper's equations and rule"
+    )
+    load: Load
+    motion: Motion | None = Field(default=None, description="one cycle, repeated; a recorded load brings its own")
+    transmission: Annotated[list[Stage], Field(min_length=1, max_length=3)] = default(
+        [{"kind": "gearhead"}], description="from the motor to the load"
+    )
+    paper_factors: PaperFactors = all_defaults()
+    margins: Margins = all_defaults()
+    supply: Supply
+    brake_resistor: BrakeResistor | None = Field(
+        default=None,
+        description="that burns what is regenerated; none where not given",
+        json_schema_extra=or_any,
+    )
+    power_stage: PowerStage = all_defaults()
+    shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
+    environment: Environment = all_defaults()
+    mounting: Mounting | None = Field(default=None, description="of the motor; as printed where not given")
+    needs: Needs = all_defaults()
+    requirements: Requirements | None = Field(default=None, description="of the machine, for a table of its own")
+    brake: OwnBrake | None = Field(default=None, description="out of the catalogues where not given")
+    mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
+    battery: Battery | None = Field(default=None, description="that feeds the machine; only the supply where not given")
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = no_entries(
+        description="further consumers on the battery"
+    )
+    platform: Platform | None = Field(default=None, description="of a wheeled vehicle: wheels, mass, room, limits")
+    budget: Budget | None = Field(default=None, description="of the machine's mass")
+    control: Control = all_defaults()
+    plant: Plant = all_defaults()
+    select: Select = all_defaults()
+    tolerances: Tolerances = all_defaults()
+    report: TitleBlock = all_defaults(description="for the head of reports")
+    cases: Annotated[list[Case], Field(max_length=100)] = no_entries(
+        description="further load cases; a drive must pass all"
+    )
+
+    _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
+    _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
+    _on_common_bus: bool = PrivateAttr(default=False)
+    _waits_until: float | None = PrivateAttr(default=None)
+    _brake_released: float = PrivateAttr(default=1.0)
+
+    @model_validator(mode="after")
+    def _agreeing(self) -> RobotSpec:
+        refuse_contradictions(self)
+        return self
+
+    @field_validator("cases")
+    @classmethod
+    def _named_apart(cls, cases: list[Case]) -> list[Case]:
+        names = [case.name for case in cases]
+        if len(set(names)) != len(names):
+            raise ValueError("expected cases with names of their own")
+        return cases
+
+    @property
+    def wants_brake(self) -> bool:
+        """Whether the drive has a holding brake, unless it holds by itself."""
+        return self.names_brake or self.needs.hold_unpowered
+
+    @property
+    def names_brake(self) -> bool:
+        """Whether there is a brake whatever the load: by its figures, family or part, or to stop the machine with."""
+        return bool(self.brake or self.select.brake.named or self.needs.emergency_stops)
+
+    @property
+    def paper_applies(self) -> bool:
+        """Whether the paper's equations (1)-(20) treat this load and motion."""
+        load, motion = self.load, self.motion
+        return (
+            isinstance(load, WheeledVehicle)
+            and isinstance(motion, Trapezoid)
+            and motion.deceleration_time in (None, motion.acceleration_time)
+            and not motion.there_and_back
+            and load.drag_area == 0.0
+            and not self.cases
+            and self.gear is None
+            and not self.carries
+            and not self.steps
+        )
+
+    @property
+    def steps(self) -> bool:
+        """Whether the motor is to be a stepper."""
+        return self.select.motor.kind == "stepper"
+
+    @property
+    def wants_encoder(self) -> bool:
+        """Whether counts, resolution, family or part of an encoder are required; else the encoder is a proposal."""
+        needs, choice = self.needs, self.select.encoder
+        return bool(needs.encoder_counts or needs.resolution_at_load is not None or choice.min_counts or choice.named)
+
+    @property
+    def accepts_all(self) -> bool:
+        """Whether all regenerated energy leaves the bus: stored, or lost in a battery or a brake resistor.
+
+        One out of the catalogues, whose voltage is not known yet, is chosen so that it keeps the bus below the limits.
+        """
+        if self.brake_resistor is not None:
+            return self.brake_resistor.chopper_voltage is None
+        on_battery = self.battery is not None or self.supply.kind == "battery"
+        return (self.supply.accepts or ("all" if on_battery else "share")) == "all"
+
+    @property
+    def on_common_bus(self) -> bool:
+        """Whether it is an axis on the supply of its machine, where what all axes regenerate is judged together."""
+        return self._on_common_bus
+
+    @property
+    def chopper_voltage(self) -> float | None:
+        """Voltage above which a chopper does not let the bus rise [V]; None where there is none, or it is not known."""
+        return self.brake_resistor.chopper_voltage if self.brake_resistor else None
+
+    @property
+    def limits_the_bus(self) -> bool:
+        """Whether a brake resistor, or a power supply's peak or trip, is to be checked in the machine."""
+        supply = self.supply
+        peaks = supply.peak_current is not None or supply.overvoltage_trip is not None
+        return self.brake_resistor is not None or peaks or supply.part is not None
+
+    def feed(self, controller: Figures, brake: Figures | None = None) -> Feed:
+        """The power stages of controllers, columns by field name, and what feeds as many as there are drives.
+
+        A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
+        """
+        volts, given, assume = self.supply.nominal, self.power_stage, self.select.estimates == "on"
+        stage = once_per_part(lambda part: power_stage(part, volts, given, assume=assume))(controller)
+        return fed(stage, self.supply, self.load.motors, brake, self._brake_released)
+
+    def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
+        """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""
+        stage = stage_of(controller, self.supply.nominal, self.power_stage, self.select.estimates == "on")
+        return fed(stage, self.supply, self.load.motors, brake, self._brake_released)
+
+    @property
+    def resists(self) -> bool:
+        """Whether a resistance of the supply or of power stages lowers the motors' voltage."""
+        return self.supply.resistance is not None or self.power_stage.resistance is not None
+
+    @property
+    def load_cases(self) -> tuple[tuple[str, RobotSpec], ...]:
+        """The spec itself and its further cases, by name."""
+        further = self._cases
+        return ((AS_SPECIFIED if further else "", self), *further)
+
+    @property
+    def alternating(self) -> tuple[str, ...]:
+        """Names of the load cases that alternate with the one as specified: those with a share of the time."""
+        return tuple(case.name for case in self.cases if case.share is not None)
+
+    @property
+    def shift(self) -> tuple[tuple[float, float, RobotSpec], ...]:
+        """Load cases that alternate: share of the time, how long each goes on [s], spec; the one as specified first.
+
+        Empty where no case has a share; 0 s is one cycle.
+        """
+        own, specs = [case for case in self.cases if case.name in self.alternating], dict(self._cases)
+        if not own:
+            return ()
+        shared = tuple((case.share or 0.0, case.lasting or 0.0, specs[case.name]) for case in own)
+        return (1.0 - sum(share for share, _, _ in shared), 0.0, self), *shared
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether the transmission is without a gearhead."""
+        return self.transmission[0].kind == DIRECT
+
+    def behind(self, gearhead: str) -> RobotSpec:
+        """The spec with the first stage that a gearhead of that part number is, or the lack of one."""
+        first = DirectStage(kind="direct") if gearhead == DIRECT else GearheadStage(kind="gearhead")
+        return self.model_copy(update={"transmission": [first, *self.transmission[1:]]})
+
+    @property
+    def belt(self) -> BeltStage | None:
+        """The belt stage, where there is one."""
+        for stage in self.transmission:
+            if type(stage) is BeltStage:  # quicker than ``isinstance``, which of models is a function of theirs
+                return stage
+        return None
+
+    @property
+    def carries(self) -> bool:
+        """Whether the motion adds a payload to the load's mass."""
+        return bool(getattr(self.motion, "carries", False))
+
+    @property
+    def gear(self) -> GearStage | None:
+        """The further stage of fixed ratio, where there is one."""
+        return next((stage for stage in self.transmission if isinstance(stage, GearStage)), None)
+
+    @property
+    def gear_before_belt(self) -> bool:
+        """Whether the gear drives the belt, and not the load."""
+        return isinstance(self.transmission[1], GearStage) if len(self.transmission) == 3 else False
+
+    @property
+    def belt_stiffness(self) -> float:
+        """Stiffness of the belt at the driven shaft [N*m/rad]; NaN where it is unknown."""
+        stiffness = self.belt.stiffness if self.belt else None
+        if stiffness is None:
+            return nan
+        return stiffness / self.gear.ratio**2 if self.gear and self.gear_before_belt else stiffness
+
+    @property
+    def belt_ratios(self) -> list[float]:
+        """The belt ratios to search; 1 without a belt. Those of pulleys are out of the catalogues: see ``Problem``."""
+        return self.belt.to_search if self.belt else [1.0]
+
+    @property
+    def belt_efficiency(self) -> float:
+        """Efficiency of the belt; 1 without one."""
+        return self.belt.efficiency if self.belt else 1.0
+
+    def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> RobotSpec:
+        """The spec and its further load cases with the same change."""
+        made = change(self)
+        made._cases = tuple((name, change(case)) for name, case in self._cases)
+        return made
+
+    def alone(self, **sections: Any) -> RobotSpec:
+        """The spec without further load cases, some of its sections changed."""
+        made = self.model_copy(update={"cases": [], **sections})
+        made._cases = ()
+        return made
+
+    def on_supply_of_machine(self) -> RobotSpec:
+        """The spec as an axis of several: what it regenerates is judged with the others', in the machine."""
+        shared = {"accepts": "all", "overvoltage_trip": None, "part": None}
+
+        def marked(one: RobotSpec) -> RobotSpec:
+            made = one.model_copy(update={"supply": one.supply.model_copy(update=shared)})
+            made._on_common_bus = True
+            return made
+
+        return self.changed(marked)
+
+    @property
+    def brake_released(self) -> float:
+        """Share of the time in which a holding brake is kept released."""
+        return self._brake_released
+
+    def with_brake_released(self, share: float) -> RobotSpec:
+        """The spec with a brake that is kept released for a share of the time."""
+        made = self.model_copy()
+        made._brake_released = share
+        return made
+
+    @property
+    def waits_until(self) -> float | None:
+        """End of the machine's cycle, for which an axis of several waits at rest [s]; None: it does not."""
+        return self._waits_until
+
+    def waiting(self, until: Mapping[str, float | None]) -> RobotSpec:
+        """The spec as an axis that waits at rest for the end of the machine's cycle [s], by load case."""
+        made = self.model_copy()
+        made._waits_until = until.get(self.load_cases[0][0])
+        made._cases = tuple((name, case.waiting({"": until.get(name)})) for name, case in self._cases)
+        return made
+
+    def with_cases(self, further: Iterable[tuple[str, RobotSpec]]) -> RobotSpec:
+        """The spec with more load cases behind its own, by name."""
+        made = self.model_copy()
+        made._cases = (*self._cases, *further)
+        return made
+
+    @property
+    def toleranced(self) -> tuple[Toleranced, ...]:
+        """The figures that carry a tolerance, in the order of the file; those of load cases among them."""
+        return self._toleranced
+
+
+# -- A robot.yaml, or the same fields as a dict, to a ``RobotSpec`` with its load cases and tolerances.
+
+
+_SHAPING = ("load", "motion", "transmission", "platform", "cases")  # the load cycles
+_VARIED = ("load", "motion", "supply", "environment", "platform")
+
+
+def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
+    """A spec from YAML source.
+
+    Parameters
+    ----------
+    source
+        The file.
+    before
+        A spec of the same file with other values in some fields: sections whose data are the very same are not read
+        again.
+
+    Returns
+    -------
+    RobotSpec
+        The spec, checked as a whole whatever was read before.
+
+    Raises
+    ------
+    InputError
+        One line with file, line, field, what was found and what is expected.
+    """
+    if not isinstance(source.data, dict):
+        raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
+    data, toleranced = split_tolerances(source, None if before is None or before._toleranced else before._source)
+    spec = _read(source, data, before)
+    spec._toleranced = toleranced
+    shaping = next((one for one in toleranced if spec.shift and one.path[0] in _SHAPING), None)
+    if shaping is not None:
+        text = "cases that alternate by their shares are at nominal figures; expected it without a tolerance"
+        raise InputError(f"{source.where(shaping.path)}: {text}")
+    for one in toleranced:  # both ends must be values that the field may have
+        for end, value in (("lowest", one.distribution.low), ("highest", one.distribution.high)):
+            _reached(source, data, one, end, value)
+    spec._toleranced = tuple(one.as_angle() if _is_grade(spec, one) else one for one in toleranced)
+    return spec
+
+
+def _is_grade(spec: RobotSpec, one: Toleranced) -> bool:
+    """Whether a figure in per cent became the angle of a slope."""
+    if one.unit != "%":
+        return False
+    of_case = one.path[0] == "cases"
+    place: Any = spec._cases[int(one.path[1])][1] if of_case else spec
+    for step in one.path[2:] if of_case else one.path:
+        place = getattr(place, step) if isinstance(step, str) and not isinstance(place, dict) else place[step]
+    return bool(place == math.atan(one.value) != one.value)
+
+
+def _read(source: YamlSource, data: dict[str, Any], before: RobotSpec | None = None) -> RobotSpec:
+    spec = _validated(source, data, before=before)
+    spec._cases = tuple((case.name, _case(source, data, number)) for number, case in enumerate(spec.cases))
+    return spec
+
+
+def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str, value: float) -> None:
+    """Refuse a tolerance with an end outside the range of the field."""
+    changed = deepcopy(data)
+    place: Any = changed
+    for step in one.path[:-1]:
+        place = place[step]
+    place[one.path[-1]] = one.as_text(value)
+    try:
+        _read(source, changed)
+    except InputError as error:
+        reason = re.sub(r'^\S+:\d+: (\S+: )?("[^"]*" )?', "", str(error))
+        text = f"{quoted(one.text)} is {one.shown(value)} at its {end}: {reason}"
+        raise InputError(f"{source.where(one.path)}: {text}") from None
+
+
+def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before: RobotSpec | None = None) -> RobotSpec:
+    axis = _axis(data)
+    known = {**data, **_unchanged(data, axis, before)}
+    try:
+        spec = RobotSpec.model_validate(known, context={"axis": axis})
+    except ValidationError as error:
+        if before is not None:
+            return _validated(source, data, at)  # whose message has what the user wrote
+        raise explained(error, source, RobotSpec, data, at) from None
+    spec.model_fields_set.difference_update(known.keys() - data.keys())
+    spec._source = source
+    return spec
+
+
+def _unchanged(data: dict[str, Any], axis: str, before: RobotSpec | None) -> dict[str, Any]:
+    """Sections of a spec that was read before where their data are the very same, or both leave them out."""
+    source = None if before is None else before._source
+    if before is None or source is None or _axis(source.data) != axis:
+        return {}
+    return {**left_out_before(data, source.data, before), **read_before(data, source.data, before)}
+
+
+def _axis(data: Mapping[str, Any]) -> str:
+    """Whether the load turns or travels, which decides in which units its motion is given."""
+    kind = data["load"].get("kind") if isinstance(data.get("load"), dict) else None
+    return AXES.get(str(kind), "linear")
+
+
+def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:
+    """The spec changed by one of its cases, validated as a spec of its own."""
+    case, data = whole["cases"][number], deepcopy(whole)
+    del data["cases"]
+    for section in _VARIED:
+        if section in case:
+            another = "kind" in case[section] or "profile" in case[section]  # another load or motion altogether
+            data[section] = {**({} if another else data.get(section) or {}), **case[section]}
+    return _validated(source, data, ("cases", number))
+
+
+def load_spec(given: str | Path | Mapping[str, Any]) -> RobotSpec:
+    """A spec from a file, or from the same fields as a dict.
+
+    Parameters
+    ----------
+    given
+        Path of the file, or fields: texts with units, numbers, lists and dicts, as a file has them.
+
+    Returns
+    -------
+    RobotSpec
+        The spec; paths in a dict count from the current folder.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read or something in it is wrong: one line with place and reason.
+
+    Examples
+    --------
+    >>> spec = load_spec({
+    ...     "name": "turntable",
+    ...     "load": {"kind": "flywheel", "inertia": "0.2 kg*m^2"},
+    ...     "motion": {"speed": "60 rpm", "acceleration_time": "1 s", "cruise_time": "5 s"},
+    ...     "supply": {"nominal": "24 V", "current": "10 A"},
+    ... })
+    >>> round(spec.motion.speed, 3)
+    6.283
+    """
+    return read_spec(written(given) if isinstance(given, Mapping) else read(Path(given)))
