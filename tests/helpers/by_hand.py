@@ -625,10 +625,10 @@ def voltage_of(spec: Any, controller: Any) -> float:
 
 
 def deciding_voltage(spec: Any, controller: Any, volts: float) -> float:
-    """The same where the drop is printed; else with 0.5 or 1.1 V of it what decides, or that of the supply."""
+    """The same where drop and duty are printed; else with 0.5 or 1.1 V and 0.9 or 1 what decides, or the supply's."""
     duty, drop = (NAN, NAN) if controller is None else (controller.max_duty, controller.voltage_drop)
-    least, most = (max(duty * (spec.supply.lowest - (x if math.isnan(drop) else drop)), 0.0) if duty == duty else NAN
-                   for x in (1.1, 0.5))  # fmt: skip
+    least, most = (max((other if math.isnan(duty) else duty) * (spec.supply.lowest - (x if math.isnan(drop) else drop)),
+                       0.0) for x, other in ((1.1, 0.9), (0.5, NAN)))  # fmt: skip
     bound = spec.supply.lowest if math.isnan(most) else most
     return least if volts <= least or not math.isnan(drop + duty) else bound if volts > bound else NAN
 

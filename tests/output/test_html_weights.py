@@ -91,7 +91,7 @@ def test_controls_say_what_they_are_and_the_rule_is_printed(page):
 
 def test_the_caption_says_of_which_parts_a_figure_is(page):
     assert words(page.xpath("//caption")[0]) == (
-        "mass and price: of motor and gearhead; energy per cycle: all drives, per cycle; "
+        "mass and price: of motor, gearhead, encoder, controller; energy per cycle: all drives, per cycle; "
         "smallest margin: smallest margin of all checks"
     )
 
