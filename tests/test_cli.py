@@ -83,7 +83,7 @@ def test_json_contract(run, example):
     assert {c["method"] for c in best["checks"]} == {"paper", "physics", "budget"}
     assert (best["rank"], best["status"], best["motor"]["part"]) == (1, "pass", "118752")
     assert best["motor"]["price"] is None
-    assert best["mass_of"] == ["motor", "gearhead"]
+    assert best["mass_of"] == ["motor", "gearhead", "encoder", "controller"]
     assert best["total_ratio"] == pytest.approx(3249 / 121 * 1.1)
     assert {"rms_torque_at_motor", "maximum_torque_at_motor", "speed_constant", "no_load_speed"} <= set(
         best["requirements"]

@@ -341,7 +341,7 @@ def one_row(part: Any) -> OneRow:
 def singular(section: str) -> str:
     """Singular of a section's name.
 
-    >>> one_of("motors"), one_of("batteries"), one_of("brake_resistors")
+    >>> singular("motors"), singular("batteries"), singular("brake_resistors")
     ('motor', 'battery', 'brake resistor')
     """
     return re.sub("ies$", "y", section).removesuffix("s").replace("_", " ")

@@ -80,7 +80,7 @@ def _plain(table: PartTable) -> Piece:
             "rows": [list(row) for row in table.rows]}  # fmt: skip
 
 
-def parts_compared(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+def beside(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``."""
     from drivesizer.catalog.query import side_by_side
     from drivesizer.output.part import DIFFERS, closing

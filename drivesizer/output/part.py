@@ -338,7 +338,7 @@ def head(hit: Hit) -> str:
 def family_count(count: int) -> str:
     """A number of families.
 
-    >>> of_families(1), of_families(2)
+    >>> family_count(1), family_count(2)
     ('1 family', '2 families')
     """
     return number_of(count, "family", "families")

@@ -84,7 +84,7 @@ class Figure:
 def sentence_case(title: str) -> str:
     """A title within a sentence: its first letter small, abbreviations as they are.
 
-    >>> in_a_sentence("Motor nominal current (RMS)"), in_a_sentence("RMS torque")
+    >>> sentence_case("Motor nominal current (RMS)"), sentence_case("RMS torque")
     ('motor nominal current (RMS)', 'RMS torque')
     """
     return title if title[1:2].isupper() else title[:1].lower() + title[1:]

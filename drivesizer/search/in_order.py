@@ -137,7 +137,7 @@ def family_of(catalog: Catalog, motor: NDArray[np.int64]) -> NDArray[np.int64]:
 def family_firsts(family: NDArray[np.int64]) -> NDArray[np.int64]:
     """Places of the first drive of each family, rising.
 
-    >>> first_of_each(np.array([7, 2, 7, 7, 0, 2])).tolist()
+    >>> family_firsts(np.array([7, 2, 7, 7, 0, 2])).tolist()
     [0, 1, 4]
     """
     return np.sort(np.unique(family, return_index=True)[1])

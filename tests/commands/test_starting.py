@@ -19,7 +19,7 @@ def told(tmp_path, monkeypatch):
     """Run the program in an empty folder at a terminal, with answers, a line each."""
     monkeypatch.chdir(tmp_path)
     for module in (setup, sizing):
-        monkeypatch.setattr(module, "at_terminal", lambda: True)
+        monkeypatch.setattr(module, "interactive", lambda: True)
 
     def run(*arguments, answers=""):
         return CliRunner().invoke(app, list(arguments), input=answers)

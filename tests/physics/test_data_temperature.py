@@ -93,7 +93,7 @@ def test_colder_than_the_rating_is_not_worse_where_the_permitted_temperature_is_
     """
     figures = {
         "nominal_current": 1.0, "max_winding_temperature": nan, "data_temperature": data + CELSIUS,
-        "rated_ambient": nan,
+        "rated_ambient": nan, "mounted_gain": nan,
     }  # fmt: skip
     rated = 25.0 if isnan(data) else data
     found = nominal_current_limit(rms, figures, around + CELSIUS)

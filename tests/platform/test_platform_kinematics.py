@@ -284,7 +284,7 @@ def test_bad_figures_are_refused_in_one_line(make, words):
 
 def test_21_to_59_are_declared():
     assert sorted(PLATFORM) == list(range(21, 60))
-    assert {e.name for e in PLATFORM.values()} == set(equations.__all__) | set(equations.__all__)
+    assert {e.name for e in PLATFORM.values()} == set(equations.__all__)
 
 
 def test_what_the_paper_prints_wrong_is_found():

@@ -110,7 +110,7 @@ def test_between_standstill_and_nominal_speed_the_torque_is_between():
     """7 N*m at rest, 5.73 at 2000 rpm (1200 W): at half of it sqrt(49 - (49 - 32.83)/2) = 6.397 N*m."""
     motor = {"torque_constant": math.nan, "nominal_current": math.nan, "nominal_torque": 5.73, "nominal_speed": 209.44,
              "standstill_torque": np.array([7.0, 7.0, 7.0, math.nan]), "max_winding_temperature": 428.15,
-             "rated_ambient": 313.15, "data_temperature": math.nan}  # fmt: skip
+             "rated_ambient": 313.15, "data_temperature": math.nan, "mounted_gain": math.nan}  # fmt: skip
     speed = np.array([0.0, 104.72, 209.44, 104.72])
     (found,) = nominal_torque_limit(np.full(4, 6.0), speed, motor, 313.15)
     assert found.limit == pytest.approx([7.0, 6.397, 5.73, 5.73], rel=1e-3)

@@ -361,7 +361,7 @@ def test_what_is_not_known_is_empty_and_named(tmp_path):
     assert (row["status"], row["motor_part"], row["gearhead_part"]) == ("pass", "118752", "406764")  # the paper's
     assert row["energy_J"] is None  # the paper's method has none
     assert set(row["price_lacks"].split(" + ")) >= {"motor"}
-    assert math.isclose(row["mass_kg"], 0.130 + 0.077) and row["mass_lacks"] == ""
+    assert math.isclose(row["mass_kg"], 0.130 + 0.077 + 0.020 + 0.045) and row["mass_lacks"] == ""
 
 
 def test_without_a_passing_drive_the_closest_is_named_and_the_drive_is_empty(tmp_path):

@@ -119,7 +119,7 @@ def tightest(checks: list[dict[str, Any]]) -> tuple[float, str]:
 
 
 def test_kept_chunks_and_their_order_change_no_byte(folder, monkeypatch):
-    monkeypatch.setattr("drivesizer.study.run.on_processes", in_this_process)
+    monkeypatch.setattr("drivesizer.study.run.compute_on_processes", in_this_process)
     plan = planned(folder, STUDY)
     outcome = carry_out(plan, folder / "study", maps=None)
     assert outcome.variants["fail"] == 2 and not outcome.notes

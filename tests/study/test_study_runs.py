@@ -40,7 +40,7 @@ def table(tmp_path_factory):
     folder = tmp_path_factory.mktemp("table")
     laid(folder, MANY.replace("steps: 25", "steps: 9").replace("steps: 20", "steps: 6"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("drivesizer.study.run.on_processes", in_this_process)
+        patch.setattr("drivesizer.study.run.compute_on_processes", in_this_process)
         patch.chdir(folder)
         patch.setattr(sys, "argv", ["drivesizer", "study"])
         with pytest.raises(SystemExit) as end:
@@ -59,7 +59,7 @@ def run(run, monkeypatch, tmp_path):
 @pytest.fixture
 def here(monkeypatch):
     """Variants in this process, of studies where it is not the processes that matter: each takes a second to start."""
-    monkeypatch.setattr("drivesizer.study.run.on_processes", in_this_process)
+    monkeypatch.setattr("drivesizer.study.run.compute_on_processes", in_this_process)
 
 
 def until(condition, *, every=0.02):

@@ -453,7 +453,7 @@ def law_text(fit: Fit) -> str:
     """A law in words: its terms, and the parts it was fitted to.
 
     >>> law = Law("motors", "brushed", "rotor_inertia", ("mass", "diameter"))
-    >>> in_words(Fit(law, (0, 1, 1), (-0.3, 0.3), None, (), 309, 32, ("m",)))
+    >>> law_text(Fit(law, (0, 1, 1), (-0.3, 0.3), None, (), 309, 32, ("m",)))
     'mass, diameter; 309 brushed motors, 32 families'
     """
     terms = ", ".join(term.replace("_", " ") for term in fit.law.terms)

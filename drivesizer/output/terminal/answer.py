@@ -187,7 +187,7 @@ def _deciding(braking: BrakingBudget) -> str:
 def _confidence_counts(found: dict[str, str]) -> str:
     """Number of figures at each level of confidence.
 
-    >>> _counted({"mass": "secondary", "k_t": "derived", "price": "secondary"})
+    >>> _confidence_counts({"mass": "secondary", "k_t": "derived", "price": "secondary"})
     '2 secondary, 1 derived'
     """
     return ", ".join(f"{count} {level}" for level, count in Counter(found.values()).items())
