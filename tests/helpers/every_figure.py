@@ -53,8 +53,8 @@ _SOLID = "{diameter: 60 mm, inner_diameter: 10 mm, length: 30 mm, density: 7850 
 _GEAR = "{kind: gear, ratio: 2, efficiency: 0.95, back_efficiency: 0.9, pinion_inertia: 1 kg*cm^2, " \
     "wheel_inertia: 2 kg*cm^2, pinion_friction: 0.05 N*m, wheel_friction: 0.1 N*m, pinion_diameter: 40 mm, " \
     "backlash: 0.2 deg, mass: 1 kg}"  # fmt: skip
-_SUPPLY = "supply: {nominal: 48 V, brakes: 24 V, min: 44 V, max: 52 V, resistance: 0.1 ohm, current: 20 A, power: 900 W, " \
-    "regeneration: 0.3, capacitance: 1 mF}"  # fmt: skip
+_SUPPLY = "supply: {nominal: 48 V, brakes: 24 V, min: 44 V, max: 52 V, resistance: 0.1 ohm, current: 20 A, " \
+    "power: 900 W, regeneration: 0.3, capacitance: 1 mF}"  # fmt: skip
 _BELT = "load: {kind: belt_axis, mass: 20 kg, pulley_diameter: 60 mm, belt_mass: 1 kg, efficiency: 0.95, " \
     "incline: 60 deg, friction_coefficient: 0.1, friction_force: 5 N, friction_torque: 0.1 N*m, force: 10 N, " \
     "inertia: 2 kg*cm^2, idler_inertia: 1 kg*cm^2, idler_diameter: 50 mm, max_tension: 2 kN}"  # fmt: skip
