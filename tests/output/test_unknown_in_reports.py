@@ -92,8 +92,8 @@ def test_a_name_that_the_catalogue_made_up_is_no_order_number(chosen, catalog):
 
 @pytest.fixture(scope="module")
 def several() -> tuple[RobotSpec, DriveSet]:
-    slow = "control: {rate: 1 kHz}\n"  # its loops are designed in no time
-    spec = read_spec(YamlSource(STARTER + LOADED + slow, "robot.yaml"))
+    slow = STARTER.replace("control:\n", "control:\n  rate: 1 kHz\n", 1)  # its loops are designed in no time
+    spec = read_spec(YamlSource(slow + LOADED, "robot.yaml"))
     return spec, size(spec, top=1).sets[0]
 
 
