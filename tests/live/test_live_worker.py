@@ -168,8 +168,8 @@ def test_memory_is_bounded() -> None:
     code = f"""
 import json, resource
 from drivesizer.live import engine
-from drivesizer.live.held import Held
-held = Held("robot.yaml")
+from drivesizer.live.held import EngineMemory
+held = EngineMemory("robot.yaml")
 small = {{"text": "a: 1"}}
 list(engine.done(held, "answer", small))
 engine._MEMORY = 400 << 20
