@@ -27,9 +27,8 @@ __all__ = ["HeatCycle", "coolest_winding", "periodic", "periodic_heat", "winding
 # at the housing [W]; in private functions w winding and h housing, rises over ambient [K].
 
 
-_BEYOND = (
-    1e9  # K: a winding that is warmer after one cycle has run away; the digits of a lower temperature after it are lost
-)
+# K: a winding that is warmer after one cycle has run away; the digits of a lower temperature after it are lost
+_BEYOND = 1e9
 _KEPT = 8  # parts of a long cycle whose spans are kept; of more they are computed twice, for they take much room
 _DIGITS = 9  # of rises [K] in which equal ones agree
 
@@ -232,30 +231,6 @@ def _turned(found: Periodic, values: Array, slopes: Array, pulls: Array, top: Ar
     turn = np.minimum(turning_time(slow - fast, slope, pull), t)
     weight = weights(fast, slow, turn)
     return inner, turn, start + weight.slope * slope + weight.pull * pull
-
-
-def tops(found: Periodic, wanted: NDArray[np.bool_]) -> Array:
-    """Highest rise of the winding in each segment, also within it [K]: segments, then motors.
-
-    Parameters
-    ----------
-    found
-        The periodic state.
-    wanted
-        Segments in which it is wanted, shape (segments, 1).
-
-    Returns
-    -------
-    array
-        Shape (segments, motors); of segments in which it is not wanted it may be that of the warmer end.
-    """
-    top: Array = np.maximum(found.rises[0][:-1], found.rises[0][1:])
-    turns = (found.slopes[0] > 0.0) & (found.pulls[0] < 0.0)
-    if not np.any(turns & wanted):
-        return top
-    inner, _, reached = _turned(found, found.rises[0], found.slopes[0], found.pulls[0], top)
-    top[inner] = np.maximum(top[inner], reached)
-    return top
 
 
 def checked(dt: ArrayLike, I2: ArrayLike) -> tuple[Array, Array]:

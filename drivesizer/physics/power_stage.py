@@ -44,9 +44,8 @@ Array = NDArray[np.float64]
 # (maxon EPOS2, EPOS4, ESCON) at the rated current, or 98 % at 48 to 50 V, which is 1 V; a bridge was measured at 1.1 V
 ASSUMED_LOSS = 1.0
 ASSUMED_BAND = 0.5, 1.1  # of it, 5 to 95 %
-_LEAST_DUTY = (
-    0.9  # the largest duty of a controller that prints none, at least: of 31 for brushless motors 28 print more
-)
+# the largest duty of a controller that prints none, at least: of 31 for brushless motors 28 print more
+_LEAST_DUTY = 0.9
 STAGE_FIGURES = ("inside", "max_duty", "voltage_drop", "max_efficiency", "supply_max", "standby_current")
 _FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors: assumed
 _RIPPLE = 0.1  # of the supply's voltage, at most: assumed

@@ -41,9 +41,8 @@ _USUAL = (273.15, 313.15)  # K, 0 and 40 degC: ambients of IEC 60034-1 where not
 ASSUMED = "assumed, by select.assume"
 ASSUMED_AMBIENT = "assumed: 0 to 40 °C of IEC 60034-1, as the maker states no range"
 _EXTRA_LOW = 75.0  # V, direct, up to which nobody need test insulation: Directive 2014/35/EU, article 1
-_CLASS = (
-    1.5  # a winding for mains of 200 V, 283 V rectified, runs at 240 V + 10 %, 373 V: 1.32; for 400 V it is another
-)
+# a winding for mains of 200 V, 283 V rectified, runs at 240 V + 10 %, 373 V: 1.32; for 400 V it is another
+_CLASS = 1.5
 _BY_RULE = "by a rule, as its maker prints no highest voltage: 1.5 times the nominal one, or 75 V where that is more"
 _OF_A_CLASS = "assumed: its winding is that for this supply, as its maker prints no voltage"
 _COIL = 0.1  # share of its voltage: 24 V +- 10 % (Bosch Rexroth MSK, project planning, 10.10; Siemens SINAMICS S120)
@@ -183,9 +182,8 @@ def _rated(
     if np.isnan(gain).all():
         return at_most(name, rms, limit, most=most[0] if most else None, needed=needed, at_best=_COLDER)
     highest = np.where(np.isnan(gain), 1.0, gain) * (most[0] if most else limit)
-    limit = np.where(
-        (gain == 1.0) & ~np.isposinf(limit), np.nan, limit
-    )  # a warmer mounting: the printed rating is the most
+    warmer = (gain == 1.0) & ~np.isposinf(limit)  # the printed rating is the most
+    limit = np.where(warmer, np.nan, limit)
     return at_most(name, rms, limit, most=highest, needed=needed, at_best=_COOLER, undecided=_COOLED)
 
 
