@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -15,11 +12,9 @@ from drivesizer.control.engine import simulate
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform import motion_of
-from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.uncertainty import sampled_closed_loop
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.sampled_waveform import Judged, alike, warm_at_most, weakest
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
 from drivesizer.sizing import size
@@ -63,9 +58,9 @@ def test_at_nominal_figures_the_checks_are_those_of_validation(arm: tuple[RobotS
     given = assumptions(spec)
     nominal = run(spec, one, motion_of(spec))
     machine = sampled_closed_loop.deviating(spec, one, given, np.array([a.nominal for a in given]))
-    (found,) = sampled_closed_loop._checked(nominal, [machine], every=True)
+    (found,) = sampled_closed_loop._checked(nominal, [machine])
     want = [check for check in checks(nominal) if check.name != "winding_temperature"]
-    for mine, theirs in zip(found.checks, want, strict=True):
+    for mine, theirs in zip(found, want, strict=True):
         assert (mine.name, mine.status) == (theirs.name, theirs.status)
         assert mine.demand == pytest.approx(theirs.demand, rel=1e-9, nan_ok=True)
 
@@ -98,113 +93,6 @@ def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> Non
     supply = values[:, [a.name for a in uncertain].index("supply.min")]
     assert found and found.weakest in ("Motor voltage", "Tracking error")  # what does not suffice is not followed
     assert found.probability == pytest.approx(np.mean(supply > needed), abs=0.15)
-
-
-def test_machines_that_lack_voltage_need_no_further_runs(
-    arm: tuple[RobotSpec, DriveSet], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The share, its error and the check that fails most often are those with all runs of all machines."""
-    spec, one = arm
-    assert one.controller
-    asked = run(spec, one, motion_of(spec)).required("voltage_demand")
-    needed = asked / one.controller.max_duty + one.controller.voltage_drop
-    lacks_voltage, lacking = sampled_closed_loop._lacks_voltage, list[bool]()
-
-    def lacks(sample: sampled_closed_loop._Sample) -> bool:
-        lacking.append(lacks_voltage(sample))
-        return lacking[-1]
-
-    for least, most in ((0.8, 1.2), (0.6, 0.95)):
-        text = ARM.replace("nominal: 24 V", f"nominal: 24 V, min: uniform({least * needed} V; {most * needed} V)")
-        low = read_spec(YamlSource(text, "arm.yaml"))
-        given = assumptions(low)
-        values = sample(given, 16, 1).values
-        lacking.clear()
-        with monkeypatch.context() as patch:
-            patch.setattr(sampled_closed_loop, "_lacks_voltage", lacks)
-            found = sampled_closed_loop.loop_share(low, one, given, values, 16)
-            patch.setattr(sampled_closed_loop, "_lacks_voltage", lambda _: False)
-            assert sampled_closed_loop.loop_share(low, one, given, values, 16) == found
-        assert any(lacking) and found and found.probability < 1.0 and found.weakest == "Motor voltage"
-
-
-VEHICLE = """
-name: vehicle
-load: {kind: wheeled_vehicle, mass: 45 kg +- 5 kg, wheel_diameter: 150 mm, driven_wheels: 4, slope: 3 deg,
-  inertia: 0.003 kg*m^2, rolling_resistance: 0.02 in 0.015..0.03, friction_coefficient: 0.6}
-motion: {profile: trapezoid, speed: 1.2 m/s, acceleration_time: 1 s, cruise_time: 20 s, rest_time: 2 s}
-supply: {nominal: 24 V, min: 22 V +- 0.5 V, current: 40 A}
-environment: {ambient: 25 degC +- 10 K}
-select: {motor: {family: [DCX 26 L, RE 40, EC-i 40]}}
-"""
-
-
-@pytest.mark.parametrize("text", [ARM, VEHICLE])
-def test_a_warm_cycle_exceeds_none_of_its_bounds(text: str) -> None:
-    """A law: of a motor that is warm each figure is between what it is from cold and its bound."""
-    spec = read_spec(YamlSource(text, "machine.yaml"))
-    result = size(spec, top=3, sampling=Sampling(64, 1, None))
-    given = assumptions(spec)
-    for one in result.sets:
-        nominal = run(spec, one, motion_of(spec))
-        start = nominal.steady_start
-        assert start and max(start) > spec.environment.ambient + 5.0
-        values = sample(given, 64, 2).values[::8]
-        machines = [sampled_closed_loop.deviating(spec, one, given, row) for row in values]
-        samples = sampled_closed_loop._from_cold(nominal, machines)
-        made, cold = [each.made for each in samples], [each.out for each in samples]
-        free, warm = sampled_closed_loop._freed(made, cold, nominal), sampled_closed_loop._warm(made, nominal)
-        for each, alone, (with_limits, without) in zip(samples, free, warm, strict=True):
-            assert each.made.drive.heat
-            bound = warm_at_most(each.made.drive.heat, each.out, alone, start).figures
-            for name, found in (
-                ("stage_voltage", without), ("current_demand", without), ("bus_current", with_limits),
-            ):  # fmt: skip
-                assert found.figures[name][0] < bound[name][0], name
-
-
-@pytest.mark.parametrize(("volts", "known"), [(24.0, 1.0), (11.0, 0.5), (10.5, 0.1)])
-def test_samples_far_from_their_limits_need_no_warm_cycle(
-    arm: tuple[RobotSpec, DriveSet], monkeypatch: pytest.MonkeyPatch, volts: float, known: float
-) -> None:
-    """The share, its error and the weakest check are those with all runs of all machines."""
-    _, one = arm
-    low = read_spec(YamlSource(ARM.replace("nominal: 24 V", f"nominal: {volts} V"), "arm.yaml"))
-    given = assumptions(low)
-    values = sample(given, 16, 1).values
-    found = sampled_closed_loop.loop_share(low, one, given, values, 16)
-    while_cold, decided = sampled_closed_loop._while_cold, list[bool]()
-
-    def counted(*given: Any) -> Any:
-        judged = while_cold(*given)
-        decided.append(judged is not None)
-        return judged
-
-    with monkeypatch.context() as patch:
-        patch.setattr(sampled_closed_loop, "_while_cold", counted)
-        assert sampled_closed_loop.loop_share(low, one, given, values, 16) == found
-        patch.setattr(sampled_closed_loop, "_while_cold", lambda *_: None)
-        assert sampled_closed_loop.loop_share(low, one, given, values, 16) == found
-    assert known <= np.mean(decided) <= 1.0 - (known < 1.0) * 0.05 and found
-
-
-def test_the_weakest_check_is_open_where_bounds_of_margins_overlap() -> None:
-    def judged(*margins: tuple[float, float]) -> Judged:
-        both = [[replace(_CHECK, title=f"{n}", margin=m[k]) for n, m in enumerate(margins)] for k in (0, 1)]
-        return Judged(tuple(both[0]), tuple(both[1]))
-
-    assert weakest([judged((0.3, 0.3), (0.5, 0.4))]) == "0"
-    assert weakest([judged((0.3, 0.3), (0.5, 0.2))]) is None
-    assert weakest([judged((0.3, 0.1), (0.5, 0.5))]) == "0"
-    failing = Judged((replace(_CHECK, title="1", status="fail"),), ())
-    assert weakest([judged((0.3, 0.3), (0.5, 0.2)), failing]) == "1"
-    assert weakest([alike(())]) == ""
-
-
-_CHECK = Check(
-    name="motor_speed", title="", method="closed loop", case="", demand=1.0, limit=1.0, kind="rotary_speed", unit="rpm",
-    margin=0.0, needed=0.0, status="pass", at_time=None, by_choice=False, advice=False, note="",
-)  # fmt: skip
 
 
 def test_factors_reach_the_parts(arm: tuple[RobotSpec, DriveSet]) -> None:

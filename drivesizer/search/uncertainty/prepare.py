@@ -328,15 +328,6 @@ class Prepared(NamedTuple):
         """Largest error of the load cycles, of their largest value."""
         return max(case.cycles.fitted for case in self.cases)
 
-    def on(self, rows: NDArray[np.int64]) -> Prepared:
-        """Some of the samples."""
-        one_for_all = [case.cycles.size == 1 for case in self.cases]
-        cases = [
-            case if alike else case._replace(cycles=_some(case.cycles, rows))
-            for case, alike in zip(self.cases, one_for_all, strict=True)
-        ]
-        return self._replace(values=self.values[rows], cases=tuple(cases))
-
     @property
     def cells(self) -> int:
         """Segments times samples, of all load cases."""

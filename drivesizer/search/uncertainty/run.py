@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import heapq
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, partial
-from typing import NamedTuple, overload
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.view.mounted import has_steppers
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.results.check import Check, Reliability, Uncertain, Uncertainty
-from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_SAMPLED
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.evaluation import Evaluation
-from drivesizer.search.columns.limits_over_time import waveform_limits
 from drivesizer.search.uncertainty.options import POOL, Sampling
 from drivesizer.search.uncertainty.prepare import Prepared, prepared
 from drivesizer.search.uncertainty.probabilities import (
@@ -36,203 +31,38 @@ from drivesizer.search.uncertainty.probabilities import (
     figure_spreads,
     without_effect,
 )
-from drivesizer.search.uncertainty.sampled_battery import battery_limits
-from drivesizer.search.uncertainty.sampled_checks import Moving, checks_of, moving_checks, over_time_checks
-from drivesizer.search.uncertainty.sampled_parts import Block, SetRows
-from drivesizer.search.uncertainty.sampled_waveform import Side, sampled_bounds
+from drivesizer.search.uncertainty.sampled_checks import checks_of
+from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.sampling import Sample, sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions, reason, used
 
-__all__ = [
-    "MostFirst", "SampledDrives", "counted", "failing", "passing", "reliabilities", "sample_drives", "subject",
-    "uncertainty",
-]  # fmt: skip
-
-
-# -- In how many samples a drive passes: all that is needed of drives before it is known which of them are shown.
-#
-# The checks are those of ``probabilities``, which has their margins, quantiles and shares too. Bounds over the
-# waveform decide most samples; the course of the winding's temperature is left to drives of which they do not show
-# enough.
+__all__ = ["SampledDrives", "failing", "reliabilities", "sample_drives", "subject", "uncertainty"]
 
 
 Failed = NDArray[np.bool_]
 
 
-class Passing(NamedTuple):
-    """Samples in which no check of a drive fails."""
-
-    least: int  # number of those that certainly pass
-    opened: NDArray[np.int64]  # those that may
-
-    @property
-    def most(self) -> int:
-        """Number of those that may pass, with those that certainly do."""
-        return self.least + len(self.opened)
-
-
-def passing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Passing]:
-    """In how many samples drives pass, by bounds."""
-    if processes > 1 and len(subjects) > 1:
-        return by_processes(passing, given, catalog, subjects, processes)
-    parts = [[_known(catalog, one, block) for one in subjects] for block in blocks_of(given, catalog, subjects)]
-    found = []
-    for each in zip(*parts, strict=True):
-        failed, opened = (np.concatenate(some) for some in zip(*each, strict=True))
-        found.append(Passing(int(np.count_nonzero(~(failed | opened))), np.flatnonzero(opened)))
-    return found
-
-
-def counted(given: Prepared, catalog: Catalog, one: Subject, known: Passing) -> int:
-    """In how many samples a drive passes: of those that bounds leave open what needs the waveform is computed."""
-    if not len(known.opened):
-        return known.least
-    wanted = {*_deciding(one), *BATTERY_SAMPLED}
-    count = 0
-    for block in blocks_of(given.on(known.opened), catalog, [one]):
-        failed = np.zeros(block.size, bool)
-        for check in over_time_checks(catalog, one.rows, block):
-            if check.name in wanted:
-                failed |= check.failed
-        count += int(np.count_nonzero(~failed))
-    return known.least + count
-
-
 def failing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Failed]:
-    """Whether some check fails, of each drive in each sample."""
+    """Whether some check fails, of each drive in each sample; a check that no sample changes is as it is nominally."""
     if processes > 1 and len(subjects) > 1:
         return by_processes(failing, given, catalog, subjects, processes)
-    parts = [[_fails(catalog, one, block) for one in subjects] for block in blocks_of(given, catalog, subjects)]
-    return [np.concatenate(each) for each in zip(*parts, strict=True)]
-
-
-def _fails(catalog: Catalog, one: Subject, block: Block) -> Failed:
-    """Whether some check of a drive fails in each sample of a block; what no sample changes as it is nominally."""
-    found, decide = checks_of(catalog, one.rows, block), _deciding(one)
-    failed = np.full(block.size, any(status == "fail" for name, status in decide.items() if name not in found))
-    for name in {*decide, *BATTERY_SAMPLED} & found.keys():
-        failed |= found[name].failed
-    return failed
-
-
-def _deciding(one: Subject) -> dict[str, str]:
-    """Status at nominal figures of the checks that count, by name."""
-    return {check.name: check.status for check in one.nominal if not check.advice}
-
-
-# --- by bounds
-
-
-def _known(catalog: Catalog, one: Subject, block: Block) -> tuple[Failed, Failed]:
-    """Samples in which a check fails, and others in which one may; none of these where there are no bounds."""
-    sides = None if has_steppers(catalog) else _bounded(catalog, one, block)
-    if sides is None:
-        return _fails(catalog, one, block), np.zeros(block.size, bool)
-    decide = _deciding(one)
-    before = [check for case, _, _ in sides for check in case.checks]
-    over_time = [*_of_the_waveform(sides), *_of_the_battery(block, one.rows.belt, sides)]
-    seen = {check.name for check in (*before, *(high for _, high in over_time))}
-    failed = np.full(block.size, any(status == "fail" for name, status in decide.items() if name not in seen))
-    opened = np.zeros(block.size, bool)
-    for check in before:
-        if check.name in decide:
-            failed |= check.failed
-    for low, high in over_time:
-        if (high.name in decide or high.name in BATTERY_SAMPLED) and not high.passed.all():
-            fails, unknown = _by_low(low(), high)
-            failed |= fails
-            opened |= ~(high.passed | unknown)
-    return failed, opened & ~failed
-
-
-Sides = list[tuple[Moving, Side, Side]]  # load cases, with lower and upper bounds
-
-
-def _bounded(catalog: Catalog, one: Subject, block: Block) -> Sides | None:
-    """A drive in each load case with its bounds; None where some case has none."""
-    found = Sides()
-    for case in moving_checks(catalog, one.rows, block):
-        both = sampled_bounds(case.spec, case.at, case.required, case.warmth, case.peaks, case.parts)
-        if both is None:
-            return None
-        found.append((case, *both))
-    return found
-
-
-def _by_low(low: CheckColumn, high: CheckColumn) -> tuple[Failed, Failed]:
-    """Samples in which a check fails by its lower bound, and in which it is unknown whatever the demand is."""
-    bare = np.isnan(low.limit) & np.isnan(high.limit) & np.isfinite(high.demand)
-    lacking = np.isnan(low.demand) & np.isnan(high.demand) if high.name in BATTERY_SAMPLED else False
-    return low.failed, bare | lacking
-
-
-Both = Iterator[tuple[Callable[[], CheckColumn], CheckColumn]]  # by lower bounds, where wanted, and by upper ones
-
-
-def _of_the_waveform(sides: Sides) -> Both:
-    for case, low, high in sides:
-        made = partial(waveform_limits, case.spec, low.found, low.found, case.parts)
-        for n, check in enumerate(waveform_limits(case.spec, high.found, high.found, case.parts)):
-            yield partial(_nth, made, n), check
-
-
-def _of_the_battery(block: Block, belt: float, sides: Sides) -> Both:
-    for feeds, numbers in block.feeds:
-        spec, at = block.specs[numbers[0]], block.ats[numbers[0]][belt]
-        draws = [[side[place].draw for side in (sides[n][1:] for n in numbers)] for place in (0, 1)]
-        made = partial(battery_limits, spec, feeds, at, draws[0])
-        for n, check in enumerate(battery_limits(spec, feeds, at, draws[1])):
-            yield partial(_nth, made, n), check
-
-
-def _nth(made: Callable[[], list[CheckColumn]], n: int) -> CheckColumn:
-    return made()[n]
-
-
-# --- in order
-
-
-class MostFirst(Sequence[int]):
-    """Rows of drives, those that pass most samples first; of equals the first.
-
-    Which comes next is known once the bounds of none of the others exceed its count: only such drives are counted.
-    """
-
-    def __init__(self, most: Mapping[int, int], count: Callable[[int], int]) -> None:
-        """``most``: upper bounds of the counts, by row; ``count``: the count itself, of a row."""
-        self._count = count
-        self._heap = [(-bound, False, place, row) for place, (row, bound) in enumerate(most.items())]
-        heapq.heapify(self._heap)
-        self._known: list[int] = []
-        self._size = len(self._heap)
-
-    def __len__(self) -> int:
-        return self._size
-
-    @overload
-    def __getitem__(self, place: int) -> int: ...
-    @overload
-    def __getitem__(self, place: slice) -> list[int]: ...
-    def __getitem__(self, place: int | slice) -> int | list[int]:
-        wanted = range(self._size)[place]  # as a list refuses what is beyond its ends
-        last = wanted if isinstance(wanted, int) else max(wanted, default=-1)
-        while len(self._known) <= last:
-            _, counted, nth, row = heapq.heappop(self._heap)
-            if counted:
-                self._known.append(row)
-            else:
-                heapq.heappush(self._heap, (-self._count(row), True, nth, row))
-        return self._known[place] if isinstance(place, int) else self._known[: last + 1][place]
-
-
-# -- Reliability of a sizing's drives: uncertain figures, samples, checks of the drives over them, sensitivities.
+    parts: list[list[Failed]] = [[] for _ in subjects]
+    for block in blocks_of(given, catalog, subjects):
+        for part, one in zip(parts, subjects, strict=True):
+            found = checks_of(catalog, one.rows, block)
+            decide = {check.name: check.status for check in one.nominal if not check.advice}
+            failed = np.full(block.size, any(status == "fail" for name, status in decide.items() if name not in found))
+            for name in {*decide, *BATTERY_SAMPLED} & found.keys():
+                failed |= found[name].failed
+            part.append(failed)
+    return [np.concatenate(part) for part in parts]
 
 
 class SampledDrives(NamedTuple):
     """Drives over samples, by their rows in the result of the search."""
 
     good: list[int]  # in their order; with a required confidence those that reach it
-    bad: Sequence[int]  # that do not, the most reliable first
+    bad: list[int]  # that do not, the most reliable first
     subjects: dict[int, Subject]  # both
     ready: Prepared
     drawn: Sample
@@ -263,26 +93,14 @@ def sample_drives(
     return SampledDrives(good, bad, {**subjects}, ready, drawn._replace(values=ready.values), how, ends)
 
 
-def _divided(ready: Prepared, subjects: Mapping[int, Subject], how: Sampling) -> tuple[list[int], Sequence[int]]:
-    """Rows of drives that reach the required confidence, and of those that do not, the most reliable first.
-
-    Drives of which bounds say enough are not looked at any closer.
-    """
+def _divided(ready: Prepared, subjects: Mapping[int, Subject], how: Sampling) -> tuple[list[int], list[int]]:
+    """Rows of drives that reach the required confidence, and of those that do not, the most reliable first."""
     if how.confidence is None:
         return [*subjects], []
-    catalog, required = ready.problem.catalog, how.confidence
-    some = passing(ready, catalog, [*subjects.values()], how.processes)
-    found = dict(zip(subjects, some, strict=True))
-
-    @cache
-    def count(row: int) -> int:
-        return counted(ready, catalog, subjects[row], found[row])
-
-    def enough(samples: int) -> bool:
-        return samples / len(ready.values) >= required
-
-    good = [row for row, one in found.items() if enough(one.least) or (enough(one.most) and enough(count(row)))]
-    return good, MostFirst({row: one.most for row, one in found.items() if row not in good}, count)
+    failed = failing(ready, ready.problem.catalog, [*subjects.values()], how.processes)
+    share = {row: float((~one).mean()) for row, one in zip(subjects, failed, strict=True)}
+    good = [row for row in subjects if share[row] >= how.confidence]
+    return good, sorted((row for row in subjects if row not in good), key=lambda row: -share[row])
 
 
 def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.more_parts import BeltDrive
 from drivesizer.catalog.view.mounted import STEPPER, has_steppers
-from drivesizer.physics.cycle_at_gearhead import Peak
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.winding import Heat, Parts, Stress, heat, housing_loss, stress
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
@@ -44,15 +43,7 @@ from drivesizer.search.uncertainty.sampled_parts import (
 )
 from drivesizer.spec.mounting import loss_at_flange
 
-__all__ = [
-    "Loaded",
-    "Moving",
-    "checks_of",
-    "loaded",
-    "moving_checks",
-    "over_time_checks",
-    "stepper_of",
-]
+__all__ = ["Loaded", "checks_of", "loaded", "stepper_of"]
 
 Array = NDArray[np.float64]
 _ERROR = 1e-2  # of what a change within a segment does to the winding; the search has 0.1 %
@@ -88,17 +79,6 @@ def _of_batteries(block: Block, one: SetRows, draws: Sequence[Draw]) -> Iterator
         together = [draws[number] for number in numbers]
         for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together):
             yield first, check
-
-
-def over_time_checks(catalog: Catalog, one: SetRows, block: Block) -> Iterator[CheckColumn]:
-    """Those of the checks that need the current over time, of each load case, of a drive without least demands."""
-    parts, factors = parts_of(catalog, one, block)
-    draws = list[Draw]()
-    for spec, ats in zip(block.specs, block.ats, strict=True):
-        case = loaded(spec, ats[one.belt], parts, factors, energies=bool(block.feeds))
-        yield from waveform_limits(spec, *case.over_time, parts)
-        draws.append(_drawn(spec, case))
-    yield from (check for _, check in _of_batteries(block, one, draws))
 
 
 def _of_parts(block: Block, number: int, one: SetRows, parts: Parts) -> list[CheckColumn]:
@@ -190,36 +170,6 @@ def _before_waveform(
         )  # friction that holds is printed
         found += brake_limits(spec, at, parts._replace(motor=bought), required, np.array([listed]))
     return [*found, *electrical_limits(spec, at, required, peaks, parts)]
-
-
-class Moving(NamedTuple):
-    """A drive over the samples of one load case, without the waveform."""
-
-    spec: Any
-    at: AtSamples
-    parts: Parts
-    required: Demands
-    warmth: Heat
-    peaks: Stress  # of which the voltage is unknown
-    checks: list[CheckColumn]  # all but those of the waveform; as if no demand were a least one
-
-
-def moving_checks(catalog: Catalog, one: SetRows, block: Block) -> Iterator[Moving]:
-    """A drive that is no stepper over the samples of each load case, without the waveform."""
-    parts, factors = parts_of(catalog, one, block)
-    listed = is_listed(catalog, one.motor, one.brake)
-    for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        at = ats[one.belt]
-        required, warmth = _moved(spec, at, parts, factors)
-        torque, nothing = at.peak(required.coefficients, required.left_out).value, np.full(block.size, np.nan)
-        peaks = Stress(torque, Peak(torque / parts.motor["torque_constant"], nothing), Peak(nothing, nothing))
-        checks = [
-            *_before_waveform(spec, at, parts, listed, required, warmth, peaks),
-            *motor_limits(spec, parts.motor),
-            _controller_fits(spec, parts.controller, one),
-            *_of_parts(block, number, one, parts),
-        ]
-        yield Moving(spec, at, parts, required, warmth, peaks, checks)
 
 
 def _losses(motor: PartFigures, required: Demands, factors: Mapping[str, Array]) -> tuple[Array, Array]:

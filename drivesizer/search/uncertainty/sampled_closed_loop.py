@@ -7,16 +7,16 @@ periodic steady state.
 
 from __future__ import annotations
 
-import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.control.closed_loop.checks import checks, electrical_checks
+from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.closed_loop.run import (
     ClosedLoop,
     Prepared,
@@ -35,7 +35,6 @@ from drivesizer.results.check import LoopShare
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.sizing import Check
 from drivesizer.search.uncertainty.sampled_parts import deviating_drive
-from drivesizer.search.uncertainty.sampled_waveform import Judged, alike, warm_at_most, weakest
 from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
 from drivesizer.spec.robot import RobotSpec
@@ -44,7 +43,6 @@ __all__ = ["deviating", "loop_share"]
 
 Array = NDArray[np.float64]
 _LEFT = ("winding_temperature",)  # to the physics
-_FURTHER = ("controller_peak_current", "supply_current")  # checks that further runs may fail, beside the voltage's
 _LOST = "the loop does not come to an end"
 
 
@@ -58,16 +56,11 @@ def loop_share(
     each = max(samples // REPLICATES, 1)
     rows = (np.arange(REPLICATES)[:, None] * (len(values) // REPLICATES) + np.arange(each)).reshape(-1)
     machines = [deviating(spec, one, given, values[row]) for row in rows]
-    found = _checked(nominal, machines)
-    first = weakest(found)
-    if first is None:
-        found = _checked(nominal, machines, every=True)
-        first = weakest(found)
-    several = [judged.checks for judged in found]
+    several = _checked(nominal, machines)
     share = mean_and_error(np.array([not any(check.status == "fail" for check in checks) for checks in several]))
     unknown = (check.title for checks in several for check in checks if check.status == "unknown" and not check.advice)
     return LoopShare(
-        samples=len(rows), probability=share.value, error=share.error, weakest=first or "",
+        samples=len(rows), probability=share.value, error=share.error, weakest=_weakest(several),
         unknown=tuple(dict.fromkeys(unknown)),
     )  # fmt: skip
 
@@ -96,24 +89,24 @@ class _Sample(NamedTuple):
     out: Simulation
 
 
-def _checked(
-    nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]], *, every: bool = False
-) -> list[Judged]:
-    """The checks of each machine, with the nominal one's controller; every: in periodic steady state each is simulated.
-
-    A machine that lacks voltage fails, whatever further runs would say; and these say something of three checks alone.
-    Unless one of the other two fails elsewhere, neither fails more often than that of the voltage, which comes first.
-    """
+def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]]) -> list[tuple[Check, ...]]:
+    """The checks of each machine, with the nominal one's controller."""
     samples = _from_cold(nominal, machines)
-    lacks = [_lacks_voltage(one) for one in samples]
-    whole = _by_further_runs(nominal, [one for one, short in zip(samples, lacks, strict=True) if not short], every)
-    lacking = [one for one, short in zip(samples, lacks, strict=True) if short]
-    if any(check.name in _FURTHER and check.status == "fail" for one in whole for check in one.checks):
-        less = _by_further_runs(nominal, lacking, every)
-    else:
-        less = [_by_the_first_run(nominal, one) for one in lacking]
-    found = {False: iter(whole), True: iter(less)}
-    return [next(found[short]) for short in lacks]
+    made = [one.made for one in samples]
+    free, warm = _freed(made, [one.out for one in samples], nominal), _warm(made, nominal)
+    return [_checks(nominal, *each) for each in zip(samples, free, warm, strict=True)]
+
+
+def _weakest(found: Sequence[tuple[Check, ...]]) -> str:
+    """The check that fails most often, else that with the smallest margin in the mean."""
+    failed = Counter(check.title for checks in found for check in checks if check.status == "fail")
+    if failed:
+        return failed.most_common(1)[0][0]
+    margins: dict[str, list[float]] = {}
+    for check in chain.from_iterable(found):
+        if check.margin == check.margin:
+            margins.setdefault(check.title, []).append(check.margin)
+    return min(margins, key=lambda title: float(np.mean(margins[title])), default="")
 
 
 def _from_cold(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]]) -> list[_Sample]:
@@ -124,50 +117,6 @@ def _from_cold(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DrivePar
         for machine, motion in zip(machines, profiles, strict=True)
     ]
     return [_Sample(*each) for each in zip(machines, profiles, made, _simulated(made), strict=True)]
-
-
-def _lacks_voltage(one: _Sample) -> bool:
-    """Whether a simulation met the limit of voltage and no other, where that is the limit of the voltage's check.
-
-    Without limits it is the same up to there: then it requires more than that voltage too. With a speed that is not
-    counted a steady state is carried by tolerances that hang on the supply, and is not quite the same.
-    """
-    figures, drive = one.out.figures, one.made.drive
-    met = figures["time_at_voltage_limit"][0] > 0.0 and figures["time_at_current_limit"][0] == 0.0
-    known = drive.heat is not None and not math.isnan(one.made.usable_voltage) and drive.encoder.edges > 0.0
-    return bool(met) and known and not one.machine[0].resists and not one.out.problems[0]
-
-
-def _by_further_runs(nominal: ClosedLoop, samples: Sequence[_Sample], every: bool) -> list[Judged]:
-    """The checks of machines, simulated without limits too, and in periodic steady state where that may decide one."""
-    free = _freed([one.made for one in samples], [one.out for one in samples], nominal)
-    found = [None if every else _while_cold(nominal, *each) for each in zip(samples, free, strict=True)]
-    places = [n for n, judged in enumerate(found) if judged is None]
-    warm = dict(zip(places, _warm([samples[n].made for n in places], nominal), strict=True))
-    return [
-        judged or alike(_checks(nominal, samples[n], free[n], warm[n])) for n, judged in enumerate(found)
-    ]  # fmt: skip
-
-
-def _while_cold(nominal: ClosedLoop, one: _Sample, free: Simulation) -> Judged | None:
-    """The checks without a simulation in periodic steady state; None where that may decide one of them."""
-    heat, start = one.made.drive.heat, nominal.steady_start
-    if heat is None or start is None:
-        return None
-    if one.out.problems[0]:
-        return alike(_checks(nominal, one, free, ()))
-    bound = warm_at_most(heat, one.out, free, start)
-    cold = _checks(nominal, one, free, ())
-    more = {check.name: check for check in electrical_checks(_case(nominal, one, free, (bound, bound)))}
-    least = tuple(more.get(check.name, check) for check in cold)
-    same = all(a.status == b.status for a, b in zip(cold, least, strict=True))
-    return Judged(cold, least) if same else None
-
-
-def _by_the_first_run(nominal: ClosedLoop, one: _Sample) -> Judged:
-    """The checks that the simulation from cold decides, and those that a missing figure leaves open."""
-    found = _checks(nominal, one, one.out, ())
-    return alike(tuple(check for check in found if check.name not in _FURTHER or check.status == "unknown"))
 
 
 def _brief(one: Prepared) -> Prepared:
