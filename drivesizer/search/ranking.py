@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -13,21 +13,18 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.extremes import undominated
-from drivesizer.physics.winding import put
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts, multiples, used_share
 from drivesizer.search.columns.candidates import Candidates, Crossed, amounting, bound_of, joined, pairs
 from drivesizer.search.columns.evaluation import (
-    BothEnds,
     at_ends,
-    both_ends,
     by_physics,
     estimated,
     figures_by_physics,
     smallest_margin,
 )
 from drivesizer.search.columns.limits_over_time import Exactly, Wanted
-from drivesizer.search.columns.offers import CONTROLLING, bought, chosen
+from drivesizer.search.columns.offers import CONTROLLING, bought, chosen, offers
 from drivesizer.search.columns.powered import UNDECIDED
 from drivesizer.search.columns.stages import Examined, belts_together, examine
 from drivesizer.search.open_checks import passing
@@ -303,23 +300,24 @@ def any_passes(problem: Problem) -> bool:
 
 
 def _examined(problem: Problem, every: Candidates, exact: Exactly, margins: bool) -> Iterator[_Found]:
-    """Some of them after the other: all at the favourable end, where printed figures are as printed."""
-    uncertain = estimated(problem, every)
-    ends = both_ends(problem, every.on(uncertain)) if len(uncertain) else None
-    for some, pairs_ in _chunks(problem, every):
-        if ends is None:
-            found = _together(examine(problem, some, exact=exact, margins=margins))
-            yield _found(problem, some, found, np.zeros(len(found.rows), bool), margins)
-        else:
-            first, last = np.searchsorted(uncertain, (pairs_.start, pairs_.stop))
-            few = uncertain[first:last] - pairs_.start
-            twice = joined([some.pairs, ends.unfavourable(some.pairs.on(few))])
-            both = Crossed(twice, some.belts, len(some.pairs.motor))
-            examined = examine(ends.problem, both, exact=exact, margins=margins, offered=ends.offered)
-            yield _at_both(problem, both, _together(examined), few, ends, margins)
+    """Some of them after the other: all at the favourable end of the bands, those that hang on one at the other too."""
+    uncertain = np.zeros(len(every.motor), bool)
+    uncertain[estimated(problem, every)] = True
+    favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
+    offered = offers(favourable), offers(unfavourable) if uncertain.any() else None
+    for some, rows in _chunks(problem, every):
+        found = _together(examine(favourable, some, exact=exact, margins=margins, offered=offered[0]))
+        opened, few = np.zeros(len(found.rows), bool), np.flatnonzero(uncertain[rows])
+        if len(few):
+            opened = np.isin(found.rows % len(some.pairs.motor), few)
+            again = Crossed(some.pairs.on(few), some.belts)
+            hard = _together(examine(unfavourable, again, exact=exact, margins=margins, offered=offered[1]))
+            belt, row = np.divmod(hard.rows, len(few))
+            found, opened = _at_both(found, opened, hard._replace(rows=some.number(belt, few[row])))
+        yield _found(problem, some, found, opened, margins)
 
 
-def _together(found: Iterator[Examined]) -> Examined:
+def _together(found: Iterable[Examined]) -> Examined:
     """Candidates that were examined some at a time, put together; there is at least one."""
     several = list(found)
     if len(several) == 1:
@@ -339,7 +337,7 @@ def _found(problem: Problem, every: Crossed, one: Examined, opened: NDArray[np.b
     figures[UNDECIDED] = one.figures.get(UNDECIDED, np.zeros(len(margin)))
     few = _closest(one.bound)
     failing = _nearest(problem, [(every.on(one.rejected[few]), one.bound[few])])
-    count = len(every.counted.motor) * len(every.belts)
+    count = len(every.pairs.motor) * len(every.belts)
     return _Found(count, every.on(one.rows), opened, one.unknown, one.doublings, figures, most, one.failed_by, *failing)
 
 
@@ -355,56 +353,27 @@ def _closest(bound: Array) -> NDArray[np.int64]:
     return near
 
 
-def _at_both(
-    problem: Problem, every: Crossed, found: Examined, few: NDArray[np.int64], ends: BothEnds, margins: bool
-) -> _Found:
-    """Candidates that pass at the favourable end, then those of the other end alone; ``few`` pairs were at both."""
-    count, row = len(every.counted.motor), found.rows % len(every.pairs.motor)
-    at_hard = row >= count
-    easy, hard = (_on_rows(found, np.flatnonzero(side)) for side in (~at_hard, at_hard))
-    there = row[at_hard]
-    hard = hard._replace(rows=hard.rows - there + few[there - count], brake=ends.brakes(hard.brake))
-    place = np.searchsorted(easy.rows, hard.rows)  # rows rise
-    both = np.append(easy.rows, -1)[place] == hard.rows
-    opened = np.isin(row[~at_hard], few)
-    whole = _at_the_unfavourable(easy, opened, place[both], _on_rows(hard, np.flatnonzero(both)))
-    if not both.all():
-        whole, opened = _with_others(whole, opened, _on_rows(hard, np.flatnonzero(~both)), len(every.pairs.motor))
-    return _found(problem, every, whole, opened, margins)
+def _at_both(easy: Examined, opened: NDArray[np.bool_], hard: Examined) -> tuple[Examined, NDArray[np.bool_]]:
+    """Candidates that fail at one end of the bands at most, as at the unfavourable one where they do not fail there.
 
-
-def _at_the_unfavourable(
-    easy: Examined, opened: NDArray[np.bool_], place: NDArray[np.int64], hard: Examined
-) -> Examined:
-    """Candidates that pass, with those that do so at both ends as they are at the unfavourable one: they are not open.
-
-    But for those that lack other figures there.
+    Those that fail at neither, and lack the same figures at both, are not open.
     """
-    unknown = easy.unknown[place]
-    opened[place] = (unknown != hard.unknown).any(axis=1)
+    _, here, there = np.intersect1d(easy.rows, hard.rows, assume_unique=True, return_indices=True)
+    of_hard = np.ones(len(hard.rows), bool)
+    of_hard[there] = (easy.unknown[here] != hard.unknown[there]).any(axis=1)
+    hard.unknown[there] &= easy.unknown[here]
+    hard.doublings[there] = easy.doublings[here]
     if UNDECIDED in hard.figures:  # at either end
-        hard.figures[UNDECIDED] = np.maximum(hard.figures[UNDECIDED], easy.figures[UNDECIDED][place])
-    return easy._replace(
-        unknown=put(easy.unknown, place, unknown & hard.unknown),
-        margin=put(easy.margin, place, hard.margin),
-        controller=put(easy.controller, place, hard.controller),
-        brake=put(easy.brake, place, hard.brake),
-        figures={name: put(column, place, hard.figures[name]) for name, column in easy.figures.items()},
+        hard.figures[UNDECIDED][there] = np.maximum(hard.figures[UNDECIDED][there], easy.figures[UNDECIDED][here])
+    left, kept = np.setdiff1d(np.arange(len(easy.rows)), here), ~np.isin(easy.rejected, hard.rows)
+    whole = _together(
+        [
+            _on_rows(easy, left)._replace(rejected=easy.rejected[kept], bound=easy.bound[kept]),
+            hard._replace(rejected=hard.rejected[:0], bound=hard.bound[:0], failed_by=Counter()),
+        ]
     )
-
-
-def _with_others(
-    found: Examined, opened: NDArray[np.bool_], others: Examined, pairs_: int
-) -> tuple[Examined, NDArray[np.bool_]]:
-    """Candidates with those that pass at the unfavourable end alone, which come last behind each belt and are open."""
-    kept = np.flatnonzero(~np.isin(found.rejected, others.rows))
-    columns: dict[str, Any] = {
-        name: np.concatenate([getattr(one, name) for one in (found, others)]) for name in _OF_ROWS
-    }
-    figures = {name: np.append(column, others.figures[name]) for name, column in found.figures.items()}
-    whole = found._replace(figures=figures, rejected=found.rejected[kept], bound=found.bound[kept], **columns)
-    by_belt = np.argsort(whole.rows // pairs_, kind="stable")
-    return _on_rows(whole, by_belt), np.append(opened, np.ones(len(others.rows), bool))[by_belt]
+    in_order = np.argsort(whole.rows)
+    return _on_rows(whole, in_order), np.concatenate([opened[left], of_hard])[in_order]
 
 
 def _on_rows(found: Examined, rows: NDArray[np.int64]) -> Examined:

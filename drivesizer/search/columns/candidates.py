@@ -58,12 +58,6 @@ class Crossed(NamedTuple):
 
     pairs: Candidates  # whatever their belt
     belts: list[float]
-    first: int | None = None  # so many of the pairs are counted and may be the closest rejected; None: all
-
-    @property
-    def counted(self) -> Candidates:
-        """The pairs whose failures count."""
-        return self.pairs if self.first is None else self.pairs.on(slice(self.first))
 
     def number(self, belt: NDArray[np.int64], row: NDArray[np.int64]) -> NDArray[np.int64]:
         """Numbers of candidates by those of their belts and the rows of their pairs."""
@@ -220,14 +214,10 @@ class Sieve:
         doublings: NDArray[np.int64],
         margin: Array,
         margins: bool,
-        counted: NDArray[np.bool_] | None = None,
     ) -> None:
-        """The numbers of candidates in stages, with what the checks of their parts amount to.
-
-        ``counted``: whose failures count and which may be the closest rejected; None all.
-        """
+        """The numbers of candidates in stages, with what the checks of their parts amount to."""
         self.rows, self.unknown, self.doublings, self.margin = rows, unknown, doublings, margin
-        self.margins, self.counted = margins, counted
+        self.margins = margins
         self.staged = True
         self.checks: list[CheckColumn] = []
         self.failed_by: Counter[str] = Counter()
@@ -245,9 +235,8 @@ class Sieve:
         """The candidates that are left in parts; what was counted goes with the first."""
         found = []
         for place in places:
-            counted = None if self.counted is None else self.counted[place]
             undecided = self.unknown[place], self.doublings[place]
-            part = Sieve(self.rows[place], *undecided, self.margin[place], self.margins, counted)
+            part = Sieve(self.rows[place], *undecided, self.margin[place], self.margins)
             part.staged, part.checks = self.staged, [check.on(place) for check in self.checks]
             found.append(part)
         found[0].failed_by, found[0].rejected = self.failed_by, self.rejected
@@ -265,21 +254,16 @@ class Sieve:
         if not found or not len(self.rows):
             return _ALL
         for check in found:
-            self.failed_by[check.name] += int(np.count_nonzero(self._counted(check.failed)))
+            self.failed_by[check.name] += int(np.count_nonzero(check.failed))
         amount = amounting(found, len(self.rows), self.margins)
         kept: NDArray[np.int64] | slice = _ALL
         if amount.failed.any():
-            rejected, kept = np.flatnonzero(self._counted(amount.failed)), np.flatnonzero(~amount.failed)
+            rejected, kept = np.flatnonzero(amount.failed), np.flatnonzero(~amount.failed)
             self.rejected.append((self.rows[rejected], bound_of([c.on(rejected) for c in found], len(rejected))))
             self.rows, self.margin = self.rows[kept], self.margin[kept]
             self.unknown, self.doublings = self.unknown.take(kept, axis=0), self.doublings[kept]
-            self.counted = None if self.counted is None else self.counted[kept]
         self.unknown |= amount.unknown[kept]
         self.doublings += amount.doublings[kept]
         if self.margins:
             self.margin = np.minimum(self.margin, amount.margin[kept])
         return kept
-
-    def _counted(self, failed: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Failures that count."""
-        return failed if self.counted is None else failed & self.counted

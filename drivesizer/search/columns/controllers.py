@@ -90,11 +90,6 @@ class Usable(NamedTuple):
     lowest: float  # V, of the supply
     ambient: float  # K, the hottest
 
-    def of(self, motors: NDArray[np.int64]) -> Usable:
-        """The same of some motors, by their rows."""
-        columns = {name: getattr(self, name)[motors] for name in ("allowed", "nearest", "largest", "partial")}
-        return self._replace(**columns)
-
     def available(self, motor: NDArray[np.int64], row: NDArray[np.int64]) -> CheckColumn:
         """Whether there is a controller for each motor: unknown where catalogues list none, or its range is unknown."""
         clear = ~self.unclear[row]

@@ -9,32 +9,29 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Table, columns_of
+from drivesizer.catalog import Catalog, columns_of
 from drivesizer.results.check_columns import CheckColumn, fits, over_band
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import Requirement
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check, Status
 from drivesizer.search.columns import paper as paper_rule
-from drivesizer.search.columns.brakes import OfferedBrakes, counts_check, encoders_for, offered_brakes, offered_encoders
+from drivesizer.search.columns.brakes import counts_check, encoders_for, offered_brakes, offered_encoders
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows
 from drivesizer.search.columns.controllers import controllers
 from drivesizer.search.columns.limits_over_time import Exactly, Wanted
-from drivesizer.search.columns.offers import Offers, offers, placed, scattered
+from drivesizer.search.columns.offers import placed, scattered
 from drivesizer.search.columns.paper import motor_requirements, vehicle
 from drivesizer.search.columns.stages import examine
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "BothEnds", "Evaluation", "at_ends", "at_figures", "both_ends", "by_physics", "estimated", "evaluate",
+    "Evaluation", "at_ends", "at_figures", "by_physics", "estimated", "evaluate",
     "figures_by_physics", "smallest_margin",
 ]  # fmt: skip
 
 
 # -- Candidates with figures that are estimated: which they are, and the problem at both ends of the bands.
-#
-# The search examines both ends in one go: behind the parts at the favourable end stand those that some candidate
-# needs at the unfavourable one, as rows of the same tables.
 
 
 # sizes and masses: whether a drive moves its load does not hang on them
@@ -83,101 +80,6 @@ def _paper_figures(section: str) -> set[str]:
     prefix = f"{section[:-1]}."
     names = {name for check in CHECKS["paper"].values() for name in check.rests_on}
     return {name.removeprefix(prefix) for name in names if name.startswith(prefix)}
-
-
-class BothEnds(NamedTuple):
-    """Parts at the favourable end of the bands, and behind them those of some candidates at the unfavourable end."""
-
-    problem: Problem  # its catalogue has both; encoders and controllers do not hang on the end
-    offered: Offers  # for every motor of it
-    motors: NDArray[np.int64]  # rows of those that are there twice, rising
-    gearheads: NDArray[np.int64]
-
-    def unfavourable(self, sets: Candidates) -> Candidates:
-        """Some of those candidates with their parts at that end."""
-        motor, gearhead = (
-            len(table) - len(rows) + np.searchsorted(rows, of)
-            for table, rows, of in (
-                (self.problem.catalog.motors, self.motors, sets.motor),
-                (self.problem.catalog.gearheads, self.gearheads, sets.gearhead),
-            )
-        )
-        return sets._replace(motor=motor, gearhead=gearhead)
-
-    def brakes(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Rows of brakes at either end as those of the catalogue."""
-        return np.where(rows < 0, rows, rows % max(len(self.problem.catalog.brakes) // 2, 1))
-
-
-def both_ends(problem: Problem, uncertain: Candidates) -> BothEnds:
-    """The problem at both ends of the bands of estimated figures, to be examined in one go."""
-    easy, hard = at_ends(problem)
-    motors, gearheads = np.unique(uncertain.motor), np.unique(uncertain.gearhead)
-    rows = {"motors": motors, "gearheads": gearheads, "brakes": np.arange(len(hard.catalog.brakes))}
-    tables = {name: _behind(easy.catalog.table(name), hard.catalog.table(name), some) for name, some in rows.items()}
-    together = replace(easy, catalog=easy.catalog.with_tables(tables, {}))
-    return BothEnds(together, _offered(offers(easy), offers(hard), motors), motors, gearheads)
-
-
-def _behind(table: Table[Any], other: Table[Any], rows: NDArray[np.int64]) -> Table[Any]:
-    """A table with some rows of another behind its own."""
-    source = np.concatenate([table.source, other.source[rows]])
-    excluded = np.concatenate([table.excluded, other.excluded[rows]])
-    return Table(table.section, _Columns(table.columns, other.columns, rows), source, excluded)
-
-
-class _Columns(Mapping[str, NDArray[Any]]):
-    """Columns of a table with some rows of another behind: put together on first use, as few are used."""
-
-    def __init__(
-        self, columns: Mapping[str, NDArray[Any]], others: Mapping[str, NDArray[Any]], rows: NDArray[np.int64]
-    ) -> None:
-        self.columns, self.others, self.rows = columns, others, rows
-        self.made: dict[str, NDArray[Any]] = {}
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self.made:
-            self.made[name] = np.concatenate([self.columns[name], self.others[name].take(self.rows)])
-        return self.made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.columns)
-
-    def __len__(self) -> int:
-        return len(self.columns)
-
-
-def _offered(easy: Offers, hard: Offers, motors: NDArray[np.int64]) -> Offers:
-    """Offers for each motor, and for some of them at the unfavourable end."""
-    count = len(easy.encoders.row)
-    every = np.append(np.arange(count), motors)
-    encoders = easy.encoders._replace(
-        **{name: getattr(easy.encoders, name)[every] for name in ("row", "counts", "fastest", "known", "last")}
-    )
-    first, last = slice(0, count), slice(count, len(every))
-    limits = [(first, easy.motor_limits), (last, [check.on(motors) for check in hard.motor_limits])]
-    return Offers(
-        encoders,
-        easy.controllers.of(every),
-        scattered(limits, len(every)),
-        None if easy.brakes is None or hard.brakes is None else _brakes(easy.brakes, hard.brakes, motors),
-    )
-
-
-def _brakes(easy: OfferedBrakes, hard: OfferedBrakes, motors: NDArray[np.int64]) -> OfferedBrakes:
-    """Brakes of each motor; of those at the unfavourable end those at that end, behind the others."""
-    count, (several, kinds) = len(motors), easy.listed.shape
-    wide = max(easy.row.shape[1], hard.row.shape[1])
-    row, listed = np.full((several + count, wide), -1), np.zeros((several + count, 2 * kinds), bool)
-    row[:several, : easy.row.shape[1]] = easy.row
-    row[several:, : hard.row.shape[1]] = _moved(hard.row[motors], kinds)
-    listed[:several, :kinds], listed[several:, kinds:] = easy.listed, hard.listed[motors]
-    return OfferedBrakes(row, listed, np.append(easy.last, _moved(hard.last[motors], kinds)))
-
-
-def _moved(rows: NDArray[np.int64], by: int) -> NDArray[np.int64]:
-    """Rows of what comes behind others; of none -1."""
-    return np.where(rows < 0, rows, rows + by)
 
 
 # -- Drives in full: every check by the spec's method, with the numbers that a record shows.

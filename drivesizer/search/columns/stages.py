@@ -146,18 +146,18 @@ class _Numbers(NamedTuple):
 
 
 def _sorted_out(crossed: Crossed, parts: _Parts) -> tuple[_Numbers, _Numbers]:
-    """The candidates that no part fails, and of the others that count those that are near to that."""
-    bad_motor, belts, pairs, counted = parts.motor.amount.failed, len(parts.load), crossed.pairs, crossed.counted
+    """The candidates that no part fails, and of the others those that are near to that."""
+    bad_motor, belts, pairs = parts.motor.amount.failed, len(parts.load), crossed.pairs
     failed = np.logical_or.reduce([check.failed for check in parts.gearhead]).reshape(belts, -1)
     alive = np.flatnonzero(~bad_motor[pairs.motor])
-    of_alive, end = pairs.gearhead[alive], np.searchsorted(alive, len(counted.motor))
+    of_alive = pairs.gearhead[alive]
     left, rejected = list[NDArray[np.int64]](), list[NDArray[np.int64]]()
     for number, one in enumerate(parts.load):
         bad = failed[number] | one.amount.failed
         fails = bad[of_alive]
-        near = alive[:end][fails[:end]]
+        near = alive[fails]
         if len(near) < _ENOUGH:  # those of a motor that fails too are hardly among the nearest
-            near = np.flatnonzero(bad[counted.gearhead] | bad_motor[counted.motor])
+            near = np.flatnonzero(bad[pairs.gearhead] | bad_motor[pairs.motor])
         rejected.append(near)
         left.append(alive[~fails])
     return _Numbers.of(left), _Numbers.of(rejected)
@@ -202,14 +202,14 @@ def _bounded(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearhe
 
 def _failed_by(crossed: Crossed, parts: _Parts) -> Counter[str]:
     """Number of candidates that each check of a part fails."""
-    found, belts, counted = Counter[str](), len(crossed.belts), crossed.counted
+    found, belts, pairs = Counter[str](), len(crossed.belts), crossed.pairs
     for one in parts.load:
         for check in one.checks:
-            found[check.name] += len(counted.motor) * int(check.failed)
+            found[check.name] += len(pairs.motor) * int(check.failed)
     for check in parts.motor.checks:
-        found[check.name] += belts * _together(counted.motor, check.failed)
+        found[check.name] += belts * _together(pairs.motor, check.failed)
     for check in parts.gearhead:
-        found[check.name] += _together(counted.gearhead, check.failed.reshape(belts, -1).sum(axis=0))
+        found[check.name] += _together(pairs.gearhead, check.failed.reshape(belts, -1).sum(axis=0))
     return found
 
 
@@ -252,8 +252,7 @@ def _started(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearhe
         of_load = np.concatenate([one.amount.margin for one in parts.load])
         margin = np.minimum.reduce([gearheads.amount.margin[place], motor.margin[sets.motor], of_load[some.belt]])
     cycles = [_behind_each(ats, some.belt) for ats in parts.behind]
-    counted = None if crossed.first is None else some.row < crossed.first
-    return Started(sets, Sieve(crossed.number(*some), unknown, doublings, margin, margins, counted), cycles)
+    return Started(sets, Sieve(crossed.number(*some), unknown, doublings, margin, margins), cycles)
 
 
 def all_of_them(problem: Problem, offered: Offers, sets: Candidates) -> Iterator[Started]:
