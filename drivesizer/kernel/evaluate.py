@@ -115,7 +115,7 @@ def _rows(
 def _laid_out(cycle: Any) -> tuple[list[Array], Whole, int, int]:
     """Columns as they lie in memory, steps from segment to segment, end to end and cycle to cycle, and both numbers."""
     columns = [cycle.duration, cycle.speed, cycle.acceleration, cycle.torque]
-    several = max(x.shape[-1] for x in columns[1:]) if cycle.speed.ndim == 3 else 1
+    several = max(x.shape[-1] for x in columns) if cycle.speed.ndim == 3 else 1
     laid = [_flat(x, n == 0) for n, x in enumerate(columns)]
     return [x for x, _ in laid], np.array([steps for _, steps in laid]), len(cycle.duration), several
 

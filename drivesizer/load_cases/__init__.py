@@ -6,7 +6,6 @@ May import: files, physics, equations, platform, loads, spec, results.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from math import nan
 from typing import Any
@@ -17,55 +16,26 @@ from drivesizer.files.csv_columns import path_from_spec
 from drivesizer.load_cases.profile import located, profile_of, static_torque, with_rest
 from drivesizer.loads.course import Course, Profile, course
 from drivesizer.loads.kinds import LAWS
-from drivesizer.loads.model import Lever
+from drivesizer.loads.lever import Lever
 from drivesizer.loads.stage_losses import through_gear
-from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
+from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 from drivesizer.spec.drive import BeltStage
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["cycle_of_course", "driven_shaft_cycle", "load_cycle"]
 
 
-# -- Positions in which a load is held at rest: where its torque may be largest.
-
-
-def heaviest_positions(lever: Lever | None, moved: Course) -> Course:
-    """Course at rest in each position in which gravity may turn the load most, with the payload that it has there.
-
-    Power may be lost at any time, so that is the worst of the whole path. The torque of a mass on a lever goes as the
-    cosine of its angle: it is largest at an end of the path, or level wherever the path passes there. Of any other load
-    no position is worse than another. A light load may pull harder than a heavy one: against a counterweight.
-    """
-    carried = np.broadcast_to(moved.payload, (len(moved.duration), 1))[:, 0]
-    found = [
-        (place, payload)
-        for payload in np.unique(carried)
-        for place in _worst(lever, moved.position[carried == payload])
-    ]
-    places, payloads = (np.array(column)[:, None] for column in zip(*found, strict=True))
-    ends = np.repeat(places, 2, axis=1)
-    still = np.zeros_like(ends)
-    return Course("held", np.ones(len(places)), ends, still, still, payloads)
-
-
-def _worst(lever: Lever | None, position: Ends) -> list[float]:
-    """Ends of a path, and level wherever it passes there."""
-    low, high = float(position.min()), float(position.max())
-    if lever is None:
-        return [low, high]
-    first, last = (math.ceil((low + lever.start) / math.pi), math.floor((high + lever.start) / math.pi))
-    return [low, high, *(number * math.pi - lever.start for number in range(first, min(last, first + 1) + 1))]
-
-
-def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
+def load_cycle(spec: RobotSpec, profile: Profile | None = None, *, sampled: bool = False) -> LoadCycle:
     """Load cycle at the driven shaft of one drive.
 
     Parameters
     ----------
     spec
-        The machine.
+        The machine; figures of it may be columns over samples.
     profile
         Its motion; the spec's own when not given.
+    sampled
+        Whether any are: then the cycle has an axis of samples.
 
     Returns
     -------
@@ -77,10 +47,61 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with, or a recording is wrong.
     """
-    cycle = _cycle_without_belt(spec, profile)
+    load: Any = spec.load
+    if load.kind == "recorded":
+        cycle = getattr(load, "cycle", None)  # that of a machine's joint or wheel, which is computed
+        if cycle is None:
+            with located(spec):
+                path = path_from_spec(spec.file, load.file, spec.where(("load", "file")))
+                cycle = LAWS[load.kind](load, path)
+        held = cycle.held
+        if sampled and cycle.duration.ndim == 1:
+            cycle = cycle.side_by_side()
+        cycle = with_rest(cycle, spec.waits_until, static_torque(cycle))
+    else:
+        moved, held = course(profile or profile_of(spec), sampled=sampled), nan
+        cycle = cycle_of_course(spec, moved)
+        if spec.wants_brake:
+            held = np.abs(cycle_of_course(spec, heaviest_positions(load.lever, moved)).torque).max(axis=(0, 1))
     if spec.wants_brake:
-        cycle = replace(cycle, held=_static_torque(spec, profile))
+        cycle = replace(cycle, held=held)
     return driven_shaft_cycle(spec, cycle)
+
+
+def cycle_of_course(spec: RobotSpec, course: Course) -> LoadCycle:
+    """The load cycle at the driven shaft of one drive, of any load but a recording, without the belt's inertia."""
+    with located(spec), np.errstate(over="ignore", invalid="ignore"):  # the load cycle refuses what is not finite
+        cycle = LAWS[spec.load.kind](spec.load, spec.environment.gravity, course)
+    return replace(cycle, own=()) if spec.platform else cycle  # a platform's own checks know more
+
+
+def heaviest_positions(lever: Lever | None, moved: Course) -> Course:
+    """Course at rest in each position in which gravity may turn the load most, with the payload that it has there.
+
+    Power may be lost at any time, so that is the worst of the whole path. The torque of a mass on a lever goes as the
+    cosine of its angle: it is largest at an end of the path, or level wherever the path passes there. Of any other load
+    no position is worse than another. A light load may pull harder than a heavy one: against a counterweight.
+    """
+    segments = len(moved.duration)
+    carried = np.broadcast_to(moved.payload, (segments, 1, *np.shape(moved.payload)[2:])).reshape(segments, -1)
+    payloads, kind = np.unique(carried, axis=0, return_inverse=True)
+    positions: list[Any] = []
+    weights: list[Any] = []
+    for number, payload in enumerate(payloads):
+        path = moved.position[kind.reshape(-1) == number]
+        low, high = path.min(axis=(0, 1)), path.max(axis=(0, 1))
+        found = [low, high]
+        if lever is not None:
+            first, last = (np.ceil((low + lever.start) / math.pi), np.floor((high + lever.start) / math.pi))
+            for turn in (first, first + 1.0):
+                level = np.where(turn <= last, turn * math.pi - lever.start, low)
+                found += [level] if np.any(turn <= last) else []
+        positions += np.broadcast_arrays(*found)
+        weights += [payload if path.ndim == 2 else payload[None]] * len(found)
+    ends = np.repeat(np.stack(np.broadcast_arrays(*positions))[:, None], 2, axis=1)
+    still = np.zeros_like(ends)
+    lasting = np.ones((len(ends), *[1] * (ends.ndim - 2)))
+    return Course("held", lasting, ends, still, still, np.stack(weights))
 
 
 def driven_shaft_cycle(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
@@ -90,66 +111,22 @@ def driven_shaft_cycle(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
         return _with_belt(cycle, belt)
     if belt is None or not spec.gear_before_belt:
         return _with_belt(through_gear(cycle, gear.fixed_gear()), belt)
-    cycle = _with_belt(cycle, belt)
-    limited = replace(cycle, own=(*cycle.own, *_belt_limits(belt, cycle)))
-    return through_gear(limited, gear.fixed_gear(belt.ratio or 1.0))
+    cycle, limits = _with_belt(cycle, belt), []
+    if belt.pulley_diameter is not None:  # of a belt at the load the gear before it takes no part
+        radius = belt.pulley_diameter / 2
+        if belt.max_tension is not None:
+            limits.append(OwnLimit("belt_tension", np.abs(cycle.torque).max(axis=(0, 1)) / radius, belt.max_tension))
+        if belt.max_speed is not None:
+            limits.append(OwnLimit("belt_speed", np.abs(cycle.speed).max(axis=(0, 1)) * radius, belt.max_speed))
+    return through_gear(
+        replace(cycle, own=(*cycle.own, *limits)), gear.fixed_gear(1.0 if belt.ratio is None else belt.ratio)
+    )
 
 
 def _with_belt(cycle: LoadCycle, belt: BeltStage | None) -> LoadCycle:
     """The cycle with inertia and friction of a belt at the same shaft."""
-    added, friction = (belt.inertia, belt.friction_torque) if belt else (0.0, 0.0)
-    if added == friction == 0.0:
+    if belt is None or not (np.any(belt.inertia) or np.any(belt.friction_torque)):
         return cycle
-    torque = cycle.torque + added * cycle.acceleration
-    own = tuple(one._replace(turning=one.turning + added) for one in cycle.own)
-    if friction:
-        torque = torque + friction * np.sign(cycle.speed.mean(axis=1, keepdims=True))
-        own = tuple(one._replace(turning=math.nan) for one in own)
-    return replace(cycle, torque=torque, inertia=cycle.inertia + added, own=own).split()
-
-
-def _belt_limits(belt: BeltStage, cycle: LoadCycle) -> Iterator[OwnLimit]:
-    """Tension and speed of a belt at the load, of which a gear before it takes no part."""
-    if belt.pulley_diameter is None:
-        return
-    if belt.max_tension is not None:
-        pull = float(np.abs(cycle.torque).max()) / (belt.pulley_diameter / 2)
-        yield OwnLimit("belt_tension", pull, belt.max_tension)
-    if belt.max_speed is not None:
-        yield OwnLimit("belt_speed", float(np.abs(cycle.speed).max()) * belt.pulley_diameter / 2, belt.max_speed)
-
-
-def _static_torque(spec: RobotSpec, profile: Profile | None) -> float:
-    """Largest torque that holds the load at rest anywhere on its path [N*m]; NaN of a recording."""
-    if spec.load.kind == "recorded":
-        computed = _computed(spec)
-        return computed.held if computed else nan
-    resting = heaviest_positions(spec.load.lever, course(profile or profile_of(spec)))
-    return float(np.abs(cycle_of_course(spec, resting).torque).max())
-
-
-def _cycle_without_belt(spec: RobotSpec, profile: Profile | None) -> LoadCycle:
-    """The cycle without the belt's own inertia."""
-    load: Any = spec.load
-    if load.kind != "recorded":
-        return cycle_of_course(spec, course(profile or profile_of(spec)))
-    cycle = _computed(spec) or _recorded(spec, load)
-    return with_rest(cycle, spec.waits_until, static_torque(cycle))
-
-
-def _computed(spec: RobotSpec) -> LoadCycle | None:
-    """The cycle that a load brings, one of a machine's joints or wheels (``computed``); None of a recording."""
-    found: LoadCycle | None = getattr(spec.load, "cycle", None)
-    return found
-
-
-def _recorded(spec: RobotSpec, load: Any) -> LoadCycle:
-    with located(spec):
-        return LAWS[load.kind](load, path_from_spec(spec.file, load.file, spec.where(("load", "file"))))
-
-
-def cycle_of_course(spec: RobotSpec, course: Course) -> LoadCycle:
-    """The load cycle at the driven shaft of one drive, of any load but a recording, without the belt's inertia."""
-    with located(spec):
-        cycle = LAWS[spec.load.kind](spec.load, spec.environment.gravity, course)
-    return replace(cycle, own=()) if spec.platform else cycle  # a platform's own checks know more
+    torque = cycle.torque + belt.inertia * cycle.acceleration
+    torque = torque + belt.friction_torque * np.sign(cycle.speed.mean(axis=1, keepdims=True))
+    return replace(cycle, torque=torque, inertia=cycle.inertia + belt.inertia).split()

@@ -120,7 +120,7 @@ def trip(spec: RobotSpec) -> Trip:
             return Trip(trajectory.total, trajectory.length, float(fastest))
     cycle = cycle_of_shift(spec)
     fastest = cycle.radius * float(np.abs(cycle.speed).max())
-    return Trip(cycle.total, distance_of(spec, cycle), fastest)
+    return Trip(cycle.total, distance_of(spec, cycle), float(fastest))
 
 
 def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
@@ -130,7 +130,7 @@ def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
         return float(load.distance)
     if not isinstance(load, WheeledVehicle):
         return nan
-    return cycle.radius * float(middle(np.abs(cycle.speed)) @ cycle.duration)
+    return float(cycle.radius * (middle(np.abs(cycle.speed)) @ cycle.duration))
 
 
 # -- Requirements on the machine against what its motion and its equipment come to, whatever drives it.

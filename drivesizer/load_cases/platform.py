@@ -231,7 +231,7 @@ def floor_friction(spec: RobotSpec, force: float) -> float:
     load, section, g = spec.load, spec.platform, spec.environment.gravity
     assert isinstance(load, WheeledVehicle)
     if section is None:
-        return wheel_friction(load, g)
+        return float(wheel_friction(load, g))
     if load.friction_coefficient is None or not section.height_known:
         return math.nan
     p = platform_of(section, load)

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise
-from math import isnan
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,8 +15,8 @@ import numpy as np
 
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.csv_columns import columns, path_from_spec
-from drivesizer.loads.course import Profile
-from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.loads.course import Profile, columns_of
+from drivesizer.physics.load_cycle import Figure, LoadCycle
 from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
 from drivesizer.spec.motions import Cam, Csv, Harmonic, Hold, Move, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
@@ -31,43 +30,45 @@ __all__ = [
 # -- Breakpoints of speed over time: straight lines from standstill, and what no profile may be made of.
 
 
-_Field = str | tuple[str | int, ...]  # of the motion
-Leg = tuple[_Field, float, float]  # field that gives its time; time [s]; speed at its end
+Leg = tuple[
+    str | tuple[str | int, ...], Any, Any
+]  # field of the motion that gives its time; time [s]; speed at its end
 
 
 def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Profile:
     """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint."""
-    back = [(field, duration, -to) for field, duration, to in legs if there_and_back]
-    time, speed = [0.0], [0.0]
-    for field, duration, to in (*legs, *back):
-        end, change = time[-1] + duration, to - speed[-1]
-        slope = change / duration if duration else 0.0
-        if not all(map(math.isfinite, (end, slope, (speed[-1] + to) * duration))):
-            raise FieldError(
-                _motion_breakpoints(field), f"{duration:g} s leads beyond the range of numbers to compute with"
-            )
-        if end > time[-1]:
-            time.append(end)
-            speed.append(to)
-        elif change:
-            raise FieldError(_motion_breakpoints(field), f"{duration:g} s is too short beside the {end:g} s before it")
-    if not any(speed) and any(to for _, _, to in legs):
-        raise FieldError(_motion_breakpoints(legs[0][0]), "the speed is too small a number to compute with")
-    return Profile(name, tuple(time), tuple(speed))
-
-
-def _motion_breakpoints(field: _Field) -> tuple[str | int, ...]:
-    return ("motion", field) if isinstance(field, str) else ("motion", *field)
+    paths, durations, speeds = (list(column) for column in zip(*legs, strict=True))
+    both = columns_of([*durations, *speeds])
+    step, to = both[: len(legs)], both[len(legs) :]
+    if there_and_back:
+        paths, step, to = paths * 2, np.concatenate([step, step]), np.concatenate([to, -to])
+    start = np.zeros_like(step[:1])
+    time, speed = np.cumsum(np.concatenate([start, step]), axis=0), np.concatenate([start, to])
+    rises, change = np.diff(time, axis=0) > 0.0, np.diff(speed, axis=0)
+    with np.errstate(all="ignore"):
+        slope = np.where(step > 0.0, change / step, 0.0)
+        far = ~np.isfinite(time[1:] + slope + (speed[:-1] + to) * step)
+    for number in np.flatnonzero((far | (~rises & (change != 0.0))).reshape(len(paths), -1).any(axis=1)):
+        path, lasting, end = paths[number], np.max(step[number]), np.max(time[number + 1])
+        wrong = f"is too short beside the {end:g} s before it"
+        if far[number].any():
+            wrong = "leads beyond the range of numbers to compute with"
+        raise FieldError(("motion", *([path] if isinstance(path, str) else path)), f"{lasting:g} s {wrong}")
+    kept = np.append(True, rises.reshape(len(paths), -1).any(axis=1))
+    time, speed = time[kept], speed[kept]
+    return Profile(name, *(tuple(c.tolist()) if c.ndim == 1 else tuple(c) for c in (time, speed)))
 
 
 def checked(profile: Profile, field: str) -> Profile:
     """The profile, when its numbers can be computed with."""
-    sloped = (*(profile.acceleration or ()), *itertools.chain.from_iterable(profile.ends or ()))
-    figures = (*profile.time, *profile.speed, *sloped)
-    if not all(map(math.isfinite, figures)) or not profile.top_speed > 0.0:
+    time, speed = columns_of(profile.time), columns_of(profile.speed)
+    sloped = columns_of([*(profile.acceleration or ()), *itertools.chain.from_iterable(profile.ends or ())])
+    if not all(np.isfinite(c).all() for c in (time, speed, sloped)) or not np.abs(speed).max(axis=0).all():
         raise FieldError(("motion", field), "leads beyond the range of numbers to compute with")
-    if any(t1 <= t0 for t0, t1, _, _ in profile.pieces()):
-        raise FieldError(("motion", field), f"a part of the motion is too short beside its {profile.duration:g} s")
+    step = np.diff(time, axis=0)
+    if ((step <= 0.0) if step.ndim == 1 else (step < 0.0)).any():
+        lasting = np.max(profile.duration)
+        raise FieldError(("motion", field), f"a part of the motion is too short beside its {lasting:g} s")
     return profile
 
 
@@ -171,7 +172,7 @@ def move(motion: Move) -> Profile:
     if motion.law in LAWS:
         return _curved_move(motion)
     cruise = span - up - down
-    level = cruise if cruise > _STILL * span else 0.0  # of ramps that fill the time, not what rounding leaves
+    level = np.where(cruise > _STILL * span, cruise, 0.0)  # of ramps that fill the time, not what rounding leaves
     top = motion.distance / (span - (up + down) / 2)
     legs = (("time", up, top), ("time", level, top), ("time", down, 0.0), ("rest_time", motion.rest_time, 0.0))
     return straight("move", legs, motion.there_and_back)
@@ -186,7 +187,7 @@ def _curved_move(motion: Move) -> Profile:
     speed = [v * stroke / span for _, v, _ in points]
     speed[0] = speed[-1] = 0.0  # not what rounding makes of it
     ends = [(a * stroke / span**2, b * stroke / span**2) for (_, _, a), (_, _, b) in itertools.pairwise(points)]
-    if motion.rest_time:
+    if np.any(motion.rest_time):
         time, speed, ends = [*time, span + motion.rest_time], [*speed, 0.0], [*ends, (0.0, 0.0)]
     if motion.there_and_back:
         time += [time[-1] + t for t in time[1:]]
@@ -223,24 +224,25 @@ def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
 _NO_TIME = 1e-9  # of the cycle
 
 
-def static_torque(cycle: LoadCycle) -> float:
+def static_torque(cycle: LoadCycle) -> Figure:
     """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown."""
-    torque, acceleration = float(cycle.torque[-1, 1]), float(cycle.acceleration[-1, 1])
-    return torque if acceleration == 0.0 else torque - cycle.inertia * acceleration
+    torque, acceleration = cycle.torque[-1, 1], cycle.acceleration[-1, 1]
+    slowing = np.where(acceleration == 0.0, 0.0, cycle.inertia * acceleration)
+    return float(torque - slowing) if cycle.duration.ndim == 1 else torque - slowing
 
 
-def with_rest(cycle: LoadCycle, until: float | None, held: float) -> LoadCycle:
+def with_rest(cycle: LoadCycle, until: float | None, held: Figure) -> LoadCycle:
     """A load cycle with a rest at its end."""
     rest = rest_left(cycle.total, until)
-    if not rest or isnan(held):
+    if not np.any(rest) or np.any(np.isnan(held)):
         return cycle
-    still = np.zeros((1, 2))
+    still = np.zeros_like(cycle.speed[:1])
     return replace(
         cycle,
-        duration=np.append(cycle.duration, rest),
+        duration=np.concatenate([cycle.duration, np.reshape(rest, cycle.duration[:1].shape)]),
         speed=np.concatenate([cycle.speed, still]),
-        acceleration=np.concatenate([cycle.acceleration, still]),
-        torque=np.concatenate([cycle.torque, still + held]),
+        acceleration=np.concatenate([cycle.acceleration, np.zeros_like(cycle.acceleration[:1])]),
+        torque=np.concatenate([cycle.torque, np.zeros_like(cycle.torque[:1]) + held]),
     )
 
 
@@ -250,15 +252,16 @@ def resting(profile: Profile, until: float | None) -> Profile:
     >>> resting(Profile("x", (0.0, 1.0, 3.0), (0.0, 2.0, 0.0)), 5.0)
     Profile(name='x', time=(0.0, 1.0, 3.0, 5.0), speed=(0.0, 2.0, 0.0, 0.0), acceleration=None, payload=None, ends=None)
     """
-    if not rest_left(profile.duration, until):
+    rest = rest_left(profile.duration, until)
+    if until is None or not np.any(rest):
         return profile
-    assert until is not None
+    end = profile.time[0] + until
     ends, slope = profile.ends, profile.acceleration
     if ends is None and slope is not None:
         ends = tuple(pairwise(slope))
     return replace(
         profile,
-        time=(*profile.time, profile.time[0] + until),
+        time=(*profile.time, np.maximum(end, profile.time[-1]) if np.ndim(rest) else end),
         speed=(*profile.speed, 0.0),
         acceleration=None,
         ends=None if ends is None else (*ends, (0.0, 0.0)),
@@ -266,9 +269,12 @@ def resting(profile: Profile, until: float | None) -> Profile:
     )
 
 
-def rest_left(total: float, until: float | None) -> float:
+def rest_left(total: Figure, until: float | None) -> Figure:
     """Time that an axis waits."""
-    return 0.0 if until is None or until - total <= _NO_TIME * until else until - total
+    if until is None:
+        return 0.0
+    rest = np.where(until - total <= _NO_TIME * until, 0.0, until - total)
+    return rest if rest.ndim else float(rest)
 
 
 # -- Speed profiles: the required motion of the load over one cycle, as breakpoints with straight lines between.
@@ -285,6 +291,7 @@ def rest_left(total: float, until: float | None) -> float:
 # what the straight lines add where the curve is hollow, they take away where it bulges.
 
 
+_PLACE = ("length", "angle")  # of a load along a line, or about an axis
 SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
 
 _PIECES = 32  # of a jerk phase
@@ -335,7 +342,9 @@ def s_curve(motion: SCurve) -> Profile:
     2.7
     """
     try:
-        jerk_time, hold, cruise = fastest_ramp(motion.distance, motion.speed, motion.acceleration, motion.jerk)
+        limits = motion.distance, motion.speed, motion.acceleration, motion.jerk
+        ramp_of = np.vectorize(fastest_ramp, otypes=[float] * 3) if any(map(np.ndim, limits)) else fastest_ramp
+        jerk_time, hold, cruise = ramp_of(*limits)
         speed = motion.distance / (2 * jerk_time + hold + cruise)  # from the times, so that the distance is exact
         ramp = _ramp(speed, jerk_time, hold)
     except ArithmeticError:
@@ -389,9 +398,10 @@ def _curve(rising: _Ramp, cruise: float, down: _Ramp, motion: SCurve | Trapezoid
     """A ramp, a cruise, a ramp seen from its end, a rest; the return if specified."""
     falling = down[::-1]
     start = rising[-1][0] + cruise
-    points = rising + [(start + (falling[0][0] - t), v, -a) for t, v, a in falling[start == rising[-1][0] :]]
+    meets = bool(np.all(start == rising[-1][0]))
+    points = rising + [(start + (falling[0][0] - t), v, -a) for t, v, a in falling[meets:]]
     end = points[-1][0] + motion.rest_time
-    if end > points[-1][0]:
+    if np.any(end > points[-1][0]):
         points.append((end, 0.0, 0.0))
     if motion.there_and_back:
         points += [(points[-1][0] + t, -v, -a) for t, v, a in points[1:]]
@@ -405,7 +415,7 @@ def _ramp(speed: float, jerk_time: float, hold: float) -> _Ramp:
     rise = [(jerk_time * k / _PIECES, top * k / _PIECES) for k in range(_PIECES + 1)]
     first = [(t, a * t / 2, a) for t, a in rise]
     last = [(end - t, speed - a * t / 2, a) for t, a in reversed(rise)]
-    return first + last[last[0][0] <= first[-1][0] :]
+    return first + last[bool(np.all(last[0][0] <= first[-1][0])) :]
 
 
 _MADE: dict[str, Callable[[Any], Profile]] = {
@@ -421,16 +431,18 @@ _MADE: dict[str, Callable[[Any], Profile]] = {
 
 def profile_of(spec: RobotSpec) -> Profile:
     """The spec's motion as a profile, with the rest in which it waits for other axes of its machine."""
-    return resting(_own_motion(spec), spec.waits_until)
-
-
-def _own_motion(spec: RobotSpec) -> Profile:
-    """The motion as it is written."""
     motion = spec.motion
     if motion is None:
         raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
     with located(spec):
-        return _motion_profile(spec, motion)
+        if isinstance(motion, Csv | Cam):
+            path = path_from_spec(spec.file, motion.file, spec.where(("motion", "file")))
+            rotary = spec.load.axis == "rotary"
+            made = from_csv(path, _kind(spec)) if isinstance(motion, Csv) else cam(path, motion, _PLACE[rotary])
+            made = replace(made, name=motion.file)
+        else:
+            made = _carrying(_MADE[motion.profile](motion), motion)
+    return resting(made, spec.waits_until)
 
 
 @contextmanager
@@ -440,16 +452,6 @@ def located(spec: RobotSpec) -> Iterator[None]:
         yield
     except FieldError as error:
         raise InputError(f"{spec.where(error.field)}: {error}") from None
-
-
-def _motion_profile(spec: RobotSpec, motion: Any) -> Profile:
-    if isinstance(motion, Csv):
-        path = path_from_spec(spec.file, motion.file, spec.where(("motion", "file")))
-        return replace(from_csv(path, _kind(spec)), name=motion.file)
-    if isinstance(motion, Cam):
-        path = path_from_spec(spec.file, motion.file, spec.where(("motion", "file")))
-        return replace(cam(path, motion, "angle" if spec.load.axis == "rotary" else "length"), name=motion.file)
-    return _carrying(_MADE[motion.profile](motion), motion)
 
 
 def _carrying(made: Profile, motion: Any) -> Profile:

@@ -4,23 +4,22 @@ r"""A joint that swings an arm against gravity.
 
 φ counts upward from the level line, φ₀ at the start of the cycle; a joint's axis tilted by τ from level feels the less
 of gravity. J about the joint is given, or m l² as if all of the mass were in its centre, which is the least it can be.
-How fine the weight's torque is followed: ``torque_curved``.
+How fine the weight's torque is followed: ``lever``.
 
 Worked example: a uniform arm of 70 cm and 4.0 kg with 3.0 kg in the hand, together 7.0 kg at 0.50 m, loads the
 shoulder with 7.0 · 9.8 · 0.50 = 34 N·m level and 24 N·m at 45° below (Knight, Physics for Scientists and Engineers,
 rotation of a rigid body, exercise on the athlete with a steel ball).
 """
 
-import math
 from typing import ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Axis, Bearing, Incline, Inertia, Length, Mass, Torque, default
+from drivesizer.files import fields
 from drivesizer.loads.course import Course
-from drivesizer.loads.model import Lever, SharedLoad, check_inertia
-from drivesizer.loads.torque_curved import weight_on_lever
+from drivesizer.loads.lever import Lever, check_inertia, weight_on_lever
+from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 
 __all__ = ["Arm", "arm"]
@@ -29,16 +28,20 @@ __all__ = ["Arm", "arm"]
 class Arm(SharedLoad):
     """A joint that swings an arm against gravity."""
 
-    axis: ClassVar[Axis] = "rotary"
+    axis: ClassVar[fields.Axis] = "rotary"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["arm"]
-    mass: Mass = Field(description="of arm and payload")
-    length: Length = Field(description="from the joint to their centre of mass")
-    inertia: Inertia | None = Field(default=None, description="about the joint; mass times length squared if not given")
-    start_angle: Bearing = default("0 deg", description="above the level line, when the cycle starts")
-    tilt: Incline = default("0 deg", description="of the joint's axis from level; 90 deg feels no gravity")
-    friction_torque: Torque = default("0 N*m", description="of the joint, against the motion")
+    mass: fields.Mass = Field(description="of arm and payload")
+    length: fields.Length = Field(description="from the joint to their centre of mass")
+    inertia: fields.Inertia | None = Field(
+        default=None, description="about the joint; mass times length squared if not given"
+    )
+    start_angle: fields.Bearing = fields.default("0 deg", description="above the level line, when the cycle starts")
+    tilt: fields.Incline = fields.default(
+        "0 deg", description="of the joint's axis from level; 90 deg feels no gravity"
+    )
+    friction_torque: fields.Torque = fields.default("0 N*m", description="of the joint, against the motion")
 
     @model_validator(mode="after")
     def _heavy_enough(self) -> Self:
@@ -49,10 +52,9 @@ class Arm(SharedLoad):
     @property
     def lever(self) -> Lever:
         """Arm and payload, about the joint's axis."""
-        return Lever(self.mass, self.length, math.cos(self.tilt), self.start_angle)
+        return Lever(self.mass, self.length, np.cos(self.tilt), self.start_angle)
 
 
-@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def arm(load: Arm, gravity: float, course: Course) -> LoadCycle:
     """Load cycle at the joint.
 
@@ -80,8 +82,8 @@ def arm(load: Arm, gravity: float, course: Course) -> LoadCycle:
     inertia = load.mass * load.length * load.length if load.inertia is None else load.inertia
     course, weight = weight_on_lever(load.lever, gravity, course)
     torque = inertia * course.acceleration + weight + load.friction_torque * course.direction
-    if course.heaviest:  # in the hand, where the centre of mass is
+    if np.any(course.payload):  # in the hand, where the centre of mass is
         level = load.lever._replace(mass=1.0).moment(gravity) * np.cos(load.start_angle + course.position)
         torque = torque + course.payload * (load.length**2 * course.acceleration + level)
-        inertia += course.heaviest * load.length**2
+        inertia = inertia + course.heaviest * load.length**2
     return course.cycle(torque / load.motors, inertia=inertia / load.motors)

@@ -20,24 +20,11 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from drivesizer.files.fields import (
-    Axis,
-    Coefficient,
-    Counterweight,
-    Force,
-    Incline,
-    Inertia,
-    Length,
-    Mass,
-    Pull,
-    Share,
-    Torque,
-    default,
-)
-from drivesizer.loads.course import Course
+from drivesizer.files import fields
+from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
-from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
+from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 
 __all__ = ["BeltAxis", "belt_axis"]
 
@@ -45,32 +32,41 @@ __all__ = ["BeltAxis", "belt_axis"]
 class BeltAxis(SharedLoad):
     """A linear axis: a carriage on a toothed belt, level to upright."""
 
-    axis: ClassVar[Axis] = "linear"
+    axis: ClassVar[fields.Axis] = "linear"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["belt_axis"]
-    mass: Mass = Field(description="of the carriage and what is on it")
-    pulley_diameter: Length = Field(description="of the driving pulley, on its pitch circle")
-    belt_mass: Counterweight = default("0 kg", description="of the whole loop; 0 where the motor rides along")
-    efficiency: Share = Field(default=1, description="of belt and pulleys, in either direction of power")
-    incline: Incline = default("0 deg", description="of the forward motion, upward positive; 90 deg lifts")
-    friction_coefficient: Coefficient = Field(default=0, description="of the guide")
-    friction_force: Force = default("0 N", description="of the guide's seals, against the motion")
-    friction_torque: Torque = default("0 N*m", description="of the pulleys' bearings, seen at the driving one")
-    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
-    inertia: Inertia = default("0 kg*m^2", description="of driving pulley and shaft")
-    idler_inertia: Inertia = default("0 kg*m^2", description="of all idlers together, each about its own axis")
-    idler_diameter: Length | None = Field(default=None, description="of the idlers; pulley_diameter where not given")
-    max_tension: Force | None = Field(default=None, description="permitted effective tension of the belt")
+    mass: fields.Mass = Field(description="of the carriage and what is on it")
+    pulley_diameter: fields.Length = Field(description="of the driving pulley, on its pitch circle")
+    belt_mass: fields.Counterweight = fields.default(
+        "0 kg", description="of the whole loop; 0 where the motor rides along"
+    )
+    efficiency: fields.Share = Field(default=1, description="of belt and pulleys, in either direction of power")
+    incline: fields.Incline = fields.default(
+        "0 deg", description="of the forward motion, upward positive; 90 deg lifts"
+    )
+    friction_coefficient: fields.Coefficient = Field(default=0, description="of the guide")
+    friction_force: fields.Force = fields.default("0 N", description="of the guide's seals, against the motion")
+    friction_torque: fields.Torque = fields.default(
+        "0 N*m", description="of the pulleys' bearings, seen at the driving one"
+    )
+    force: fields.Pull = fields.default("0 N", description="further force against the forward motion, at rest too")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of driving pulley and shaft")
+    idler_inertia: fields.Inertia = fields.default(
+        "0 kg*m^2", description="of all idlers together, each about its own axis"
+    )
+    idler_diameter: fields.Length | None = Field(
+        default=None, description="of the idlers; pulley_diameter where not given"
+    )
+    max_tension: fields.Force | None = Field(default=None, description="permitted effective tension of the belt")
 
     @property
     def belt_moves(self) -> float:
         """Mass that is accelerated beside the carriage: belt, and idlers as a mass at their rim [kg]."""
-        radius = (self.idler_diameter or self.pulley_diameter) / 2
+        radius = (self.pulley_diameter if self.idler_diameter is None else self.idler_diameter) / 2
         return self.belt_mass + self.idler_inertia / radius**2
 
 
-@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def belt_axis(load: BeltAxis, gravity: float, course: Course) -> LoadCycle:
     """Load cycle at the driving pulley.
 
@@ -97,13 +93,7 @@ def belt_axis(load: BeltAxis, gravity: float, course: Course) -> LoadCycle:
     losses = (load.efficiency, load.efficiency)
     cycle = through_stage(course, force, load.pulley_diameter / 2, losses, mass=load.mass + load.belt_moves,
                           turning=load.inertia, motors=load.motors, drag=load.friction_torque)  # fmt: skip
-    return cycle if load.max_tension is None else replace(cycle, own=(_tension(load, course, force),))
-
-
-def _tension(load: BeltAxis, course: Course, force: Ends) -> OwnLimit:
-    """The largest effective tension of the belt of one drive against what it withstands."""
-    worst = int(np.abs(force).argmax())
-    end = np.cumsum(course.duration)
-    time = np.stack([end - course.duration, end], axis=1).reshape(-1)[worst]
-    most = float(np.abs(force).reshape(-1)[worst]) / load.motors
-    return OwnLimit("belt_axis_tension", most, load.max_tension, float(time))
+    if load.max_tension is None:
+        return cycle
+    time, tension = at_largest(np.abs(force), course.duration, np.abs(force))
+    return replace(cycle, own=(OwnLimit("belt_axis_tension", tension / load.motors, load.max_tension, time),))

@@ -13,22 +13,9 @@ Worked example: goods and belt 20 kg, μ 0.3, drum 90 mm, efficiency 0.9: 0.3 ·
 
 from typing import ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
-from drivesizer.files.fields import (
-    Axis,
-    Coefficient,
-    Counterweight,
-    Force,
-    Incline,
-    Inertia,
-    Length,
-    Mass,
-    Pull,
-    Share,
-    default,
-)
+from drivesizer.files import fields
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
@@ -40,21 +27,20 @@ __all__ = ["Conveyor", "conveyor"]
 class Conveyor(SharedLoad):
     """A belt conveyor, level or inclined, driven at a drum."""
 
-    axis: ClassVar[Axis] = "linear"
+    axis: ClassVar[fields.Axis] = "linear"
     takes_payload: ClassVar[bool] = True
     kind: Literal["conveyor"]
-    mass: Mass = Field(description="goods on the belt")
-    belt_mass: Counterweight = default("0 kg", description="of the belt itself")
-    drum_diameter: Length
-    friction_coefficient: Coefficient = Field(description="of belt and goods on the bed, or of the rollers")
-    friction_force: Force = default("0 N", description="of scrapers and seals, against the motion")
-    efficiency: Share = Field(default=1, description="of belt and drums, in either direction of power")
-    incline: Incline = default("0 deg", description="upward positive")
-    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
-    inertia: Inertia = default("0 kg*m^2", description="of all drums, seen at the driven one")
+    mass: fields.Mass = Field(description="goods on the belt")
+    belt_mass: fields.Counterweight = fields.default("0 kg", description="of the belt itself")
+    drum_diameter: fields.Length
+    friction_coefficient: fields.Coefficient = Field(description="of belt and goods on the bed, or of the rollers")
+    friction_force: fields.Force = fields.default("0 N", description="of scrapers and seals, against the motion")
+    efficiency: fields.Share = Field(default=1, description="of belt and drums, in either direction of power")
+    incline: fields.Incline = fields.default("0 deg", description="upward positive")
+    force: fields.Pull = fields.default("0 N", description="further force against the forward motion, at rest too")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of all drums, seen at the driven one")
 
 
-@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def conveyor(load: Conveyor, gravity: float, course: Course) -> LoadCycle:
     """Load cycle at the driven drum.
 

@@ -1,12 +1,13 @@
 """Motion of a load over one cycle: a profile of speed, and as columns over segments for the torque laws.
 
 Along a line in metres or about an axis in radians, as the load moves; positions count from the start of the cycle.
+Figures of a profile may be columns over samples; then a course has its samples along a last axis.
 Symbols: s position [m or rad], v speed [m/s or rad/s], a acceleration [m/s^2 or rad/s^2], r radius [m].
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import fsum, nan
@@ -14,16 +15,16 @@ from math import fsum, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points, places
+from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle, OwnLimit, cut_points, end_times, places
 
-__all__ = ["Course", "Profile", "course"]
+__all__ = ["Course", "Profile", "at_largest", "columns_of", "course"]
 
 _SHORT = 256  # breakpoints of a profile of which the course is kept
 
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """Speed over time, piecewise linear."""
+    """Speed over time, piecewise linear; over samples each figure is a column."""
 
     name: str
     time: tuple[float, ...]  # s, strictly rising
@@ -61,38 +62,40 @@ class Course:
     position: Ends
     speed: Ends
     acceleration: Ends
-    payload: NDArray[np.float64] | float = 0.0  # kg, beside the load's own mass; shape (segments, 1)
+    payload: NDArray[np.float64] | float = 0.0  # kg, beside the load's own mass; shape (segments, 1, ...)
 
     @property
-    def heaviest(self) -> float:
+    def heaviest(self) -> Figure:
         """Largest payload [kg]."""
-        return float(np.max(self.payload))
+        return self.payload if isinstance(self.payload, float) else self.payload.max(axis=(0, 1))
 
     @property
     def direction(self) -> NDArray[np.float64]:
-        """Sign of the speed within each segment, 0 at rest: shape (segments, 1)."""
+        """Sign of the speed within each segment, 0 at rest: shape (segments, 1, ...)."""
         direction: NDArray[np.float64] = np.sign(self.speed.mean(axis=1, keepdims=True))
         return direction
 
     def split(self) -> Course:
         """The same course, cut where it turns round: within a segment the direction is one."""
-        pieces, shares, speed = cut_points(self.speed)
+        pieces, shares, speed = cut_points(self.speed, self.speed)
         cut = replace(self, speed=speed)._in_pieces(pieces, shares)
         turns = np.flatnonzero(pieces == 2)
-        first = (np.cumsum(pieces) - pieces)[turns]
-        cut.speed[first, 1] = cut.speed[first + 1, 0] = 0.0  # not what rounding makes of it
+        first, inside = (np.cumsum(pieces) - pieces)[turns], (shares[turns] > 0.0) & (shares[turns] < 1.0)
+        for row, end in ((first, 1), (first + 1, 0)):
+            cut.speed[row, end] = np.where(inside, 0.0, cut.speed[row, end])  # not what rounding makes of it
         return cut
 
     def finer(self, pieces: NDArray[np.int64] | int) -> Course:
         """The same course with each segment in so many equal pieces, for torques that are not linear in it."""
-        count = np.broadcast_to(np.asarray(pieces, dtype=np.int64), self.duration.shape)
-        return self._in_pieces(count, 1.0 / count)
+        count = np.broadcast_to(np.asarray(pieces, dtype=np.int64), len(self.duration))
+        return self._in_pieces(count, (1.0 / count).reshape(-1, *[1] * (self.duration.ndim - 1)))
 
     def _in_pieces(self, pieces: NDArray[np.int64], shares: NDArray[np.float64]) -> Course:
         """Each segment in pieces that all take the same share of it, but for the last, which takes the rest."""
         owner, place = places(pieces)
-        start = place * shares[owner]
-        end = np.where(place + 1 == pieces[owner], 1.0, (place + 1) * shares[owner])
+        number, last = (x.reshape(-1, *[1] * (shares.ndim - 1)) for x in (place, place + 1 == pieces[owner]))
+        start = number * shares[owner]
+        end = np.where(last, 1.0, (number + 1) * shares[owner])
         share = np.stack([start, end], axis=1)
         left = {name: getattr(self, name)[owner, :1] for name in ("position", "speed", "acceleration")}
         rise = {name: getattr(self, name)[owner, 1:] - left[name] for name in ("speed", "acceleration")}
@@ -108,7 +111,7 @@ class Course:
         )
 
     def cycle(
-        self, torque: Ends, radius: float = 1.0, *, inertia: float = nan, own: tuple[OwnLimit, ...] = ()
+        self, torque: Ends, radius: Figure = 1.0, *, inertia: Figure = nan, own: tuple[OwnLimit, ...] = ()
     ) -> LoadCycle:
         """The load cycle at a shaft that moves the load at a radius, cut where the direction of power changes.
 
@@ -127,30 +130,50 @@ class Course:
         return LoadCycle(self.name, self.duration, speed, acceleration, torque, inertia, own, radius).split()
 
 
-def course(profile: Profile) -> Course:
-    """A profile as columns, cut where it turns round.
+def columns_of(figures: Sequence[Figure]) -> NDArray[np.float64]:
+    """Figures in a row, of which some may be columns over samples: shape (figures,) or (figures, samples)."""
+    return np.stack(np.broadcast_arrays(*figures)) if any(np.ndim(x) for x in figures) else np.array(figures)
+
+
+def course(profile: Profile, *, sampled: bool = False) -> Course:
+    """A profile as columns, cut where it turns round; with an axis of samples, if only of one for all.
 
     >>> moved = course(Profile("x", (0.0, 2.0, 5.0, 6.0), (0.0, 3.0, 3.0, 0.0)))
     >>> moved.position[:, 1]
     array([ 3. , 12. , 13.5])
     """
-    return _course(profile) if len(profile.time) > _SHORT else _remembered(profile)
+    return _course(profile, sampled) if sampled or len(profile.time) > _SHORT else _remembered(profile, sampled)
 
 
-def _course(profile: Profile) -> Course:
-    time, speed = np.array(profile.time), np.array(profile.speed)
-    duration, ends = np.diff(time), np.stack([speed[:-1], speed[1:]], axis=1)
+def _course(profile: Profile, sampled: bool) -> Course:
+    def rows(figures: Sequence[Figure]) -> NDArray[np.float64]:
+        found = columns_of(figures)
+        return found[:, None] if sampled and found.ndim == 1 else found
+
+    time, speed = rows(profile.time), rows(profile.speed)
+    duration, ends = np.diff(time, axis=0), np.stack([speed[:-1], speed[1:]], axis=1)
     if profile.ends is not None:
-        acceleration = np.array(profile.ends)
+        left, right = (rows(column) for column in zip(*profile.ends, strict=True))
+        acceleration = np.stack([left, right], axis=1)
     elif profile.acceleration is None:
-        acceleration = np.repeat(np.diff(ends, axis=1) / duration[:, None], 2, axis=1)
+        lasting = np.where(duration > 0.0, duration, 1.0)
+        acceleration = np.repeat(np.diff(ends, axis=1) / lasting[:, None], 2, axis=1)
     else:
-        slope = np.array(profile.acceleration)
+        slope = rows(profile.acceleration)
         acceleration = np.stack([slope[:-1], slope[1:]], axis=1)
-    travel = np.cumsum(duration * ends.mean(axis=1))
-    position = np.stack([np.concatenate([[0.0], travel[:-1]]), travel], axis=1)
-    payload = 0.0 if profile.payload is None else np.array(profile.payload)[:, None]
+    travel = np.cumsum(duration * ends.mean(axis=1), axis=0)
+    position = np.stack([np.concatenate([np.zeros_like(travel[:1]), travel[:-1]]), travel], axis=1)
+    payload = 0.0 if profile.payload is None else rows(profile.payload)[:, None]
     return Course(profile.name, duration, position, ends, acceleration, payload).split()
 
 
 _remembered = lru_cache(maxsize=16)(_course)  # of short profiles: variants of a spec mostly move as it does
+
+
+def at_largest(size: Ends, duration: NDArray[np.float64], *columns: Ends) -> list[Figure]:
+    """The moment at which something is largest [s], and the values of columns there; of each sample its own."""
+    place = size.reshape(-1, *size.shape[2:]).argmax(axis=0)
+    every = [
+        np.broadcast_to(column, size.shape).reshape(-1, *size.shape[2:]) for column in (end_times(duration), *columns)
+    ]
+    return [float(x[place]) if size.ndim == 2 else np.take_along_axis(x, place[None], axis=0)[0] for x in every]

@@ -19,32 +19,36 @@ import numpy as np
 from pydantic import Field
 
 from drivesizer.errors import FieldError
-from drivesizer.files.fields import Axis, Counterweight, Force, Inertia, Length, Mass, Share, default
+from drivesizer.files import fields
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import Count, SharedLoad
 from drivesizer.loads.stage_losses import through_stage
-from drivesizer.physics.load_cycle import Ends, LoadCycle
+from drivesizer.physics.load_cycle import LoadCycle
 
 __all__ = ["Hoist", "hoist"]
+
+
+_ROUNDING = 1e-9  # of gravity: a load that falls freely pulls with nothing, whatever its figures are rounded to
 
 
 class Hoist(SharedLoad):
     """A rope drum that lifts a mass, with or without a counterweight."""
 
-    axis: ClassVar[Axis] = "linear"
+    axis: ClassVar[fields.Axis] = "linear"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["hoist"]
-    mass: Mass = Field(description="of what is lifted, its carrier included")
-    counterweight: Counterweight = default("0 kg", description="hung against the mass, with as many falls")
-    drum_diameter: Length
+    mass: fields.Mass = Field(description="of what is lifted, its carrier included")
+    counterweight: fields.Counterweight = fields.default(
+        "0 kg", description="hung against the mass, with as many falls"
+    )
+    drum_diameter: fields.Length
     falls: Count = Field(default=1, description="rope parts that carry the mass; the rope runs so many times faster")
-    rope_efficiency: Share = Field(default=1, description="of rope and sheaves, in either direction of power")
-    friction_force: Force = default("0 N", description="of the guides, against the motion")
-    inertia: Inertia = default("0 kg*m^2", description="of drum and sheaves, seen at the drum")
+    rope_efficiency: fields.Share = Field(default=1, description="of rope and sheaves, in either direction of power")
+    friction_force: fields.Force = fields.default("0 N", description="of the guides, against the motion")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of drum and sheaves, seen at the drum")
 
 
-@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
     """Load cycle at the drum.
 
@@ -72,18 +76,9 @@ def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
     moved = load.mass + load.counterweight
     weight = (load.mass + course.payload - load.counterweight) * gravity
     force = weight + (moved + course.payload) * course.acceleration + load.friction_force * course.direction
-    if _slack(load, gravity, course, force):
+    falls_freely = np.abs(course.acceleration) > gravity * (1.0 + _ROUNDING)  # then the counterweight's rope is slack
+    if np.where(load.counterweight == 0.0, force < -_ROUNDING * load.mass * gravity, falls_freely).any():
         raise FieldError(("motion",), "the rope goes slack, as it cannot push; expected less acceleration or friction")
     losses = (load.rope_efficiency, load.rope_efficiency)
     radius = load.drum_diameter / 2 / load.falls
     return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors)
-
-
-_ROUNDING = 1e-9  # of gravity: a load that falls freely pulls with nothing, whatever its figures are rounded to
-
-
-def _slack(load: Hoist, gravity: float, course: Course, force: Ends) -> bool:
-    """Whether a rope would have to push: on the load, or on the counterweight where there is one."""
-    if load.counterweight == 0.0:
-        return bool((force < -_ROUNDING * load.mass * gravity).any())
-    return bool((abs(course.acceleration) > gravity * (1.0 + _ROUNDING)).any())

@@ -12,10 +12,9 @@ calculation and selection).
 
 from typing import ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
-from drivesizer.files.fields import Axis, Coefficient, Force, Incline, Inertia, Length, Mass, Pull, Share, default
+from drivesizer.files import fields
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
@@ -27,21 +26,20 @@ __all__ = ["RackPinion", "rack_pinion"]
 class RackPinion(SharedLoad):
     """A rack that a pinion moves, or a carriage that runs along a rack, level to upright."""
 
-    axis: ClassVar[Axis] = "linear"
+    axis: ClassVar[fields.Axis] = "linear"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["rack_pinion"]
-    mass: Mass
-    pinion_diameter: Length = Field(description="of its pitch circle")
-    efficiency: Share = Field(default=1, description="of the toothing, in either direction of power")
-    incline: Incline = default("0 deg", description="of the forward motion, upward positive")
-    friction_coefficient: Coefficient = Field(default=0, description="of the guide")
-    friction_force: Force = default("0 N", description="of the guide's seals, against the motion")
-    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
-    inertia: Inertia = default("0 kg*m^2", description="of pinion and shaft")
+    mass: fields.Mass
+    pinion_diameter: fields.Length = Field(description="of its pitch circle")
+    efficiency: fields.Share = Field(default=1, description="of the toothing, in either direction of power")
+    incline: fields.Incline = fields.default("0 deg", description="of the forward motion, upward positive")
+    friction_coefficient: fields.Coefficient = Field(default=0, description="of the guide")
+    friction_force: fields.Force = fields.default("0 N", description="of the guide's seals, against the motion")
+    force: fields.Pull = fields.default("0 N", description="further force against the forward motion, at rest too")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of pinion and shaft")
 
 
-@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def rack_pinion(load: RackPinion, gravity: float, course: Course) -> LoadCycle:
     """Load cycle at the pinion.
 

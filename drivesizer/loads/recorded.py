@@ -165,4 +165,4 @@ class ComputedLoad(Recorded):
     @property
     def shaft_inertia(self) -> float:
         """Of all that one drive moves, at its shaft [kg*m^2]."""
-        return self._cycle.inertia
+        return float(self._cycle.inertia)

@@ -4,33 +4,22 @@ r"""An indexing or turning table, level or tilted, balanced or not.
 
 An axis tilted by τ from the vertical lets the centre of mass, ε off the axis, climb and fall; φ counts from the level
 line through the axis, in the direction of the motion, and the angle at the start of the cycle is φ₀. J is of all that
-turns, the mass off the axis included. How fine the weight's torque is followed: ``torque_curved``.
+turns, the mass off the axis included. How fine the weight's torque is followed: ``lever``.
 
 Worked example: a merry-go-round as a disc of 50.0 kg and 1.50 m radius (56.25 kg·m²) with a child of 18.0 kg at 1.25 m
 (28.13 kg·m²) accelerates at 4.44 rad/s² under 250 N at the rim, 375 N·m (OpenStax, College Physics, dynamics of
 rotational motion).
 """
 
-import math
 from typing import ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import (
-    Axis,
-    Bearing,
-    Counterweight,
-    Incline,
-    Inertia,
-    SignedTorque,
-    Thickness,
-    Torque,
-    default,
-)
+from drivesizer.files import fields
 from drivesizer.loads.course import Course
-from drivesizer.loads.model import Lever, SharedLoad, check_inertia
-from drivesizer.loads.torque_curved import weight_on_lever
+from drivesizer.loads.lever import Lever, check_inertia, weight_on_lever
+from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 
 __all__ = ["RotaryTable", "rotary_table"]
@@ -39,15 +28,17 @@ __all__ = ["RotaryTable", "rotary_table"]
 class RotaryTable(SharedLoad):
     """An indexing or turning table, level or tilted, balanced or not."""
 
-    axis: ClassVar[Axis] = "rotary"
+    axis: ClassVar[fields.Axis] = "rotary"
     kind: Literal["rotary_table"]
-    inertia: Inertia = Field(description="of table and load about the axis")
-    friction_torque: Torque = default("0 N*m", description="of the bearing, against the motion")
-    torque: SignedTorque = default("0 N*m", description="further torque against the forward motion")
-    mass: Counterweight = default("0 kg", description="of what turns, where its centre is off the axis")
-    eccentricity: Thickness = default("0 mm", description="of that centre")
-    tilt: Incline = default("0 deg", description="of the axis from the vertical; 90 deg lies level")
-    start_angle: Bearing = default("0 deg", description="of the centre from the level line, when the cycle starts")
+    inertia: fields.Inertia = Field(description="of table and load about the axis")
+    friction_torque: fields.Torque = fields.default("0 N*m", description="of the bearing, against the motion")
+    torque: fields.SignedTorque = fields.default("0 N*m", description="further torque against the forward motion")
+    mass: fields.Counterweight = fields.default("0 kg", description="of what turns, where its centre is off the axis")
+    eccentricity: fields.Thickness = fields.default("0 mm", description="of that centre")
+    tilt: fields.Incline = fields.default("0 deg", description="of the axis from the vertical; 90 deg lies level")
+    start_angle: fields.Bearing = fields.default(
+        "0 deg", description="of the centre from the level line, when the cycle starts"
+    )
 
     @model_validator(mode="after")
     def _heavy_enough(self) -> Self:
@@ -57,10 +48,9 @@ class RotaryTable(SharedLoad):
     @property
     def lever(self) -> Lever:
         """Mass off the axis, about the table's axis."""
-        return Lever(self.mass, self.eccentricity, math.sin(self.tilt), self.start_angle)
+        return Lever(self.mass, self.eccentricity, np.sin(self.tilt), self.start_angle)
 
 
-@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def rotary_table(load: RotaryTable, gravity: float, course: Course) -> LoadCycle:
     """Load cycle at the table's axis.
 

@@ -26,236 +26,41 @@ technical reference, motor sizing: ball screw).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal, NamedTuple, Protocol, Self
+from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from drivesizer.errors import FieldError
-from drivesizer.files.fields import (
-    Axis,
-    BackEfficiency,
-    Coefficient,
-    Force,
-    Incline,
-    Inertia,
-    Length,
-    Mass,
-    Names,
-    Pull,
-    Quantity,
-    Ratio,
-    Section,
-    Share,
-    Thickness,
-    Torque,
-    default,
-    exactly_one,
-)
-from drivesizer.loads.course import Course
+from drivesizer.files import fields
+from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
-from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, end_times
-from drivesizer.physics.screw import (
-    Design,
-    Fixity,
-    MeanLoad,
-    back_driving_efficiency,
-    buckling_load,
-    core_load,
-    critical_speed,
-    life_turns,
-    mean_load,
-    preload_torque,
-    shaft_inertia,
-    thread_efficiency,
-)
+from drivesizer.physics import screw as physics
+from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle, OwnLimit
 from drivesizer.units import show
 
 __all__ = ["Screw", "ScrewChoice", "ScrewLife", "own_limits", "screw_life"]
 
-
-# -- Limits of a screw itself: buckling, speed, static load and life, as far as its dimensions and ratings are given.
-#
-# The axial force is that between nut and slide: weight, acceleration, friction of the guide, further force. It
-# counts against buckling in either direction, whichever end has the thrust bearing.
-
-
 _ROUNDING = 1e-9  # of the stroke
 
-
-class HasScrew(Protocol):
-    """Dimensions and ratings of one screw; None where they are not known."""
-
-    @property
-    def travel_per_turn(self) -> float:
-        """The lead [m]."""
-
-    @property
-    def root_diameter(self) -> float | None:
-        """Of the core [m]."""
-
-    @property
-    def nut_diameter(self) -> float | None:
-        """On which the balls run [m]."""
-
-    @property
-    def length(self) -> float | None:
-        """Between the bearings [m]."""
-
-    @property
-    def ends(self) -> str | None:
-        """Bearings of both ends."""
-
-    @property
-    def design(self) -> str | None:
-        """Whose factors of buckling and critical speed; a beam's where not given."""
-
-    @property
-    def dynamic_load(self) -> float | None:
-        """Rating C_a [N]."""
-
-    @property
-    def static_load(self) -> float | None:
-        """Rating C_0a [N]."""
-
-    @property
-    def permissible_thrust(self) -> float | None:
-        """Of a sliding nut [N]."""
-
-    @property
-    def load_factor(self) -> float:
-        """Factor f_w of the life."""
-
-    @property
-    def static_safety(self) -> float:
-        """Static rating over the largest load, at least."""
-
-    @property
-    def dn_max(self) -> float | None:
-        """Permissible diameter times speed [mm rpm]."""
-
-    @property
-    def preload(self) -> float:
-        """Of a ball nut [N]."""
+Rating = Annotated[float, fields.Quantity("force", above=0.0)]
 
 
-class ScrewLife(NamedTuple):
-    """Nominal life of a ball screw over one load cycle, repeated."""
-
-    mean: MeanLoad  # N, of both flanks
-    turns: float
-    distance: float  # m
-    time: float  # s of the cycle, its rests included
-
-
-def own_limits(screw: HasScrew, course: Course, force: Ends) -> tuple[OwnLimit, ...]:
-    """Limits of a screw that its dimensions and ratings give.
-
-    Parameters
-    ----------
-    screw
-        One of those that move the load.
-    course
-        How the slide moves.
-    force
-        Axial force on the nut of one screw at both ends of each segment [N], shape (segments, 2).
-
-    Returns
-    -------
-    tuple
-        Those whose figures are given; a life has no demand here, for needs have it.
-
-    Raises
-    ------
-    FieldError
-        When the screw is shorter than its stroke.
-    """
-    stroke = float(np.ptp(course.position))
-    if screw.length is not None and screw.length < stroke * (1.0 - _ROUNDING):
-        found, needed = (show(x, "mm", "length", 6) for x in (screw.length, stroke))
-        raise FieldError(
-            ("load", "length"), f"{found} is shorter than the stroke; expected {needed} and the nut at least"
-        )
-    return (*_load_limits(screw, course, force), *_speed_limits(screw, course), *_life_limits(screw, course, force))
-
-
-def _worst(course: Course, ends: Ends) -> tuple[float, float]:
-    """The largest amount of something, and when."""
-    place = int(np.abs(ends).argmax())
-    return float(np.abs(ends).reshape(-1)[place]), float(end_times(course.duration).reshape(-1)[place])
-
-
-def _load_limits(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit]:
-    most, time = _worst(course, force)
-    yield OwnLimit(
-        "screw_axial_force", most, 0.0, time
-    )  # of the shaft and its bearings, not of the screw: no check by itself
-    if screw.ends is not None:
-        core = math.nan if screw.root_diameter is None else screw.root_diameter
-        held = float(np.minimum(buckling_load(core, screw.length, screw.ends, screw.design or "beam"), core_load(core)))
-        yield OwnLimit("screw_buckling", most, held, time)
-    if screw.static_load is not None:
-        yield OwnLimit("screw_static_load", most * screw.static_safety, screw.static_load, time)
-    if screw.permissible_thrust is not None:
-        yield OwnLimit("screw_thrust", most, screw.permissible_thrust, time)
-
-
-def _speed_limits(screw: HasScrew, course: Course) -> Iterator[OwnLimit]:
-    travel, time = _worst(course, course.speed)
-    speed = travel / screw.travel_per_turn * 2.0 * math.pi
-    if screw.ends is not None:
-        core = math.nan if screw.root_diameter is None else screw.root_diameter
-        yield OwnLimit(
-            "screw_critical_speed", speed, critical_speed(core, screw.length, screw.ends, screw.design or "beam"), time
-        )
-    if screw.dn_max is not None and screw.nut_diameter is not None:
-        yield OwnLimit("screw_dn", screw.nut_diameter * 1e3 * speed * 30.0 / math.pi, screw.dn_max, time)
-
-
-def _life_limits(screw: HasScrew, course: Course, force: Ends) -> Iterator[OwnLimit]:
-    if screw.dynamic_load is not None:
-        yield OwnLimit("screw_life", math.nan, screw_life(screw, course, force).time)
-
-
-def screw_life(screw: HasScrew, course: Course, force: Ends) -> ScrewLife:
-    """Nominal life of a ball screw whose dynamic rating is known.
-
-    Parameters
-    ----------
-    screw, course, force
-        As for ``own_limits``.
-
-    Returns
-    -------
-    ScrewLife
-        Infinite where nothing loads the nut while it moves, or nothing moves.
-    """
-    mean = mean_load(course.duration, course.speed, force, screw.preload)
-    rating = math.nan if screw.dynamic_load is None else screw.dynamic_load
-    turns = life_turns(rating, mean, screw.load_factor)
-    distance = turns * screw.travel_per_turn
-    moved = float(course.duration @ np.abs(course.speed.mean(axis=1)))
-    time = distance / moved * float(course.duration.sum()) if moved > 0.0 else math.inf
-    return ScrewLife(mean, turns, distance, time)
-
-
-Rating = Annotated[float, Quantity("force", above=0.0)]
-
-
-class ScrewChoice(Section):
+class ScrewChoice(fields.Section):
     """Screws out of the catalogues: of each lead the smallest that holds, of all leads that of the best drive."""
 
-    maker: Names | None = Field(default=None, description="such as THK or HIWIN; * stands for any text")
-    family: Names | None = None
-    part: Names | None = None
-    diameter_min: Length | None = None
-    diameter_max: Length | None = None
-    lead_min: Length | None = None
-    lead_max: Length | None = None
-    play_max: Thickness | None = Field(default=None, description="axial; then a screw of unknown play is left out")
+    maker: fields.Names | None = Field(default=None, description="such as THK or HIWIN; * stands for any text")
+    family: fields.Names | None = None
+    part: fields.Names | None = None
+    diameter_min: fields.Length | None = None
+    diameter_max: fields.Length | None = None
+    lead_min: fields.Length | None = None
+    lead_max: fields.Length | None = None
+    play_max: fields.Thickness | None = Field(
+        default=None, description="axial; then a screw of unknown play is left out"
+    )
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -273,49 +78,59 @@ _OF_CATALOGUE = ("lead", "diameter", "root_diameter", "ball_diameter", "pitch_di
 class Screw(SharedLoad):
     """A lead screw or ball screw that moves a slide, level to upright."""
 
-    axis: ClassVar[Axis] = "linear"
+    axis: ClassVar[fields.Axis] = "linear"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["lead_screw", "ball_screw"]
-    mass: Mass = Field(description="of the slide and what is on it")
+    mass: fields.Mass = Field(description="of the slide and what is on it")
     screw: ScrewChoice | None = Field(
         default=None, description="out of the catalogues, with its lead and all that is printed of it; or give lead"
     )
-    lead: Length | None = Field(default=None, description="travel per turn; or give screw")
-    efficiency: Share | None = Field(
+    lead: fields.Length | None = Field(default=None, description="travel per turn; or give screw")
+    efficiency: fields.Share | None = Field(
         default=None, description="of screw and nut when it drives the slide; or give thread_friction"
     )
-    thread_friction: Coefficient | None = Field(
+    thread_friction: fields.Coefficient | None = Field(
         default=None,
         description="of a trapezoidal thread, in place of both efficiencies, beside diameter and root_diameter",
     )
-    back_efficiency: BackEfficiency | None = Field(
+    back_efficiency: fields.BackEfficiency | None = Field(
         default=None, description="when the slide drives it; 2 - 1/efficiency where not given, below 0 is self-locking"
     )
-    incline: Incline = default("0 deg", description="of the forward motion, upward positive; 90 deg lifts")
-    friction_coefficient: Coefficient = Field(default=0, description="of the guide")
-    friction_force: Force = default("0 N", description="of the guide's seals, against the motion")
-    force: Pull = default("0 N", description="further force against the forward motion, at rest too")
-    preload_torque: Torque = default("0 N*m", description="drag of a preloaded nut and its bearings")
-    preload: Force = default("0 N", description="of a ball nut: its drag, beside preload_torque, and its life")
-    inertia: Inertia | None = Field(
+    incline: fields.Incline = fields.default(
+        "0 deg", description="of the forward motion, upward positive; 90 deg lifts"
+    )
+    friction_coefficient: fields.Coefficient = Field(default=0, description="of the guide")
+    friction_force: fields.Force = fields.default("0 N", description="of the guide's seals, against the motion")
+    force: fields.Pull = fields.default("0 N", description="further force against the forward motion, at rest too")
+    preload_torque: fields.Torque = fields.default("0 N*m", description="drag of a preloaded nut and its bearings")
+    preload: fields.Force = fields.default(
+        "0 N", description="of a ball nut: its drag, beside preload_torque, and its life"
+    )
+    inertia: fields.Inertia | None = Field(
         default=None,
         description="of screw and coupling; of a steel shaft of diameter and length where not given; of the coupling "
         "alone with screw",
     )
-    diameter: Length | None = Field(default=None, description="nominal, of one screw as all that follows")
-    root_diameter: Length | None = Field(default=None, description="of the thread's core")
-    pitch_diameter: Length | None = Field(
+    diameter: fields.Length | None = Field(default=None, description="nominal, of one screw as all that follows")
+    root_diameter: fields.Length | None = Field(default=None, description="of the thread's core")
+    pitch_diameter: fields.Length | None = Field(
         default=None, description="of a sliding thread; between diameter and root_diameter where not given"
     )
-    shaft_diameter: Length | None = Field(
+    shaft_diameter: fields.Length | None = Field(
         default=None, description="outside, for the inertia; diameter where not given"
     )
-    ball_diameter: Length | None = Field(default=None, description="of the ball centres; diameter where not given")
-    length: Length | None = Field(default=None, description="free, between the bearings; no shorter than the stroke")
-    screw_length: Length | None = Field(default=None, description="with its ends; length where not given")
-    ends: Fixity | None = Field(default=None, description="bearings of both ends, for buckling and critical speed")
-    design: Design | None = Field(
+    ball_diameter: fields.Length | None = Field(
+        default=None, description="of the ball centres; diameter where not given"
+    )
+    length: fields.Length | None = Field(
+        default=None, description="free, between the bearings; no shorter than the stroke"
+    )
+    screw_length: fields.Length | None = Field(default=None, description="with its ends; length where not given")
+    ends: physics.Fixity | None = Field(
+        default=None, description="bearings of both ends, for buckling and critical speed"
+    )
+    design: physics.Design | None = Field(
         default=None,
         description="whose factors for these; those of a beam where not given, of a screw out of the catalogues its "
         "maker's",
@@ -323,18 +138,20 @@ class Screw(SharedLoad):
     dynamic_load: Rating | None = Field(default=None, description="rating C_a, for the life")
     static_load: Rating | None = Field(default=None, description="rating C_0a")
     permissible_thrust: Rating | None = Field(default=None, description="of a sliding nut")
-    load_factor: Ratio = Field(
+    load_factor: fields.Ratio = Field(
         default=1.5, description="f_w of the life: 1 to 1.2 smooth, 1.5 up to 1 m/s, 2 to 3.5 with impacts"
     )
-    static_safety: Ratio = Field(default=2, description="static_load over the largest axial load, at least")
-    dn_max: Ratio | None = Field(default=None, description="ball_diameter times speed that the nut permits, in mm rpm")
+    static_safety: fields.Ratio = Field(default=2, description="static_load over the largest axial load, at least")
+    dn_max: fields.Ratio | None = Field(
+        default=None, description="ball_diameter times speed that the nut permits, in mm rpm"
+    )
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
-        exactly_one(self, "lead", "screw")
+        fields.exactly_one(self, "lead", "screw")
         if self.screw is not None:
             return self._left_open()
-        exactly_one(self, "efficiency", "thread_friction")
+        fields.exactly_one(self, "efficiency", "thread_friction")
         if self.thread_friction is not None and (self.diameter is None or self.root_diameter is None):
             raise ValueError("give diameter and root_diameter beside thread_friction")
         if self.thread_friction is not None and self.back_efficiency is not None:
@@ -392,31 +209,34 @@ class Screw(SharedLoad):
         return self.diameter if self.ball_diameter is None else self.ball_diameter
 
     @property
-    def efficiencies(self) -> tuple[float, float]:
+    def efficiencies(self) -> tuple[Figure, Figure]:
         """Of a screw that drives the slide, and of a slide that drives the screw: below 0 where it locks itself."""
         if self.thread_friction is not None:
-            pitch = self.pitch_diameter or ((self.diameter or 0.0) + (self.root_diameter or 0.0)) / 2.0
+            assert self.diameter is not None and self.root_diameter is not None
+            pitch = (self.diameter + self.root_diameter) / 2.0 if self.pitch_diameter is None else self.pitch_diameter
             thread = self.travel_per_turn, pitch, self.thread_friction
-            return float(thread_efficiency(*thread)), float(back_driving_efficiency(*thread))
-        forward = float(self.efficiency or 0.0)
-        return forward, 2.0 - 1.0 / forward if self.back_efficiency is None else self.back_efficiency
+            return physics.thread_efficiency(*thread), physics.back_driving_efficiency(*thread)
+        assert self.efficiency is not None
+        return self.efficiency, 2.0 - 1.0 / self.efficiency if self.back_efficiency is None else self.back_efficiency
 
     @property
-    def turning(self) -> float:
+    def turning(self) -> Figure:
         """Inertia of all screws [kg*m^2]."""
         if self.inertia is not None and self.screw is None:
             return self.inertia
-        shaft = self.motors * shaft_inertia(self.shaft_diameter or self.diameter, self.overall)
-        return float((self.inertia or 0.0) + shaft)
+        thick = self.diameter if self.shaft_diameter is None else self.shaft_diameter
+        shaft = self.motors * physics.shaft_inertia(thick, self.overall)
+        return shaft if self.inertia is None else self.inertia + shaft
 
     @property
-    def drag(self) -> float:
+    def drag(self) -> Figure:
         """Torque of all preloaded nuts and bearings [N*m]."""
-        of_nuts = preload_torque(self.preload, self.travel_per_turn, self.nut_diameter) if self.preload else 0.0
-        return self.preload_torque + self.motors * float(of_nuts)
+        if not np.any(self.preload):
+            return self.preload_torque
+        of_nut = physics.preload_torque(self.preload, self.travel_per_turn, self.nut_diameter)
+        return self.preload_torque + self.motors * of_nut
 
 
-@np.errstate(over="ignore", invalid="ignore")  # the load cycle refuses what is not finite
 def screw(load: Screw, gravity: float, course: Course) -> LoadCycle:
     """Load cycle at the screw.
 
@@ -445,3 +265,92 @@ def screw(load: Screw, gravity: float, course: Course) -> LoadCycle:
     cycle = through_stage(course, force, radius, load.efficiencies, mass=load.mass, turning=load.turning,
                           motors=load.motors, drag=load.drag)  # fmt: skip
     return replace(cycle, own=own_limits(load, course, force / load.motors))
+
+
+# -- Limits of a screw itself: buckling, speed, static load and life, as far as its dimensions and ratings are given.
+#
+# The axial force is that between nut and slide: weight, acceleration, friction of the guide, further force. It
+# counts against buckling in either direction, whichever end has the thrust bearing.
+
+
+def own_limits(screw: Screw, course: Course, force: Ends) -> tuple[OwnLimit, ...]:
+    """Limits of a screw that its dimensions and ratings give.
+
+    Parameters
+    ----------
+    screw
+        One of those that move the load.
+    course
+        How the slide moves.
+    force
+        Axial force on the nut of one screw at both ends of each segment [N], shape (segments, 2, ...).
+
+    Returns
+    -------
+    tuple
+        Those whose figures are given; a life has no demand here, for needs have it.
+
+    Raises
+    ------
+    FieldError
+        When the screw is shorter than its stroke.
+    """
+    stroke = np.ptp(course.position, axis=(0, 1))
+    if screw.length is not None and np.any(screw.length < stroke * (1.0 - _ROUNDING)):
+        found, needed = (show(float(np.max(x)), "mm", "length", 6) for x in (screw.length, stroke))
+        raise FieldError(
+            ("load", "length"), f"{found} is shorter than the stroke; expected {needed} and the nut at least"
+        )
+    time, most = at_largest(np.abs(force), course.duration, np.abs(force))
+    fast, travel = at_largest(np.abs(course.speed), course.duration, np.abs(course.speed))
+    speed = travel / screw.travel_per_turn * 2.0 * math.pi
+    core = math.nan if screw.root_diameter is None else screw.root_diameter
+    limits = [
+        OwnLimit("screw_axial_force", most, 0.0, time)
+    ]  # of the shaft's bearings: no check of the screw by itself
+    if screw.ends is not None:
+        given = screw.length, screw.ends, screw.design or "beam"
+        held = np.minimum(physics.buckling_load(core, *given), physics.core_load(core))
+        limits.append(OwnLimit("screw_buckling", most, held, time))
+        limits.append(OwnLimit("screw_critical_speed", speed, physics.critical_speed(core, *given), fast))
+    if screw.static_load is not None:
+        limits.append(OwnLimit("screw_static_load", most * screw.static_safety, screw.static_load, time))
+    if screw.permissible_thrust is not None:
+        limits.append(OwnLimit("screw_thrust", most, screw.permissible_thrust, time))
+    if screw.dn_max is not None and screw.nut_diameter is not None:
+        limits.append(OwnLimit("screw_dn", screw.nut_diameter * 1e3 * speed * 30.0 / math.pi, screw.dn_max, fast))
+    if screw.dynamic_load is not None:
+        limits.append(OwnLimit("screw_life", math.nan, screw_life(screw, course, force).time))
+    return tuple(limits)
+
+
+class ScrewLife(NamedTuple):
+    """Nominal life of a ball screw over one load cycle, repeated."""
+
+    mean: physics.MeanLoad  # N, of both flanks
+    turns: Figure
+    distance: Figure  # m
+    time: Figure  # s of the cycle, its rests included
+
+
+def screw_life(screw: Screw, course: Course, force: Ends) -> ScrewLife:
+    """Nominal life of a ball screw whose dynamic rating is known.
+
+    Parameters
+    ----------
+    screw, course, force
+        As for ``own_limits``.
+
+    Returns
+    -------
+    ScrewLife
+        Infinite where nothing loads the nut while it moves, or nothing moves.
+    """
+    mean = physics.mean_load(course.duration, course.speed, force, screw.preload)
+    rating = math.nan if screw.dynamic_load is None else screw.dynamic_load
+    turns = physics.life_turns(rating, mean, screw.load_factor)
+    distance = turns * screw.travel_per_turn
+    moved = (course.duration * np.abs(course.speed.mean(axis=1))).sum(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        time = np.where(moved > 0.0, distance / moved * course.duration.sum(axis=0), math.inf)
+    return ScrewLife(mean, turns, distance, time if course.duration.ndim > 1 else float(time))

@@ -13,44 +13,28 @@ Source: maxon Formulae Handbook (J. Braun), mechanical drives: efficiency in eit
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.loads.course import Course
-from drivesizer.physics.load_cycle import Ends, LoadCycle
+from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle
 
 __all__ = ["FixedGear", "force_along", "through_gear", "through_stage"]
 
 
 class OnIncline(Protocol):
-    """A load that is moved along an incline, with friction."""
+    """A load that is moved along an incline, with friction; figures, or columns over samples."""
 
-    @property
-    def mass(self) -> float:
-        """Of what climbs [kg]."""
-
-    @property
-    def incline(self) -> float:
-        """Of the forward motion, upward positive [rad]."""
-
-    @property
-    def friction_coefficient(self) -> float:
-        """Of what rubs on its guide or bed."""
-
-    @property
-    def friction_force(self) -> float:
-        """Of seals and scrapers, against the motion [N]."""
-
-    @property
-    def force(self) -> float:
-        """Further force against the forward motion, at rest too [N]."""
+    mass: float  # kg, of what climbs
+    incline: float  # rad, of the forward motion, upward positive
+    friction_coefficient: float  # of what rubs on its guide or bed
+    friction_force: float  # N, of seals and scrapers, against the motion
+    force: float  # N, further force against the forward motion, at rest too
 
 
-def force_along(course: Course, load: OnIncline, gravity: float, moved: NDArray[np.float64] | float) -> Ends:
+def force_along(course: Course, load: OnIncline, gravity: Figure, moved: Figure) -> Ends:
     """Force that moves a load along its incline: friction, weight, further force and inertia [N].
 
     Parameters
@@ -67,26 +51,19 @@ def force_along(course: Course, load: OnIncline, gravity: float, moved: NDArray[
     Returns
     -------
     array
-        Force at both ends of each segment [N], shape (segments, 2).
+        Force at both ends of each segment [N], shape (segments, 2, ...).
     """
     moved, climbing = moved + course.payload, load.mass + course.payload
-    friction = load.friction_coefficient * moved * gravity * math.cos(load.incline) + load.friction_force
-    climb = climbing * gravity * math.sin(load.incline)
+    friction = load.friction_coefficient * moved * gravity * np.cos(load.incline) + load.friction_force
+    climb = climbing * gravity * np.sin(load.incline)
     force: Ends = friction * course.direction + (climb + load.force) + moved * course.acceleration
     return force
 
 
 def through_stage(
-    course: Course,
-    force: Ends,
-    radius: float,
-    efficiency: tuple[float, float],
-    *,
-    mass: float,
-    turning: float,
-    motors: int,
-    drag: float = 0.0,
-) -> LoadCycle:
+    course: Course, force: Ends, radius: Figure, efficiency: tuple[Figure, Figure], *, mass: Figure, turning: Figure,
+    motors: int, drag: Figure = 0.0,
+) -> LoadCycle:  # fmt: skip
     """Load cycle at the shaft, with the losses of a stage.
 
     Parameters
@@ -114,15 +91,24 @@ def through_stage(
     LoadCycle
         At the shaft of one drive, cut where the direction of power changes.
     """
-    forward, backward = efficiency
     ideal = course.cycle(force * radius, radius)
-    direction = np.sign(ideal.speed.mean(axis=1, keepdims=True))
-    flow = direction * np.sign(ideal.torque.mean(axis=1, keepdims=True))
-    at_rest = 1.0 if backward > 0.0 else 0.0
-    factor = np.where(flow > 0.0, 1.0 / forward, np.where(flow < 0.0, backward, at_rest))
-    torque = ideal.torque * factor + turning * ideal.acceleration + drag * direction
+    direction = _direction(ideal)
+    torque = ideal.torque * _factor(ideal, *efficiency) + turning * ideal.acceleration + drag * direction
     inertia = turning + (mass + course.heaviest) * radius * radius
     return replace(ideal, torque=torque / motors, inertia=inertia / motors).split()
+
+
+def _direction(cycle: LoadCycle) -> Ends:
+    """Sign of the speed within each segment, 0 at rest: shape (segments, 1, ...)."""
+    direction: Ends = np.sign(cycle.speed.mean(axis=1, keepdims=True))
+    return direction
+
+
+def _factor(cycle: LoadCycle, forward: Figure, backward: Figure) -> Ends:
+    """By which a stage changes a torque that drives, is driven, or holds: nothing holds a stage that locks itself."""
+    flow = _direction(cycle) * np.sign(cycle.torque.mean(axis=1, keepdims=True))
+    at_rest = np.where(np.greater(backward, 0.0), 1.0, 0.0)
+    return np.where(flow > 0.0, 1.0 / forward, np.where(flow < 0.0, backward, at_rest))
 
 
 # -- A gear of fixed ratio behind gearhead or belt: the load cycle at its input shaft.
@@ -145,13 +131,13 @@ def through_stage(
 class FixedGear(NamedTuple):
     """A gear between two shafts, SI."""
 
-    ratio: float  # turns of the input shaft per turn of the output shaft
-    efficiency: float  # when the input shaft drives
-    back_efficiency: float  # when the output shaft drives; not above 0: self-locking
-    pinion_inertia: float = 0.0  # kg*m^2, turns with the input shaft
-    wheel_inertia: float = 0.0  # kg*m^2, turns with the output shaft
-    pinion_friction: float = 0.0  # N*m, at the input shaft, at any load
-    wheel_friction: float = 0.0  # N*m, at the output shaft
+    ratio: Figure  # turns of the input shaft per turn of the output shaft
+    efficiency: Figure  # when the input shaft drives
+    back_efficiency: Figure  # when the output shaft drives; not above 0: self-locking
+    pinion_inertia: Figure = 0.0  # kg*m^2, turns with the input shaft
+    wheel_inertia: Figure = 0.0  # kg*m^2, turns with the output shaft
+    pinion_friction: Figure = 0.0  # N*m, at the input shaft, at any load
+    wheel_friction: Figure = 0.0  # N*m, at the output shaft
 
 
 def through_gear(cycle: LoadCycle, gear: FixedGear) -> LoadCycle:
@@ -169,23 +155,14 @@ def through_gear(cycle: LoadCycle, gear: FixedGear) -> LoadCycle:
     LoadCycle
         At its input shaft, cut where the direction of power changes.
     """
-    i, friction = gear.ratio, gear.wheel_friction * _direction(cycle)
-    at_wheel = replace(cycle, torque=cycle.torque + gear.wheel_inertia * cycle.acceleration + friction).split()
-    direction = _direction(at_wheel)
-    flow = direction * np.sign(at_wheel.torque.mean(axis=1, keepdims=True))
-    at_rest = 1.0 if gear.back_efficiency > 0.0 else 0.0
-    factor = np.where(flow > 0.0, 1.0 / gear.efficiency, np.where(flow < 0.0, gear.back_efficiency, at_rest))
+    i = gear.ratio
+    torque = cycle.torque + gear.wheel_inertia * cycle.acceleration + gear.wheel_friction * _direction(cycle)
+    at_wheel = replace(cycle, torque=torque).split()
     acceleration = at_wheel.acceleration * i
-    torque = at_wheel.torque * factor / i + gear.pinion_inertia * acceleration + gear.pinion_friction * direction
+    torque = at_wheel.torque * _factor(at_wheel, gear.efficiency, gear.back_efficiency) / i
+    torque = torque + gear.pinion_inertia * acceleration + gear.pinion_friction * _direction(at_wheel)
     return replace(
         at_wheel, speed=at_wheel.speed * i, acceleration=acceleration, torque=torque, radius=cycle.radius / i,
         inertia=gear.pinion_inertia + (cycle.inertia + gear.wheel_inertia) / i**2,
-        held=cycle.held * at_rest / i,
-        own=tuple(one._replace(turning=np.nan) for one in cycle.own),  # its demand is no longer of this torque
+        held=cycle.held * np.where(np.greater(gear.back_efficiency, 0.0), 1.0, 0.0) / i,
     ).split()  # fmt: skip
-
-
-def _direction(cycle: LoadCycle) -> np.typing.NDArray[np.float64]:
-    """Sign of the speed within each segment, 0 at rest: shape (segments, 1)."""
-    direction: np.typing.NDArray[np.float64] = np.sign(cycle.speed.mean(axis=1, keepdims=True))
-    return direction

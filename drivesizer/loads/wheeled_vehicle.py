@@ -19,47 +19,26 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from drivesizer import equations as eq
-from drivesizer.files.fields import (
-    Area,
-    Axis,
-    Coefficient,
-    Density,
-    Inertia,
-    Length,
-    Mass,
-    Part,
-    Section,
-    Share,
-    SignedSpeed,
-    Slope,
-    Thickness,
-    default,
-    exactly_one,
-)
-from drivesizer.loads.course import Course
+from drivesizer.files import fields
+from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import Count, LoadModel
-from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
+from drivesizer.physics.load_cycle import Figure, LoadCycle, OwnLimit
 
 __all__ = [
-    "Cylinder",
-    "Cylinders",
-    "WheeledVehicle",
-    "rolling_resistance",
-    "turning_inertia",
-    "wheel_friction",
+    "Cylinder", "Cylinders", "WheeledVehicle", "rolling_resistance", "turning_inertia", "wheel_friction",
     "wheeled_vehicle",
 ]  # fmt: skip
 
 _PIECES = 64  # of a ramp in wind: the straight lines are off by 1/4 of 1/64² of the drag at its end, 6e-5 of it
 
 
-class Cylinder(Section):
+class Cylinder(fields.Section):
     """A rotating hollow cylinder, (8) and (9)."""
 
-    density: Density
-    outer_diameter: Length
-    inner_diameter: Thickness = default("0 mm", description="0 when solid")
-    width: Length
+    density: fields.Density
+    outer_diameter: fields.Length
+    inner_diameter: fields.Thickness = fields.default("0 mm", description="0 when solid")
+    width: fields.Length
 
     @model_validator(mode="after")
     def _hollow(self) -> Self:
@@ -68,7 +47,7 @@ class Cylinder(Section):
         return self
 
 
-class Cylinders(Section):
+class Cylinders(fields.Section):
     """The cylinders that turn with each driven wheel."""
 
     wheel: Cylinder
@@ -78,31 +57,35 @@ class Cylinders(Section):
 class WheeledVehicle(LoadModel):
     """A vehicle on driven wheels, each with its own drive."""
 
-    axis: ClassVar[Axis] = "linear"
+    axis: ClassVar[fields.Axis] = "linear"
     takes_payload: ClassVar[bool] = True
     kind: Literal["wheeled_vehicle"]
-    mass: Mass = Field(description="whole vehicle, payload included")
+    mass: fields.Mass = Field(description="whole vehicle, payload included")
     driven_wheels: Count = Field(description="wheels with a drive")
-    wheel_diameter: Length
-    rolling_resistance: Part | None = Field(default=None, description="C_rr; or give sinkage")
-    sinkage: Thickness | None = Field(default=None, description="sinking depth z of (4); or give rolling_resistance")
-    friction_coefficient: Coefficient | None = Field(default=None, description="between wheel and floor, for traction")
-    driven_share: Share | None = Field(
+    wheel_diameter: fields.Length
+    rolling_resistance: fields.Part | None = Field(default=None, description="C_rr; or give sinkage")
+    sinkage: fields.Thickness | None = Field(
+        default=None, description="sinking depth z of (4); or give rolling_resistance"
+    )
+    friction_coefficient: fields.Coefficient | None = Field(
+        default=None, description="between wheel and floor, for traction"
+    )
+    driven_share: fields.Share | None = Field(
         default=None,
         description="of the weight that the driven wheels carry, for traction; all of it where not given. Casters and "
         "other wheels carry the rest. A platform has it by the places of its wheels",
     )
-    slope: Slope = default("0 deg", description="uphill positive")
-    drag_area: Area = default("0 m^2", description="drag coefficient times frontal area")
-    headwind: SignedSpeed = default("0 m/s", description="against the forward motion positive")
-    air_density: Density = default("1.2 kg/m^3")
+    slope: fields.Slope = fields.default("0 deg", description="uphill positive")
+    drag_area: fields.Area = fields.default("0 m^2", description="drag coefficient times frontal area")
+    headwind: fields.SignedSpeed = fields.default("0 m/s", description="against the forward motion positive")
+    air_density: fields.Density = fields.default("1.2 kg/m^3")
     cylinders: Cylinders | None = Field(default=None, description="wheel and shaft; or give inertia")
-    inertia: Inertia | None = Field(default=None, description="of one wheel with its shaft; or give cylinders")
+    inertia: fields.Inertia | None = Field(default=None, description="of one wheel with its shaft; or give cylinders")
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
-        exactly_one(self, "rolling_resistance", "sinkage")
-        exactly_one(self, "cylinders", "inertia")
+        fields.exactly_one(self, "rolling_resistance", "sinkage")
+        fields.exactly_one(self, "cylinders", "inertia")
         if self.sinkage is not None and self.sinkage >= self.wheel_diameter:
             raise ValueError("sinkage must be below wheel_diameter")
         return self
@@ -141,54 +124,45 @@ def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> Loa
         When a figure leaves the range of numbers that can be computed with.
     """
     r, N = load.wheel_diameter / 2, load.driven_wheels
-    if load.drag_area > 0.0:
-        course = course.finer(np.where(np.ptp(course.speed, axis=1) > 0.0, _PIECES, 1))
+    if np.any(load.drag_area):
+        ramps = np.ptp(course.speed, axis=1).reshape(len(course.duration), -1).any(axis=1)
+        course = course.finer(np.where(ramps, _PIECES, 1))
     turning = turning_inertia(load)
     mass = load.mass + course.payload
-    weight = mass * gravity * math.sin(load.slope)
+    weight = mass * gravity * np.sin(load.slope)
     rolling = eq.nominal_force(rolling_resistance(load), mass, gravity, load.slope) - weight
     wind = course.speed + load.headwind
     drag = load.air_density * load.drag_area * wind * np.abs(wind) / 2
     force = rolling * course.direction + weight + drag + mass * course.acceleration
     torque = force * r / N + turning * course.acceleration / r
     inertia = turning + (load.mass + course.heaviest) * r**2 / N
-    own = _grip(load, gravity, course, force / N, turning)
-    return course.cycle(torque, r, inertia=inertia, own=own)
+    if load.friction_coefficient is None:
+        return course.cycle(torque, r, inertia=inertia)
+    size, held = np.abs(force / N), wheel_friction(load, gravity) * (1.0 + course.payload / load.mass)
+    time, demand, limit = at_largest(size / held, course.duration, size, held)
+    return course.cycle(torque, r, inertia=inertia, own=(OwnLimit("traction", demand, limit, time),))
 
 
-def rolling_resistance(load: WheeledVehicle) -> float:
+def rolling_resistance(load: WheeledVehicle) -> Figure:
     """C_rr of a vehicle [1]: given, or by (4)."""
     if load.sinkage is None:
-        return float(load.rolling_resistance or 0.0)
-    return float(eq.rolling_resistance_coefficient(load.sinkage, load.wheel_diameter))
+        return load.rolling_resistance
+    return eq.rolling_resistance_coefficient(load.sinkage, load.wheel_diameter)
 
 
-def turning_inertia(load: WheeledVehicle) -> float:
+def turning_inertia(load: WheeledVehicle) -> Figure:
     """J_w + J_s: given, or from the cylinders by (8) and (9) [kg*m^2]."""
     if load.cylinders is None:
-        return float(load.inertia or 0.0)
-    return sum(_cylinder(c) for c in (load.cylinders.wheel, load.cylinders.shaft) if c is not None)
+        return load.inertia
+    found: Figure = 0.0
+    for c in (load.cylinders.wheel, load.cylinders.shaft):
+        if c is not None:
+            r_a, r_i = c.outer_diameter / 2, c.inner_diameter / 2
+            found = found + eq.cylinder_inertia(eq.cylinder_mass(c.density, r_a, r_i, c.width), r_a, r_i)
+    return found
 
 
-def _cylinder(c: Cylinder) -> float:
-    r_a, r_i = c.outer_diameter / 2, c.inner_diameter / 2
-    return float(eq.cylinder_inertia(eq.cylinder_mass(c.density, r_a, r_i, c.width), r_a, r_i))
-
-
-def _grip(load: WheeledVehicle, gravity: float, course: Course, force: Ends, turning: float) -> tuple[OwnLimit, ...]:
-    """The largest force of a wheel on the floor against what friction transmits."""
-    if load.friction_coefficient is None:
-        return ()
-    held = wheel_friction(load, gravity) * (1.0 + course.payload / load.mass)
-    worst = int((np.abs(force) / held).argmax())
-    end = np.cumsum(course.duration)
-    time = np.stack([end - course.duration, end], axis=1).reshape(-1)[worst]
-    limit = float(np.broadcast_to(held, force.shape).reshape(-1)[worst])
-    most = float(np.abs(force).reshape(-1)[worst])
-    return (OwnLimit("traction", most, limit, float(time), turning),)
-
-
-def wheel_friction(load: WheeledVehicle, gravity: float) -> float:
+def wheel_friction(load: WheeledVehicle, gravity: Figure) -> Figure:
     """Force that friction transmits at a driven wheel [N]; unknown without a coefficient.
 
     Parameters
@@ -200,9 +174,9 @@ def wheel_friction(load: WheeledVehicle, gravity: float) -> float:
 
     Returns
     -------
-    float
+    float or array
         Largest force along the floor [N]; NaN without a coefficient of friction.
     """
     friction = math.nan if load.friction_coefficient is None else load.friction_coefficient
     share = 1.0 if load.driven_share is None else load.driven_share
-    return friction * share * load.mass * gravity * math.cos(load.slope) / load.driven_wheels
+    return friction * share * load.mass * gravity * np.cos(load.slope) / load.driven_wheels

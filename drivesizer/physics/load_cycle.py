@@ -26,7 +26,7 @@ __all__ = [
 # Segments over time, each with its values at the left and the right end and straight lines between. Segments, not
 # points: at the corner of a trapezoid the torque jumps, and a point has one value only. Every machine is reduced to
 # this (``loads``), and whatever follows knows nothing else.
-# Functions of ends take several cycles as well, side by side along a last axis.
+# Several cycles lie side by side along a last axis, those of samples: what all of them share has a length of 1 there.
 # Symbols: w speed [rad/s], a acceleration [rad/s^2], T torque that the load takes, its own inertia included [N*m].
 
 
@@ -44,37 +44,62 @@ class OwnLimit(NamedTuple):
     name: str
     demand: Figure  # SI; NaN unknown
     limit: Figure
-    time: float = nan  # s, of the worst moment
-    turning: float = nan  # kg*m^2, J of a demand max |T - J a| / radius; NaN of any other demand
+    time: Figure = nan  # s, of the worst moment
 
 
 @dataclass(frozen=True, slots=True)
 class LoadCycle:
-    """Speed, acceleration and torque of the driven shaft over one cycle."""
+    """Speed, acceleration and torque of the driven shaft over one cycle, or several side by side."""
 
     name: str
-    duration: NDArray[np.float64]  # s, of each segment
+    duration: NDArray[np.float64]  # s, of each segment; 0 where another of several cycles has a segment more
     speed: Ends  # rad/s
     acceleration: Ends  # rad/s^2
     torque: Ends  # N*m, the load's own inertia included
-    inertia: float = nan  # kg*m^2, of all that moves with the shaft, seen at it
+    inertia: Figure = nan  # kg*m^2, of all that moves with the shaft, seen at it
     own: tuple[OwnLimit, ...] = ()
-    radius: float = 1.0  # m, travel of the load per angle of the shaft; 1 where it turns with the shaft
-    held: float = nan  # N*m, largest torque that holds it at rest on its path; NaN not looked at
+    radius: Figure = 1.0  # m, travel of the load per angle of the shaft; 1 where it turns with the shaft
+    held: Figure = nan  # N*m, largest torque that holds it at rest on its path; NaN not looked at
 
     def __post_init__(self) -> None:
-        shape = (len(self.duration), 2)
-        if not len(self.duration) or any(c.shape != shape for c in (self.speed, self.acceleration, self.torque)):
+        shape, alone = (len(self.duration), 2), self.duration.ndim == 1
+        columns = (self.speed, self.acceleration, self.torque)
+        if not len(self.duration) or any(c.shape[:2] != shape or (c.ndim == 2) != alone for c in columns):
             raise InputError(f"load cycle {self.name}: expected segments with two ends each")
-        if not (self.duration > 0.0).all():  # written so that NaN fails too
+        if not ((self.duration > 0.0) if alone else (self.duration >= 0.0)).all():  # written so that NaN fails too
             raise InputError(f"load cycle {self.name}: a segment must last longer than 0 s")
-        if not all(_within(c) for c in (self.duration, self.speed, self.acceleration, self.torque)):
+        if not all(_within(c) for c in (self.duration, *columns)):
             raise InputError(f"load cycle {self.name}: a figure leaves the range of numbers that can be computed with")
 
     @property
-    def total(self) -> float:
+    def total(self) -> Figure:
         """Length of the cycle [s]."""
-        return float(self.duration.sum())
+        return float(self.duration.sum()) if self.duration.ndim == 1 else self.duration.sum(axis=0)
+
+    @property
+    def samples(self) -> int:
+        """Number of cycles side by side; 1 of one, and where all are the same."""
+        single = (self.inertia, self.radius, self.held, *(x for one in self.own for x in (one.demand, one.limit)))
+        wide = [
+            c.shape[-1] for c in (self.duration, self.speed, self.acceleration, self.torque) if self.duration.ndim > 1
+        ]
+        return int(max([1, *wide, *map(np.size, single)]))
+
+    def on(self, rows: Any) -> LoadCycle:
+        """Some of several cycles side by side."""
+
+        def some(column: Any) -> Any:
+            return column[..., rows] if np.ndim(column) and column.shape[-1] > 1 else column
+
+        own = tuple(
+            one._replace(demand=some(one.demand), limit=some(one.limit), time=some(one.time)) for one in self.own
+        )
+        names = ("duration", *_COLUMNS, "inertia", "radius", "held")
+        return replace(self, own=own, **{name: some(getattr(self, name)) for name in names})
+
+    def side_by_side(self) -> LoadCycle:
+        """One cycle as one of several."""
+        return replace(self, duration=self.duration[:, None], **{n: getattr(self, n)[..., None] for n in _COLUMNS})
 
     @property
     def time(self) -> Ends:
@@ -102,19 +127,21 @@ class LoadCycle:
         ends = getattr(self, name)
         if not (ends[:, 0] * ends[:, 1] < 0.0).any():
             return self
-        pieces, shares, column = cut_points(ends)
+        pieces, shares, column = cut_points(ends, self.speed)
+        crosses, inside = pieces == 2, (shares > 0.0) & (shares < 1.0)
         first = np.cumsum(pieces) - pieces  # place of each segment's first piece
-        crosses = pieces == 2
         second = (first + 1)[crosses]
 
         def cut(ends: Ends, *, zero: bool = False) -> Ends:
+            ends = np.broadcast_to(ends, (len(pieces), 2, *np.broadcast_shapes(shares.shape[1:], ends.shape[2:])))
             out = np.repeat(ends, pieces, axis=0)
-            middle = np.zeros(crosses.sum()) if zero else (ends[:, 0] + shares * (ends[:, 1] - ends[:, 0]))[crosses]
-            out[first[crosses], 1] = middle
-            out[second, 0] = middle
+            middle = ends[:, 0] + shares * (ends[:, 1] - ends[:, 0])
+            if zero:
+                middle = np.where(inside, 0.0, middle)
+            out[first[crosses], 1] = out[second, 0] = middle[crosses]
             return out
 
-        duration = np.repeat(self.duration, pieces)
+        duration = np.repeat(self.duration + np.zeros_like(shares), pieces, axis=0)
         duration[first] *= shares
         duration[second] *= (1.0 - shares)[crosses]
         columns = {n: cut(column, zero=True) if n == name else cut(getattr(self, n)) for n in _COLUMNS}
@@ -129,13 +156,16 @@ def _within(column: NDArray[np.float64]) -> bool:
 _COLUMNS = ("speed", "acceleration", "torque")
 
 
-def cut_points(column: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], Ends]:
+def cut_points(column: Ends, speed: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], Ends]:
     """Places where a quantity changes sign within segments.
+
+    Of several cycles a segment is cut where any of them has it cut; one whose quantity keeps its sign at the end at
+    which it is faster, so that its piece of no duration moves as the segment does.
 
     Parameters
     ----------
-    column
-        The quantity at both ends of each segment, shape (segments, 2).
+    column, speed
+        The quantity, and the speed, at both ends of each segment, shape (segments, 2) or (segments, 2, cycles).
 
     Returns
     -------
@@ -143,13 +173,17 @@ def cut_points(column: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], En
         Number of pieces of each segment (1 or 2); the share of it before the change [1] (1 without one); and the
         column, with an end that is beyond its change of sign by less than rounding set to 0.
     """
-    left, right = column.T
+    left, right = column[:, 0], column[:, 1]
     crosses = left * right < 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(crosses, left / (left - right), 0.5)
     column = np.where(np.stack([crosses & (share <= _NO_PART), crosses & (share >= 1.0)], axis=1), 0.0, column)
     crosses &= (share > _NO_PART) & (share < 1.0)
-    return np.where(crosses, 2, 1), np.where(crosses, share, 1.0), column
+    if column.ndim == 2:
+        return np.where(crosses, 2, 1), np.where(crosses, share, 1.0), column
+    cut: NDArray[np.bool_] = np.any(crosses, axis=1)
+    at_the_start = cut[:, None] & (np.abs(speed[:, 0]) > np.abs(speed[:, 1]))
+    return np.where(cut, 2, 1), np.where(crosses, share, np.where(at_the_start, 0.0, 1.0)), column
 
 
 def places(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from math import pi
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -154,11 +155,11 @@ def critical_speed(root_diameter: Any, length: Any, ends: str, design: str = "be
 class MeanLoad(NamedTuple):
     """Mean axial loads of the two flanks of the thread, over the whole distance."""
 
-    forward: float  # N, of the flank that is loaded by a force above 0
-    backward: float  # N
+    forward: Any  # N, of the flank that is loaded by a force above 0
+    backward: Any  # N
 
 
-def mean_load(duration: NDArray[Any], speed: NDArray[Any], force: NDArray[Any], preload: float = 0.0) -> MeanLoad:
+def mean_load(duration: NDArray[Any], speed: NDArray[Any], force: NDArray[Any], preload: Any = 0.0) -> MeanLoad:
     r"""Mean axial load of a nut by the distance, for its life.
 
     .. math:: F_m = \left( \frac{\sum F_i^3 \, l_i}{\sum l_i} \right)^{1/3}, \quad
@@ -172,7 +173,8 @@ def mean_load(duration: NDArray[Any], speed: NDArray[Any], force: NDArray[Any], 
     duration
         Of each segment [s].
     speed, force
-        At both ends of each segment [m/s], [N], straight between them; shape (segments, 2). No segment turns round.
+        At both ends of each segment [m/s], [N], straight between them; shape (segments, 2), or with samples along
+        a last axis. No segment turns round.
     preload
         Of the nut [N].
 
@@ -185,38 +187,33 @@ def mean_load(duration: NDArray[Any], speed: NDArray[Any], force: NDArray[Any], 
     -----
     THK A-705 and A-729 with each direction by itself; HIWIN F 3.6 to F 3.10 with the preload.
     """
-    weights = duration[:, None, None]
-    parts = _parts(force, 2.0**1.5 * preload)
-    start, length = parts[:, :-1, None], np.diff(parts, axis=1)[:, :, None]
-    share = start + length * (_NODES + 1.0) / 2.0
-
-    def at(ends: NDArray[Any]) -> NDArray[Any]:
-        return np.asarray(ends[:, :1, None] + (ends[:, 1:, None] - ends[:, :1, None]) * share)
-
-    travel = weights * length * _WEIGHTS / 2.0 * np.abs(at(speed))
-    total = float(travel.sum())
-    if total == 0.0:
-        return MeanLoad(0.0, 0.0)
-    both = (np.sum(_on_flank(sign * at(force), preload) ** 3 * travel) / total for sign in (1.0, -1.0))
-    return MeanLoad(*(float(one ** (1.0 / 3.0)) for one in both))
-
-
-def _parts(force: NDArray[Any], limit: float) -> NDArray[Any]:
-    """Shares of each segment at which the load of a flank changes its law: shape (segments, 5), rising."""
-    left, rise = force[:, :1], np.diff(force, axis=1)
+    speed, force = np.broadcast_arrays(speed, force)
+    limit = 2.0**1.5 * preload
     with np.errstate(divide="ignore", invalid="ignore"):
-        inner = np.nan_to_num((np.array([-limit, 0.0, limit]) - left) / rise, posinf=1.0, neginf=0.0)
-    edges = np.zeros((len(force), 1))
-    parts: NDArray[Any] = np.concatenate([edges, np.sort(np.clip(inner, 0.0, 1.0), axis=1), edges + 1.0], axis=1)
-    return parts
+        rise = force[:, 1] - force[:, 0]
+        kinks = [np.clip(np.nan_to_num((f - force[:, 0]) / rise, posinf=1.0, neginf=0.0), 0.0, 1.0)
+                 for f in (-limit, 0.0 * limit, limit)]  # fmt: skip
+    parts = [0.0 * kinks[0], *np.sort(kinks, axis=0), 0.0 * kinks[0] + 1.0]
+    total: Any = 0.0
+    cubes: list[Any] = [0.0, 0.0]
+    for start, end in pairwise(parts):
+        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+            share = start + (end - start) * (node + 1.0) / 2.0
+            v, F = (x[:, 0] + (x[:, 1] - x[:, 0]) * share for x in (speed, force))
+            travel = duration * (end - start) * weight / 2.0 * np.abs(v)
+            total = total + travel.sum(axis=0)
+            for flank, sign in enumerate((1.0, -1.0)):
+                cubes[flank] = cubes[flank] + (_on_flank(sign * F, preload) ** 3 * travel).sum(axis=0)
+    moves = np.where(total > 0.0, total, 1.0)
+    return MeanLoad(*((cube / moves) ** (1.0 / 3.0) for cube in cubes))
 
 
-def _on_flank(force: NDArray[Any], preload: float) -> NDArray[Any]:
-    """Load of one flank at a force that presses on it."""
+def _on_flank(force: NDArray[Any], preload: Any) -> NDArray[Any]:
+    """Load of the flank that a force above 0 loads, preload included [N]."""
     limit = 2.0**1.5 * preload
     with np.errstate(divide="ignore", invalid="ignore"):  # without a preload the limit is 0
-        within = preload * np.maximum(1.0 + force / limit, 0.0) ** 1.5
-    loaded: NDArray[Any] = np.where(force >= limit, force, within if preload else 0.0)
+        within = np.where(np.greater(preload, 0.0), preload * np.maximum(1.0 + force / limit, 0.0) ** 1.5, 0.0)
+    loaded: NDArray[Any] = np.where(force >= limit, force, within)
     return loaded
 
 
@@ -252,7 +249,8 @@ def life_turns(dynamic_load: Any, mean: MeanLoad, load_factor: float = 1.0) -> A
     '2.34e+09'
     """
     fatigue = sum((load_factor * one / dynamic_load) ** (10.0 / 3.0) for one in mean)  # of 10^6 turns, to 10/9
-    return math.inf if np.ndim(fatigue) == 0 and fatigue == 0.0 else 1e6 * fatigue**-0.9
+    with np.errstate(divide="ignore"):
+        return 1e6 * np.float_power(fatigue, -0.9)
 
 
 def _lead_angle(lead: Any, diameter: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from drivesizer.files.fields import (
@@ -44,7 +45,7 @@ class _Repeated(Section):
     @property
     def carries(self) -> bool:
         """Whether a payload is added to the load's mass."""
-        return bool(self.payload or self.payload_back)
+        return bool(np.any(self.payload)) or (self.payload_back is not None and bool(np.any(self.payload_back)))
 
 
 class Trapezoid(_Repeated):
@@ -161,7 +162,7 @@ class Segments(Section):
     @property
     def carries(self) -> bool:
         """Whether a payload is added to the load's mass."""
-        return any(piece.payload for piece in self.segments)
+        return any(piece.payload is not None and np.any(piece.payload) for piece in self.segments)
 
 
 class Csv(Section):

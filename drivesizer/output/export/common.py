@@ -20,7 +20,7 @@ from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remaining_torque
-from drivesizer.loads.model import Lever
+from drivesizer.loads.lever import Lever
 from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.physics.at_voltage import Winding, operating_point

@@ -178,10 +178,8 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
     ]
     if ready.spec.method == "paper":
         notes.append("the paper's factors do not enter: the sampled checks are those of the physics beside it")
-    if ready.fitted > 1e-12:
-        notes.append(f"load cycles of the samples are fitted to {ready.fitted:.0e} of their largest value")
     if len(ready.values) < how.samples:
-        notes.append(f"each sample's load cycle is computed by itself: {len(ready.values)} samples, not {how.samples}")
+        notes.append(f"load cycles take long to compute here: {len(ready.values)} samples, not {how.samples}")
     if ready.spec.steps:
         notes.append("of the pull-out torque the smallest margin counts what exceeds the required factor")
     if ready.spec.steps and how.loop > 0:

@@ -99,7 +99,8 @@ class AtSamples(AtGearhead):
     @cached_property
     def travel(self) -> Array:
         """Travel of the load over each cycle, there and back [m]."""
-        found: Array = self.load_cycle.travel
+        cycle = self.load_cycle
+        found: Array = cycle.radius * (np.abs(cycle.speed).mean(axis=1) * cycle.duration).sum(axis=0)
         return found
 
     @cached_property
