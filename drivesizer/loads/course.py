@@ -136,8 +136,22 @@ def columns_of(figures: Sequence[Figure]) -> NDArray[np.float64]:
 
 
 def course(profile: Profile, *, sampled: bool = False) -> Course:
-    """A profile as columns, cut where it turns round; with an axis of samples, if only of one for all.
+    """A profile as columns, cut where it turns round.
 
+    Parameters
+    ----------
+    profile
+        Speed over time; its figures may be columns over samples.
+    sampled
+        Whether the course has an axis of samples, if only of one for all.
+
+    Returns
+    -------
+    Course
+        Columns over segments.
+
+    Examples
+    --------
     >>> moved = course(Profile("x", (0.0, 2.0, 5.0, 6.0), (0.0, 3.0, 3.0, 0.0)))
     >>> moved.position[:, 1]
     array([ 3. , 12. , 13.5])
@@ -171,7 +185,22 @@ _remembered = lru_cache(maxsize=16)(_course)  # of short profiles: variants of a
 
 
 def at_largest(size: Ends, duration: NDArray[np.float64], *columns: Ends) -> list[Figure]:
-    """The moment at which something is largest [s], and the values of columns there; of each sample its own."""
+    """The moment at which something is largest, and columns there; of each sample its own.
+
+    Parameters
+    ----------
+    size
+        At both ends of each segment, shape (segments, 2, ...).
+    duration
+        Of each segment [s].
+    columns
+        Quantities at both ends of each segment.
+
+    Returns
+    -------
+    list
+        The moment [s], then the value of each column.
+    """
     place = size.reshape(-1, *size.shape[2:]).argmax(axis=0)
     every = [
         np.broadcast_to(column, size.shape).reshape(-1, *size.shape[2:]) for column in (end_times(duration), *columns)
