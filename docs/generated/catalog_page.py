@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any
 
 from drivesizer import catalog
-from drivesizer.catalog.parts import DIRECT, PARTS, columns_of, printed
+from drivesizer.catalog.parts import DIRECT, PARTS, PartRecord, columns_of, printed
 
 __all__ = ["actuators", "columns", "combinations", "makers", "shipped"]
 
@@ -65,7 +65,7 @@ def columns() -> str:
 
 
 def _section(section: str, record: Any) -> str:
-    remarks = dict(_FIELD.findall(inspect.getsource(record)))
+    remarks = dict(_FIELD.findall(inspect.getsource(PartRecord) + inspect.getsource(record)))
     rows = [f"| `{name}` | {_unit(section, name)} | {remarks.get(name, '')} |" for name in printed(section)]
     return "\n".join([f"### {section}", "", "| column | unit | |", "|---|---|---|", *rows])
 

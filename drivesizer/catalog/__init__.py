@@ -13,28 +13,26 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable, Iterable, Mapping
+from importlib import resources
 from pathlib import Path
 
-from drivesizer.catalog.identities import DERIVED, IDENTITIES
-from drivesizer.catalog.more_parts import (
-    Actuator,
-    Battery,
-    Belt,
-    Brake,
-    BrakeResistor,
-    PowerSupply,
-    Pulley,
-    Stepper,
-)
 from drivesizer.catalog.parts import (
     DIRECT,
     EDGES,
     PARTS,
     RELATIONS,
+    Actuator,
+    Battery,
+    Belt,
+    Brake,
+    BrakeResistor,
     Controller,
     Encoder,
     Gearhead,
     Motor,
+    PowerSupply,
+    Pulley,
+    Stepper,
     columns_of,
     lines,
     singular,
@@ -162,8 +160,8 @@ def _key(raw: bytes) -> str:
 
 @functools.cache
 def _schema() -> bytes:
-    schema = [columns_of(section) for section in PARTS]
-    return repr((schema, RANGES, sorted(MAY_BE_ZERO), AT_MOST, IDENTITIES, DERIVED)).encode()
+    schema, laws = [columns_of(section) for section in PARTS], resources.files(__package__) / "laws.yaml"
+    return repr((schema, RANGES, sorted(MAY_BE_ZERO), AT_MOST)).encode() + laws.read_bytes()
 
 
 def _one(path: Path, raw: bytes, key: str) -> Catalog:

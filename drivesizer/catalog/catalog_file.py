@@ -1,24 +1,37 @@
-"""Reader of catalogue files: YAML in the project's own schema to columns, checked; which parts go together."""
+"""Reader of catalogue files: YAML in the project's own schema to columns, checked; which parts go together.
+
+The schema is ``parts`` and ``schema``: a table's header names fields and the unit of each column, so a unit is read
+once per column and not once per cell. Every error is one line that names file, line, table and field.
+"""
 
 from __future__ import annotations
 
+import difflib
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.identities import derived
-from drivesizer.catalog.more_parts import DATA, DISCHARGES, PULL_OUTS, Column
-from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, columns_of, printed, singular
-from drivesizer.catalog.section_readers import (
-    Reader,
-    did_you_mean,
-    read_discharges,
-    read_maker_tolerances,
-    read_pull_outs,
+from drivesizer.catalog import schema
+from drivesizer.catalog.laws import derived
+from drivesizer.catalog.parts import (
+    DATA,
+    DIRECT,
+    DISCHARGES,
+    HELD,
+    PARTS,
+    PULL_OUTS,
+    RELATIONS,
+    Column,
+    Discharges,
+    PullOuts,
+    columns_of,
+    entries,
+    printed,
+    singular,
 )
 from drivesizer.catalog.tables import (
     CONFIDENCE,
@@ -26,128 +39,19 @@ from drivesizer.catalog.tables import (
     Across,
     Catalog,
     Note,
-    Pairs,
     Source,
     Table,
     unique_pairs,
     with_no_gearhead,
 )
-from drivesizer.catalog.tolerances import TOLERANCES
-from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.catalog.tolerances import TOLERANCES, MakerTolerance, share
+from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.units import label, noun, possible, scale, show, to_si
 from drivesizer.units.kinds import AT_MOST, MAY_BE_ZERO, outside
 
-__all__ = ["SCHEMA", "parse"]
+__all__ = ["RATIO", "parse"]
 
-
-# -- Parts of a catalogue file that go together: families and part numbers resolved to rows of its tables.
-#
-# A list may name parts of another catalogue, as ``{maxon: GP 26 A}``. Those are kept by name until catalogues are
-# loaded together.
-
-
-LISTS: dict[str, tuple[str, ...]] = {relation: ("motors", right) for relation, right in RELATIONS.items()}
-LISTS["triples"] = ("motors", "gearheads", "encoders")
-Group = tuple[NDArray[Any], NDArray[Any], int]  # rows that all go with rows, by a source
-
-
-def relations(reader: Reader, tables: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
-    """The pairs of each relation, and under ``across`` what names another catalogue."""
-    members = {section: table.members for section, table in tables.items()}
-    found: dict[str, list[Group]] = {relation: [] for relation in RELATIONS}
-    across: list[Across] = []
-    for relation, groups in reader.mapping(given, ("compatibility",), LISTS).items():
-        sections = LISTS[relation]
-        for index, group in enumerate(reader.sequence(groups, ("compatibility", relation))):
-            path: Path_ = ("compatibility", relation, index)
-            group = reader.mapping(group, path, {"name", "source", "without", *sections}, {"source", *sections})
-            source = reader.source_number(group["source"], (*path, "source"))
-            if any(isinstance(name, dict) for s in sections for name in reader.sequence(group[s], (*path, s))):
-                across += _across(reader, relation, group, members, path, source)
-                continue
-            rows = {s: _rows(reader, members[s], group[s], (*path, s)) for s in sections}
-            if "without" in group:
-                out = _rows(reader, members[sections[1]], group["without"], (*path, "without"))
-                rows[sections[1]] = np.setdiff1d(rows[sections[1]], out)
-            for right in sections[1:]:
-                found[f"motor_{singular(right)}"].append((rows["motors"], rows[right], source))
-    rank = [CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
-    pairs: dict[str, Any] = {name: _pairs(sorted(some, key=lambda g: rank[g[2]])) for name, some in found.items()}
-    return pairs | {"across": tuple(across)}
-
-
-def _rows(reader: Reader, members: Mapping[str, NDArray[Any]], given: Any, path: Path_) -> NDArray[Any]:
-    found = []
-    for index, name in enumerate(reader.sequence(given, path)):
-        _known(reader, members, name, (*path, index))
-        found.append(members[str(name)])
-    return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
-
-
-def _known(reader: Reader, members: Mapping[str, NDArray[Any]], name: Any, path: Path_) -> None:
-    if str(name) not in members:
-        hint = nearest(str(name), members, 1)
-        raise reader.fail(path, f"{quoted(name)} is neither a family nor a part of this catalogue{hint}")
-
-
-def _across(
-    reader: Reader, relation: str, group: dict[str, Any], members: dict[str, Any], path: Path_, source: int
-) -> list[Across]:
-    """A list that names parts of other catalogues: as many relations as it has sides beside the motors."""
-    if "without" in group:
-        raise reader.fail((*path, "without"), "does not go with parts of another catalogue; list those that fit")
-    sides: dict[str, tuple[tuple[str, str], ...]] = {}
-    for section in LISTS[relation]:
-        names = []
-        for index, name in enumerate(group[section]):
-            at: Path_ = (*path, section, index)
-            if isinstance(name, dict):
-                if len(name) != 1:
-                    raise reader.fail(at, "expected one catalogue and a family or part of it, e.g. {maxon: GP 26 A}")
-                names += [(str(other), str(part)) for other, part in name.items()]
-            else:
-                _known(reader, members[section], name, at)
-                names.append(("", str(name)))
-        sides[section] = tuple(names)
-    rights = LISTS[relation][1:]
-    return [Across(f"motor_{singular(right)}", sides["motors"], sides[right], source) for right in rights]
-
-
-def _pairs(groups: list[Group]) -> Pairs:
-    """All pairs of the groups, sorted, each once with the most reliable source that states it."""
-    lefts, rights, sources = [], [], []
-    for left, right, source in groups:
-        lefts.append(np.repeat(left, len(right)))
-        rights.append(np.tile(right, len(left)))
-        sources.append(np.full(len(left) * len(right), source))
-    empty = np.zeros(0, np.int64)
-    return unique_pairs(*(np.concatenate(part or [empty]) for part in (lefts, rights, sources)))
-
-
-# -- Reader of catalogue files: YAML in the project's own schema to columns, checked.
-#
-# The schema is ``parts``: a table's header names fields and the unit of each column, so a unit is read once per
-# column and not once per cell. Every error is one line that names file, line, table and field.
-
-
-SCHEMA = 1
-_TOP = {
-    "catalog",
-    "manufacturer",
-    "overrides",
-    "sources",
-    DATA,
-    *PARTS,
-    DISCHARGES,
-    PULL_OUTS,
-    TOLERANCES,
-    "compatibility",
-}
-_HOLDS = ("motors", "actuators")  # whose figures hold at a temperature
-_TABLE = {"family", "source", "common", "columns", "rows", "notes"}
-_NOTE = {"parts", "fields", "text", "confidence", "source", "exclude", "accepted", "rule"}
-_SOURCE = {"document", "date", "confidence", "url"}
 _NOT_A_COLUMN = {
     "family": "family stands at the head of its table",
     "manufacturer": "manufacturer stands at the head of its file",
@@ -159,24 +63,32 @@ _HEADER = re.compile(r"(\w+)(?:\s*\((.+)\))?")
 
 def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     """A catalogue from its YAML."""
-    reader = Reader(source)
-    data = reader.mapping(source.data, (), _TOP, {"catalog", "manufacturer", "sources"})
-    if data["catalog"] != SCHEMA or data["catalog"] is True:
-        raise reader.fail(("catalog",), f"schema {quoted(data['catalog'])} is not known; expected {SCHEMA}")
+    reader = _Reader(source)
+    data = reader.fields(source.data, (), schema.TOP)
+    if data["catalog"] != schema.SCHEMA or data["catalog"] is True:
+        raise reader.fail(("catalog",), f"schema {quoted(data['catalog'])} is not known; expected {schema.SCHEMA}")
     _read_sources(reader, data["sources"])
     maker = reader.plain_text(data["manufacturer"], ("manufacturer",))
     tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
-    _at_temperature(reader, data.get(DATA), tables)
+    if data.get(DATA) is not None:
+        for section in ("motors", "actuators"):
+            column = tables[section][DATA]
+            column[np.isnan(column)] = _figure(reader, columns_of(section)[DATA], data[DATA], (DATA,))
     reader.notes += derived(tables)
-    families = {part: _names(tables, section) for part, section in (("motor", "motors"), ("gearhead", "gearheads"))}
-    tolerances = read_maker_tolerances(reader, data.get(TOLERANCES), maker, families)
-    tables["gearheads"] = _with_direct(reader, tables["gearheads"], data.get("compatibility"))
-    pairs = relations(reader, tables, data.get("compatibility") or {})
+    families = {part: {str(name) for s in (f"{part}s", "actuators") for name in np.unique(tables[s]["family"])} - {""}
+                for part in ("motor", "gearhead")}  # fmt: skip
+    tolerances = _maker_tolerances(reader, data.get(TOLERANCES), maker, families)
+    lists = data.get("compatibility")
+    groups = lists.get("motor_gearhead") if isinstance(lists, dict) else None
+    named = [g.get("gearheads") for g in groups if isinstance(g, dict)] if isinstance(groups, list) else []
+    if any(isinstance(names, list) and DIRECT in names for names in named):
+        reader.sources[DIRECT] = NO_GEARHEAD_SOURCE
+        tables["gearheads"] = with_no_gearhead(tables["gearheads"], len(reader.sources) - 1)
     return Catalog(
         **tables,
-        **pairs,
-        discharges=read_discharges(reader, data.get(DISCHARGES), tables["batteries"].rows),
-        pull_outs=read_pull_outs(reader, data.get(PULL_OUTS), tables["steppers"].rows),
+        **_pairs(reader, tables, lists or {}),
+        discharges=_discharges(reader, data.get(DISCHARGES), tables["batteries"].rows),
+        pull_outs=_pull_outs(reader, data.get(PULL_OUTS), tables["steppers"].rows),
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
@@ -185,88 +97,133 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     )
 
 
-def _at_temperature(reader: Reader, given: Any, tables: dict[str, Any]) -> None:
-    """Give motors and actuators the temperature that the head of their file states."""
-    if given is None:
-        return
-    for section in _HOLDS:
-        column = tables[section][DATA]
-        column[np.isnan(column)] = _figure(reader, columns_of(section)[DATA], given, (DATA,))
+class _Reader:
+    """A catalogue file with its sources and notes while it is read; errors name file, line and field."""
+
+    def __init__(self, source: YamlSource) -> None:
+        self.file = source
+        self.sources: dict[str, Source] = {}
+        self.notes: list[Note] = []
+
+    def fail(self, path: Path_, message: str) -> CatalogError:
+        """The error at a place of the file."""
+        return CatalogError(f"{self.file.where(path)}: {message}")
+
+    def fields(self, value: Any, path: Path_, shape: Mapping[str, Any]) -> dict[str, Any]:
+        """A group of fields as its JSON Schema has it: no others than those allowed, and all that are required."""
+        allowed, required = shape["properties"], shape.get("required", ())
+        if not isinstance(value, dict):
+            raise self.fail(path, f"expected fields such as {', '.join(sorted(required) or sorted(allowed)[:3])}")
+        for key in value:
+            if key not in allowed:
+                raise self.fail((*path, key), f"unknown key {quoted(key)}{_did_you_mean(key, allowed)}")
+        for key in sorted(required):
+            if key not in value:
+                raise self.fail(path, f"{quoted(key)} is missing")
+        return value
+
+    def sequence(self, value: Any, path: Path_) -> list[Any]:
+        """A list."""
+        if not isinstance(value, list):
+            raise self.fail(path, "expected a list")
+        return value
+
+    def source_number(self, name: Any, path: Path_) -> int:
+        """The place of a named source among the file's."""
+        if not isinstance(name, str) or name not in self.sources:
+            raise self.fail(path, f"{quoted(name)} is not one of the file's sources ({', '.join(self.sources)})")
+        return list(self.sources).index(name)
+
+    def plain_text(self, value: Any, path: Path_) -> str:
+        """A text; numbers count as what they look like."""
+        if value is None:
+            return ""
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise self.fail(path, "expected text")
+        return str(value)
+
+    def part_number(self, value: Any, path: Path_) -> str:
+        """A part number, quoted or not."""
+        if isinstance(value, bool) or not isinstance(value, str | int) or not str(value).strip():
+            raise self.fail(path, f"{quoted(value)} is not a part number; quote it")
+        return str(value)
+
+    def flag(self, value: Any, path: Path_) -> bool:
+        """True or false."""
+        if not isinstance(value, bool):
+            raise self.fail(path, f"{quoted(value)} is not true or false")
+        return value
+
+    def read(self, path: Path_, convert: Callable[..., Any], *given: Any) -> Any:
+        """A text by a reader of units or tolerances."""
+        try:
+            return convert(*given)
+        except InputError as error:
+            raise self.fail(path, str(error)) from None
 
 
-def _names(tables: dict[str, Any], section: str) -> set[str]:
-    """The families of a section, and of the actuators, which have such a part inside."""
-    return {str(name) for where in (section, "actuators") for name in np.unique(tables[where]["family"])} - {""}
+def _did_you_mean(key: str, allowed: Iterable[str]) -> str:
+    """Hint for an unknown word: the nearest allowed one, or all of them."""
+    close = difflib.get_close_matches(key, sorted(allowed), 1)
+    return f"; did you mean {quoted(close[0])}?" if close else f"; expected one of {', '.join(sorted(allowed))}"
 
 
-def _read_sources(reader: Reader, given: Any) -> None:
+def _read_sources(reader: _Reader, given: Any) -> None:
     if not given:
         raise reader.fail(("sources",), "expected at least one, e.g. sheet: {document: ..., confidence: quoted}")
-    for key, entry in reader.mapping(given, ("sources",), given if isinstance(given, dict) else ("sheet",)).items():
+    named = {"properties": given if isinstance(given, dict) else ("sheet",)}
+    for key, entry in reader.fields(given, ("sources",), named).items():
         path: Path_ = ("sources", key)
-        entry = reader.mapping(entry, path, _SOURCE, {"document", "confidence"})
+        entry = reader.fields(entry, path, schema.SOURCE)
         _known_confidence(reader, entry["confidence"], path)
-        texts = {k: reader.plain_text(v, (*path, k)) for k, v in entry.items()}
-        reader.sources[key] = Source(**texts)
+        reader.sources[key] = Source(**{k: reader.plain_text(v, (*path, k)) for k, v in entry.items()})
 
 
-def _known_confidence(reader: Reader, value: Any, path: Path_) -> str:
+def _known_confidence(reader: _Reader, value: Any, path: Path_) -> None:
     if value not in CONFIDENCE:
         raise reader.fail(path, f"confidence {quoted(value)} is not one of {', '.join(CONFIDENCE)}")
-    return str(value)
 
 
-def _section(reader: Reader, section: str, given: Any, maker: str) -> Table[Any]:
+# -- Tables of parts
+
+
+def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any]:
     """All tables of a section under each other."""
-    schema = columns_of(section)
-    parts: list[dict[str, NDArray[Any]]] = []
-    source: list[NDArray[np.int32]] = []
+    columns, shape = columns_of(section), schema.table(section)
+    parts: dict[str, list[NDArray[Any]]] = {
+        name: [np.array([], str if column.kind == "text" else float)] for name, column in columns.items()
+    }
+    source = [np.zeros(0, np.int32)]
     places: list[Path_] = []  # of every row, for messages
     for index, entry in enumerate(reader.sequence(given, (section,))):
         path: Path_ = (section, index)
-        entry = reader.mapping(entry, path, _TABLE, {"family", "source", "columns", "rows"})
-        columns = _table(reader, section, entry, path)
-        count = len(columns["part"])
-        columns["manufacturer"] = np.full(count, maker)
-        columns["family"] = np.full(count, reader.plain_text(entry["family"], (*path, "family")))
-        parts.append({name: columns.get(name, _unknown(column, count)) for name, column in schema.items()})
+        entry = reader.fields(entry, path, shape)
+        found = _table(reader, section, entry, path)
+        count = len(found["part"])
+        found["manufacturer"] = np.full(count, maker)
+        found["family"] = np.full(count, reader.plain_text(entry["family"], (*path, "family")))
+        for name, column in columns.items():
+            unknown: Any = "" if column.kind == "text" else np.nan
+            parts[name].append(found.get(name, np.full(count, unknown)))
         places += [(*path, "rows", row) for row in range(count)]
         source.append(np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32))
-        _read_notes(reader, section, entry, path, columns)
-    empty = {name: _unknown(column, 0) for name, column in schema.items()}
-    columns = {name: np.concatenate([p[name] for p in parts] or [empty[name]]) for name in schema}
-    _unique(reader, columns["part"], places)
-    _at_several_voltages(reader, columns, places)
+        _read_notes(reader, section, entry, path, found)
+    whole = {name: np.concatenate(some) for name, some in parts.items()}
+    numbers = whole["part"].tolist()
+    first: dict[str, int] = {}
+    for row, part in enumerate(numbers):
+        if first.setdefault(part, row) != row:
+            raise reader.fail(places[row], f"part {quoted(part)} is given twice")
+    _at_several_voltages(reader, whole, places)
     out = {p for note in reader.notes if note.section == section and note.exclude for p in note.parts}
-    excluded = np.isin(columns["part"], sorted(out)) if out else np.zeros(len(columns["part"]), bool)
-    return Table(section, columns, np.concatenate(source or [np.zeros(0, np.int32)]), excluded)
+    excluded = np.array([part in out for part in numbers], bool)
+    return Table(section, whole, np.concatenate(source), excluded)
 
 
-def _with_direct(reader: Reader, table: Table[Any], compatibility: Any) -> Table[Any]:
-    """The gearheads, with direct drive where the file lists motors that drive the load themselves."""
-    groups = compatibility.get("motor_gearhead") if isinstance(compatibility, dict) else None
-    named = [g.get("gearheads") for g in groups if isinstance(g, dict)] if isinstance(groups, list) else []
-    if not any(isinstance(names, list) and DIRECT in names for names in named):
-        return table
-    reader.sources[DIRECT] = NO_GEARHEAD_SOURCE
-    return with_no_gearhead(table, len(reader.sources) - 1)
-
-
-def _unknown(column: Column, count: int) -> NDArray[Any]:
-    return np.full(count, "") if column.kind == "text" else np.full(count, np.nan)
-
-
-def _unique(reader: Reader, parts: NDArray[Any], places: list[Path_]) -> None:
-    first = np.unique(parts, return_index=True)[1]
-    again = np.setdiff1d(np.arange(len(parts)), first)
-    if len(again):
-        raise reader.fail(places[again[0]], f"part {quoted(parts[again[0]])} is given twice")
-
-
-def _at_several_voltages(reader: Reader, columns: dict[str, NDArray[Any]], places: list[Path_]) -> None:
+def _at_several_voltages(reader: _Reader, columns: dict[str, NDArray[Any]], places: list[Path_]) -> None:
     """Refuse two rows of an order number at one voltage, or at none: no supply says which of them counts."""
     found: dict[tuple[str, float], str] = {}
-    for row, order in enumerate(columns.get("order_number", np.array([])).tolist()):
+    for row, order in enumerate(columns["order_number"].tolist() if "order_number" in columns else ()):
         volts = float(columns["nominal_voltage"][row])
         if not order:
             continue
@@ -281,8 +238,9 @@ def _at_several_voltages(reader: Reader, columns: dict[str, NDArray[Any]], place
             )
 
 
-def _table(reader: Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
-    """The columns of one table, its common figures repeated for every row."""
+def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
+    """The columns of one table in SI, its common figures repeated for every row."""
+    columns = columns_of(section)
     headers = _headers(reader, section, entry["columns"], (*path, "columns"))
     rows = reader.sequence(entry["rows"], (*path, "rows"))
     for index, row in enumerate(rows):
@@ -290,73 +248,53 @@ def _table(reader: Reader, section: str, entry: dict[str, Any], path: Path_) -> 
             have = len(row) if isinstance(row, list) else 0
             raise reader.fail((*path, "rows", index), f"expected {len(headers)} cells as in `columns`, found {have}")
     found: dict[str, NDArray[Any]] = {}
-    for place, (column, *factors) in enumerate(headers):
-        cells = [row[place] for row in rows]
-        found[column.name] = _column(reader, column, factors, cells, _cell_path(path, place))
-    schema = columns_of(section)
-    for name, value in reader.mapping(entry.get("common") or {}, (*path, "common"), schema).items():
-        at: Path_ = (*path, "common", name)
+    for place, (column, factor, offset) in enumerate(headers):
+        each = [(row[place], (*path, "rows", index, place)) for index, row in enumerate(rows)]
+        if column.kind == "text":
+            read = reader.part_number if column.name == "part" else reader.plain_text
+            found[column.name] = np.array([read(*cell) for cell in each], str)
+            continue
+        values = np.array([_cell(reader, column, *cell) for cell in each], float) * factor + offset
+        if wrong := _impossible(column, values):
+            cell, at = each[wrong[0]]
+            raise reader.fail(at, f"{column.name} {quoted(cell)} {wrong[1]}")
+        found[column.name] = values
+    common = reader.fields(entry.get("common") or {}, (*path, "common"), {"properties": columns})
+    for name, value in common.items():
+        here: Path_ = (*path, "common", name)
         if name in found:
-            raise reader.fail(at, f"{name} is a column of this table as well; give it once")
+            raise reader.fail(here, f"{name} is a column of this table as well; give it once")
         if name in _NOT_A_COLUMN:
-            raise reader.fail(at, _NOT_A_COLUMN[name])
-        found[name] = np.full(len(rows), _figure(reader, schema[name], value, at))
+            raise reader.fail(here, _NOT_A_COLUMN[name])
+        found[name] = np.full(len(rows), _figure(reader, columns[name], value, here))
     return found
 
 
-def _cell_path(path: Path_, place: int) -> Callable[[int], Path_]:
-    return lambda row: (*path, "rows", row, place)
-
-
-def _headers(reader: Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
+def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
     """The columns that a table names, each with the factor and offset of its unit."""
-    schema, given_columns = columns_of(section), {*printed(section), *_NOT_A_COLUMN}
-    headers: list[tuple[Column, float, float]] = []
+    columns, headers = columns_of(section), list[tuple[Column, float, float]]()
     for index, text in enumerate(reader.sequence(given, path)):
-        match = _HEADER.fullmatch(str(text).strip())
-        name = match.group(1) if match else str(text)
-        if name not in schema:
-            raise reader.fail((*path, index), f"unknown column {quoted(name)}{did_you_mean(name, schema)}")
-        if name in _NOT_A_COLUMN or name not in given_columns:
+        at, match = (*path, index), _HEADER.fullmatch(str(text).strip())
+        name, unit = (match[1], match[2] or "") if match else (str(text), "")
+        if name not in columns:
+            raise reader.fail(at, f"unknown column {quoted(name)}{_did_you_mean(name, columns)}")
+        if name in _NOT_A_COLUMN or name not in printed(section):
             said = _NOT_A_COLUMN.get(name, f"{name} of {section} is not given: the search fills it")
-            raise reader.fail((*path, index), said)
-        unit = (match.group(2) or "") if match else ""
-        headers.append((schema[name], *_unit(reader, schema[name], unit, (*path, index))))
-    names = [header[0].name for header in headers]
+            raise reader.fail(at, said)
+        column = columns[name]
+        bare = column.kind in ("text", "ratio")
+        if bare and unit:
+            raise reader.fail(at, f"{name} has no unit, found {quoted(unit)}")
+        if not unit and not bare and column.kind != "dimensionless":
+            raise reader.fail(at, f"{name} needs its unit in brackets, e.g. {name} ({column.unit})")
+        try:
+            headers.append((column, *(scale(unit, column.kind) if unit else (1.0, 0.0))))
+        except InputError as error:
+            raise reader.fail(at, f"{name}: {error}; expected e.g. {name} ({column.unit})") from None
+    names = [column.name for column, *_ in headers]
     if len(set(names)) < len(names) or "part" not in names:
         raise reader.fail(path, "a table needs the column `part`, and every column once")
     return headers
-
-
-def _unit(reader: Reader, column: Column, unit: str, path: Path_) -> tuple[float, float]:
-    """Factor and offset that bring a column's numbers to SI."""
-    if column.kind in ("text", "ratio") and unit:
-        raise reader.fail(path, f"{column.name} has no unit, found {quoted(unit)}")
-    if not unit:
-        if column.kind not in ("text", "ratio", "dimensionless"):
-            raise reader.fail(path, f"{column.name} needs its unit in brackets, e.g. {column.name} ({column.unit})")
-        return 1.0, 0.0
-    try:
-        return scale(unit, column.kind)
-    except InputError as error:
-        raise reader.fail(path, f"{column.name}: {error}; expected e.g. {column.name} ({column.unit})") from None
-
-
-def _column(
-    reader: Reader, column: Column, factors: list[float], cells: list[Any], at: Callable[[int], Path_]
-) -> NDArray[Any]:
-    """One column of cells in SI (or text)."""
-    if column.name == "part":
-        return np.array([reader.part_number(cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
-    if column.kind == "text":
-        return np.array([reader.plain_text(cell, at(row)) for row, cell in enumerate(cells)] or [""])[: len(cells)]
-    factor, offset = factors
-    values = np.array([_cell(reader, column, cell, at(row)) for row, cell in enumerate(cells)], float)
-    values = values * factor + offset
-    if wrong := _impossible(column, values):
-        row, words = wrong
-        raise reader.fail(at(row), f"{column.name} {quoted(cells[row])} {words}")
-    return values
 
 
 def _impossible(column: Column, values: NDArray[Any]) -> tuple[int, str] | None:
@@ -374,7 +312,7 @@ def _impossible(column: Column, values: NDArray[Any]) -> tuple[int, str] | None:
     return None
 
 
-def _cell(reader: Reader, column: Column, cell: Any, path: Path_) -> float:
+def _cell(reader: _Reader, column: Column, cell: Any, path: Path_) -> float:
     if cell is None:
         return np.nan
     if isinstance(cell, int | float) and not isinstance(cell, bool):
@@ -384,7 +322,7 @@ def _cell(reader: Reader, column: Column, cell: Any, path: Path_) -> float:
     raise reader.fail(path, f"{column.name}: {quoted(cell)} is not a number; unknown is written ~")
 
 
-def _figure(reader: Reader, column: Column, value: Any, path: Path_) -> Any:
+def _figure(reader: _Reader, column: Column, value: Any, path: Path_) -> Any:
     """A figure with its unit, as `common` gives it."""
     if column.kind == "text":
         return reader.plain_text(value, path)
@@ -392,22 +330,19 @@ def _figure(reader: Reader, column: Column, value: Any, path: Path_) -> Any:
         return np.nan
     if column.kind == "ratio":
         return _cell(reader, column, value, path)
-    try:
-        figure = to_si(value, column.kind)
-    except InputError as error:
-        raise reader.fail(path, str(error)) from None
+    figure = reader.read(path, to_si, value, column.kind)
     if wrong := _impossible(column, np.array([figure])):
         raise reader.fail(path, f"{quoted(value)} {wrong[1]}")
     return figure
 
 
 def _read_notes(
-    reader: Reader, section: str, entry: dict[str, Any], path: Path_, columns: dict[str, NDArray[Any]]
+    reader: _Reader, section: str, entry: dict[str, Any], path: Path_, columns: dict[str, NDArray[Any]]
 ) -> None:
     here = {str(part) for part in columns["part"]}
     for index, given in enumerate(reader.sequence(entry.get("notes") or [], (*path, "notes"))):
         at: Path_ = (*path, "notes", index)
-        note = reader.mapping(given, at, _NOTE, {"text"})
+        note = reader.fields(given, at, schema.NOTE)
         parts = tuple(str(p) for p in reader.sequence(note.get("parts") or sorted(here), (*at, "parts")))
         names = tuple(str(f) for f in reader.sequence(note.get("fields") or [], (*at, "fields")))
         for part in parts:
@@ -420,11 +355,254 @@ def _read_notes(
             _known_confidence(reader, note["confidence"], at)
         if "source" in note:
             reader.source_number(note["source"], (*at, "source"))
-        texts = {key: reader.plain_text(note.get(key), (*at, key)) for key in ("text", "confidence", "source")}
-        for key in ("exclude", "accepted", "rule"):
-            reader.flag(note.get(key, False), (*at, key))
-        flags = {key: note.get(key, False) for key in ("exclude", "accepted", "rule")}
-        if texts["source"]:
-            texts["source"] = reader.sources[texts["source"]].document
-        values: dict[str, Any] = texts | flags
-        reader.notes.append(Note(section=section, parts=parts, fields=names, **values))
+        said: dict[str, Any] = {
+            key: reader.plain_text(note.get(key), (*at, key)) for key in ("text", "confidence", "source")
+        }
+        said |= {key: reader.flag(note.get(key, False), (*at, key)) for key in ("exclude", "accepted", "rule")}
+        if said["source"]:
+            said["source"] = reader.sources[said["source"]].document
+        reader.notes.append(Note(section=section, parts=parts, fields=names, **said))
+
+
+# -- Parts that go together: families and part numbers resolved to rows.
+#
+# A list may name parts of another catalogue, as ``{maxon: GP 26 A}``. Those are kept by name until catalogues are
+# loaded together.
+
+
+def _pairs(reader: _Reader, tables: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
+    """The pairs of each relation, and under ``across`` what names another catalogue."""
+    members = {section: table.members for section, table in tables.items()}
+    found: dict[str, list[tuple[NDArray[Any], NDArray[Any], int]]] = {relation: [] for relation in RELATIONS}
+    across: list[Across] = []
+    for relation, groups in reader.fields(given, ("compatibility",), {"properties": schema.LISTS}).items():
+        left, *rights = sections = schema.LISTS[relation]
+        for index, group in enumerate(reader.sequence(groups, ("compatibility", relation))):
+            path: Path_ = ("compatibility", relation, index)
+            group = reader.fields(group, path, schema.group(relation))
+            source = reader.source_number(group["source"], (*path, "source"))
+            if any(isinstance(name, dict) for s in sections for name in reader.sequence(group[s], (*path, s))):
+                if "without" in group:
+                    text = "does not go with parts of another catalogue; list those that fit"
+                    raise reader.fail((*path, "without"), text)
+                sides = {s: _names(reader, members[s], group[s], (*path, s)) for s in sections}
+                across += [Across(f"motor_{singular(right)}", sides[left], sides[right], source) for right in rights]
+                continue
+            rows = {s: _rows(reader, members[s], group[s], (*path, s)) for s in sections}
+            if "without" in group:
+                out = _rows(reader, members[rights[0]], group["without"], (*path, "without"))
+                rows[rights[0]] = np.setdiff1d(rows[rights[0]], out)
+            for right in rights:
+                found[f"motor_{singular(right)}"].append((rows[left], rows[right], source))
+    rank = [CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
+    pairs: dict[str, Any] = {"across": tuple(across)}
+    for name, groups in found.items():  # each pair once with the most reliable source that states it
+        all_of = [np.zeros((3, 0), np.int64)]
+        for motors, others, source in sorted(groups, key=lambda one: rank[one[2]]):
+            each = np.repeat(motors, len(others)), np.tile(others, len(motors))
+            all_of.append(np.array([*each, np.full(len(each[0]), source)]))
+        pairs[name] = unique_pairs(*np.concatenate(all_of, axis=1))
+    return pairs
+
+
+def _rows(reader: _Reader, members: Mapping[str, NDArray[Any]], given: Any, path: Path_) -> NDArray[Any]:
+    found = [np.zeros(0, np.int64)]
+    for index, name in enumerate(reader.sequence(given, path)):
+        _check_member(reader, members, name, (*path, index))
+        found.append(members[str(name)])
+    return np.unique(np.concatenate(found))
+
+
+def _check_member(reader: _Reader, members: Mapping[str, Any], name: Any, path: Path_) -> None:
+    if str(name) not in members:
+        hint = nearest(str(name), members, 1)
+        raise reader.fail(path, f"{quoted(name)} is neither a family nor a part of this catalogue{hint}")
+
+
+def _names(reader: _Reader, members: Mapping[str, Any], given: Any, path: Path_) -> tuple[tuple[str, str], ...]:
+    """One side of a list that names parts of other catalogues: catalogue, empty for this one, and family or part."""
+    names: list[tuple[str, str]] = []
+    for index, name in enumerate(given):
+        if not isinstance(name, dict):
+            _check_member(reader, members, name, (*path, index))
+            names.append(("", str(name)))
+        elif len(name) != 1:
+            text = "expected one catalogue and a family or part of it, e.g. {maxon: GP 26 A}"
+            raise reader.fail((*path, index), text)
+        else:
+            names += [(str(other), str(part)) for other, part in name.items()]
+    return tuple(names)
+
+
+# -- Discharge tables, as makers print them: rows are end voltages, columns times
+
+
+def _discharges(reader: _Reader, given: Any, batteries: dict[str, int]) -> Discharges:
+    seen: dict[tuple[int, str, float, float], Path_] = {}
+    rows: list[tuple[float, ...]] = []
+    for index, entry in enumerate(reader.sequence(given or [], (DISCHARGES,))):
+        path: Path_ = (DISCHARGES, index)
+        entry = reader.fields(entry, path, schema.DISCHARGE)
+        battery = _row(reader, entry, "battery", batteries, path)
+        source = reader.source_number(entry["source"], (*path, "source"))
+        held, unit = _head(entry["held"])
+        if held not in HELD or not unit:
+            text = f"{quoted(entry['held'])} is not known; expected current (A) or power (W)"
+            raise reader.fail((*path, "held"), text)
+        factor = reader.read((*path, "held"), scale, unit, held)[0]
+        cells = entry.get("cells", 1)
+        if isinstance(cells, bool) or not isinstance(cells, int) or cells < 1:
+            raise reader.fail((*path, "cells"), f"{quoted(cells)} is not a number of cells in series")
+        volts, times = _discharge_head(reader, entry["columns"], (*path, "columns"))
+        factor *= cells if held == "power" else 1.0  # the cells of a block carry the same current
+        for number, row in enumerate(reader.sequence(entry["rows"], (*path, "rows"))):
+            at: Path_ = (*path, "rows", number)
+            if not isinstance(row, list) or len(row) != len(times) + 1:
+                have = len(row) if isinstance(row, list) else 0
+                raise reader.fail(at, f"expected {len(times) + 1} cells as in `columns`, found {have}")
+            cutoff = _above_zero(reader, row[0], (*at, 0)) * volts * cells
+            for place, time in enumerate(times, 1):
+                if row[place] is None:
+                    continue
+                draw = _above_zero(reader, row[place], (*at, place)) * factor
+                here: Path_ = (*at, place)
+                if seen.setdefault((battery, held, cutoff, time), here) is not here:
+                    raise reader.fail(here, "this end voltage and time are given twice for the battery")
+                pair = (draw, np.nan) if held == "current" else (np.nan, draw)
+                rows.append((battery, source, cutoff, time, *pair))
+    found: Discharges = entries(Discharges, rows)
+    return found
+
+
+def _row(reader: _Reader, entry: dict[str, Any], what: str, rows: dict[str, int], path: Path_) -> int:
+    """The row of the part that a table is of."""
+    part = reader.part_number(entry[what], (*path, what))
+    if part not in rows:
+        raise reader.fail((*path, what), f"{quoted(part)} is not a {what} of this file")
+    return rows[part]
+
+
+def _head(text: Any) -> tuple[str, str]:
+    """Name and unit of ``current (A)``."""
+    name, _, unit = str(text).rstrip(") ").partition("(")
+    return name.strip(), unit
+
+
+def _discharge_head(reader: _Reader, given: Any, path: Path_) -> tuple[float, list[float]]:
+    """Factor of the end voltages' unit, and the times [s]: ``[cutoff_voltage (V), 5 min, 1 h]``."""
+    first, *others = reader.sequence(given, path) or [""]
+    name, unit = _head(first)
+    if name != "cutoff_voltage" or not unit or not others:
+        raise reader.fail(path, "expected cutoff_voltage (V) and then times, e.g. [cutoff_voltage (V), 30 min, 1 h]")
+    times = []
+    for place, text in enumerate(map(str, others), 1):
+        times.append(reader.read((*path, place), to_si, text, "time"))
+        if not times[-1] > 0.0:
+            raise reader.fail((*path, place), f"{quoted(text)} is not above 0 s")
+    return reader.read((*path, 0), scale, unit, "voltage")[0], times
+
+
+def _above_zero(reader: _Reader, cell: Any, path: Path_) -> float:
+    if isinstance(cell, bool) or not isinstance(cell, int | float) or not cell > 0:
+        raise reader.fail(path, f"{quoted(cell)} is not a number above 0; unknown is written ~")
+    return float(cell)
+
+
+# -- Pull-out curves of steppers: rows are speeds and torques at a supply voltage
+
+
+def _pull_outs(reader: _Reader, given: Any, steppers: dict[str, int]) -> PullOuts:
+    points: list[tuple[Any, ...]] = []
+    for number, entry in enumerate(reader.sequence(given or [], (PULL_OUTS,))):
+        path: Path_ = (PULL_OUTS, number)
+        entry = reader.fields(entry, path, schema.PULL_OUT)
+        stepper = _row(reader, entry, "stepper", steppers, path)
+        source = reader.source_number(entry["source"], (*path, "source"))
+        at_head = {"current": np.nan}
+        for kind in (kind for kind in ("voltage", "current") if kind in entry):
+            at_head[kind] = reader.read((*path, kind), to_si, str(entry[kind]), kind)
+            if not at_head[kind] > 0.0:
+                raise reader.fail((*path, kind), f"{quoted(entry[kind])} is not above 0")
+        driver = reader.plain_text(entry["driver"], (*path, "driver")) if "driver" in entry else ""
+        head = (stepper, source, number, at_head["voltage"], at_head["current"])
+        points += [(*head, *point, driver) for point in _points(reader, entry, path)]
+    found: PullOuts = entries(PullOuts, points)
+    return found
+
+
+def _points(reader: _Reader, entry: dict[str, Any], path: Path_) -> list[list[float]]:
+    """Speed [rad/s] and torque [N*m] of each row."""
+    heads, kinds = reader.sequence(entry["columns"], (*path, "columns")), schema.CURVE_COLUMNS
+    if [name for name, _ in map(_head, heads)] != list(kinds):
+        text = f"{quoted(heads)} is not known; expected [speed (rpm), torque (N*m)]"
+        raise reader.fail((*path, "columns"), text)
+    factors = [reader.read((*path, "columns"), scale, _head(head)[1], kind)[0]
+               for head, (kind, _) in zip(heads, kinds.values(), strict=True)]  # fmt: skip
+    found: list[list[float]] = []
+    for number, row in enumerate(reader.sequence(entry["rows"], (*path, "rows"))):
+        at: Path_ = (*path, "rows", number)
+        numbers = isinstance(row, list) and all(isinstance(c, int | float) and not isinstance(c, bool) for c in row)
+        if not numbers or len(row) != len(factors) or min(row) < 0:
+            raise reader.fail(at, f"{quoted(row)} is not a speed and a torque of 0 or more, e.g. [300, 0.41]")
+        point = [float(cell) * factor for cell, factor in zip(row, factors, strict=True)]
+        if found and not point[0] > found[-1][0]:
+            raise reader.fail(at, f"speed {row[0]:g} is not above that of the row before; expected rising speeds")
+        found.append(point)
+    if len(found) < 2:
+        raise reader.fail((*path, "rows"), f"found {len(found)} points; expected at least 2")
+    return found
+
+
+# -- Tolerances that the maker states, in the notation of a spec
+
+
+def _maker_tolerances(
+    reader: _Reader, given: Any, maker: str, families: Mapping[str, set[str]]
+) -> tuple[MakerTolerance, ...]:
+    found: list[MakerTolerance] = []
+    for index, entry in enumerate(reader.sequence(given or [], (TOLERANCES,))):
+        path: Path_ = (TOLERANCES, index)
+        entry = reader.fields(entry, path, schema.TOLERANCE)
+        parts = [part for part in schema.FIGURES if part in entry]
+        if not parts:
+            example = "e.g. motor: {resistance: +- 10 %}"
+            raise reader.fail(path, f"expected {' or '.join(schema.FIGURES)}, {example}")
+        source = reader.source_number(entry["source"], (*path, "source"))
+        text = reader.plain_text(entry.get("text"), (*path, "text"))
+        for part in parts:
+            named = _families(reader, entry, (*path, "families"), families[part], part)
+            allowed, at = schema.FIGURES[part], (*path, part)
+            figures = reader.fields(entry[part], at, {"properties": allowed})
+            texts = {name: reader.plain_text(value, (*at, name)).strip() for name, value in figures.items()}
+            for name, tolerance in texts.items():
+                reader.read((*at, name), share, tolerance)
+            if not texts:
+                raise reader.fail(at, f"expected {', '.join(allowed)}, e.g. {allowed[0]}: +- 10 %")
+            for name, tolerance in texts.items():
+                one = MakerTolerance(part, name, tolerance, maker, named, text, source)
+                _refuse_second(reader, one, found, (*at, name))
+                found.append(one)
+    return tuple(found)
+
+
+def _families(reader: _Reader, entry: dict[str, Any], at: Path_, known: set[str], part: str) -> tuple[str, ...]:
+    """The families of an entry; none where it is of all."""
+    if "families" not in entry:
+        return ()
+    names = [reader.part_number(name, at) for name in reader.sequence(entry["families"], at)]
+    if not names:
+        raise reader.fail(at, "expected families; without the field it is of all of them")
+    for name in names:
+        if name not in known:
+            listed = f"; expected {', '.join(sorted(known))}" if known else ""
+            raise reader.fail(at, f"{quoted(name)} is no family with a {part} in this file{listed}")
+    return tuple(dict.fromkeys(names))
+
+
+def _refuse_second(reader: _Reader, one: MakerTolerance, found: Sequence[MakerTolerance], path: Path_) -> None:
+    """Refuse a second tolerance of the same figure and family, or of the same figure for all families."""
+    for other in (other for other in found if one[:2] == other[:2]):
+        both = set(one.families) & set(other.families)
+        if both or not (one.families or other.families):
+            of = f" of {min(both)}" if both else ""
+            raise reader.fail(path, f"{one.part} {one.figure}{of} is given twice")

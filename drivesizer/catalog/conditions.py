@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.more_parts import Column
-from drivesizer.catalog.parts import PARTS, columns_of
+from drivesizer.catalog.parts import PARTS, Column, columns_of
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.units import to_si
 

@@ -16,8 +16,7 @@ from typing import Any
 
 from drivesizer.catalog import PARTS, Catalog, columns_of
 from drivesizer.catalog.law_check import Finding
-from drivesizer.catalog.more_parts import Column
-from drivesizer.catalog.parts import printed
+from drivesizer.catalog.parts import Column, printed
 from drivesizer.catalog.query import Hit, origins, tolerances
 from drivesizer.units import KINDS, from_si, scale
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drivesizer.catalog.catalog_file import RATIO, SCHEMA, parse
+from drivesizer.catalog.catalog_file import RATIO, parse
 from drivesizer.catalog.exporting import plain
-from drivesizer.catalog.more_parts import Column
-from drivesizer.catalog.parts import PARTS, columns_of
+from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.catalog.schema import SCHEMA
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource, read

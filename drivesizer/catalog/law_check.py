@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,28 +15,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.identities import as_printed
-from drivesizer.catalog.law import SLACK, Law, Numbers, decimal_places, half_last_digit
-from drivesizer.catalog.laws_of_parts import LAWS, odd_discharges, odd_pull_outs
-from drivesizer.catalog.more_parts import Column
-from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
-from drivesizer.catalog.tables import Catalog, Note, Table
+from drivesizer.catalog.laws import LAWS, Law
+from drivesizer.catalog.parts import DISCHARGES, HELD, PARTS, PULL_OUTS, RELATIONS, Discharges, columns_of
+from drivesizer.catalog.tables import Catalog, Note, Table, as_printed
 from drivesizer.units import from_si, show
 
 __all__ = ["Finding", "check", "check_file"]
 
-
-INFORMATION = "information"
+Numbers = NDArray[np.float64]
+_SLACK = 1e-9  # relative: of the arithmetic, not of a printed figure
+_DIGITS = 3  # to which data sheets round
+_PLACES = 8  # decimal places that a printed figure may have
 _NOMINAL = {  # whole numbers by definition, not by rounding
     "nominal_voltage", "counts_per_turn", "steps_per_turn", "full_steps", "stages", "teeth", "pitch", "rated_time",
 }  # fmt: skip
-_WRONG: dict[str, Callable[[Any, Any, Any], Any]] = {
-    "=": lambda found, expected, span: np.abs(found - expected) > span,
-    "<=": lambda found, expected, span: found - expected > span,
-    ">=": lambda found, expected, span: expected - found > span,
-    "<": lambda found, expected, span: found >= expected,
-    ">": lambda found, expected, span: found <= expected,
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +61,7 @@ class Finding:
     @property
     def unexplained(self) -> bool:
         """Whether it is a contradiction that no note of the catalogue accepts."""
-        return self.grade != INFORMATION and not self.accepted
+        return self.grade != "information" and not self.accepted
 
     def text(self) -> str:
         """The finding as one line."""
@@ -88,7 +80,7 @@ def check_file(name: str, *, beside: Path | None = None) -> list[Finding]:
     return check(load([name], beside=beside))
 
 
-def check(catalog: Catalog) -> list[Finding]:
+def check(catalog: Catalog, laws: Sequence[Law] = LAWS) -> list[Finding]:
     """All findings of a catalogue, the accepted included, in the order of the parts.
 
     Unknown figures are not checked. Excluded parts are checked but do not count in comparisons with their family, and
@@ -97,105 +89,214 @@ def check(catalog: Catalog) -> list[Finding]:
     """
     catalog, found = as_printed(catalog), list[Finding]()
     for section in PARTS:
-        table, notes = catalog.table(section), _notes_by_part(catalog, section)
-        here = [f for law in LAWS if law.section == section for f in _broken(catalog, table, law)]
+        table, notes = catalog.table(section), dict[str, list[Note]]()
+        for note in catalog.notes:
+            if note.section == section and (note.accepted or note.exclude):
+                for part in note.parts:
+                    notes.setdefault(part, []).append(note)
+        here = [f for law in laws if law.section == section for f in _broken(catalog, table, law)]
         here += _twins(catalog, table)
-        if section == "batteries":
-            here += _discharges(catalog)
-        if section == "steppers":
-            here += _pull_outs(catalog)
-        found += sorted((_accepted_by_note(f, notes.get(f.part, [])) for f in here), key=lambda f: table.rows[f.part])
-    return [*found, *_dangling(catalog), *_alone(catalog)]
+        here += _discharges(catalog) if section == "batteries" else ()
+        here += _pull_outs(catalog) if section == "steppers" else ()
+        for place, one in enumerate(here):
+            for note in notes.get(one.part, ()):
+                if note.exclude or not note.fields or set(note.fields) & set(one.fields):
+                    here[place] = replace(one, accepted=note.text)
+                    break
+        found += sorted(here, key=lambda one: table.rows[one.part])
+    return [*found, *_pairs(catalog)]
 
 
-# --- laws ------------------------------------------------------------------------------------------------------------
+def _place(catalog: Catalog, table: Table[Any], row: int) -> dict[str, Any]:
+    """File, section, part and family of a finding."""
+    part, family = str(table["part"][row]), str(table["family"][row])
+    return {"file": ", ".join(catalog.digests), "section": table.section, "part": part, "family": family}
+
+
+# -- Laws of one part's figures
 
 
 def _broken(catalog: Catalog, table: Table[Any], law: Law) -> Iterator[Finding]:
-    """The parts that break a law."""
-    column = columns_of(law.section)[law.figure]
+    """The parts that break a law, beyond rounding of its figures and the law's allowance."""
+    columns, column = columns_of(law.section), columns_of(law.section)[law.figure]
     with np.errstate(all="ignore"):
         found, expected = table[law.figure], np.asarray(law.expected(table), float)
-        tolerance = _tolerance(table, law)
-        wrong = _WRONG[law.relation](found, expected, (tolerance + SLACK) * np.abs(expected))
+        tolerance = np.full(len(table), law.allowance, float)
+        for name in (law.figure, *law.fields) if law.rounds else ():
+            if columns[name].kind not in ("text", "ratio"):
+                printed = np.abs(from_si(table[name], columns[name].unit, columns[name].kind))
+                tolerance += _half_last_digit(printed, table["family"] if name not in _NOMINAL else None)
+        tolerance = np.nan_to_num(tolerance)
+        span = (tolerance + _SLACK) * np.abs(expected)
+        wrong = {
+            "=": np.abs(found - expected) > span, "<=": found - expected > span, ">=": expected - found > span,
+            "<": found >= expected, ">": found <= expected,
+        }[law.relation]  # fmt: skip
         deviation = (found - expected) / np.where(expected == 0.0, 1.0, np.abs(expected))
     for row in np.flatnonzero(wrong & ~np.isnan(found) & ~np.isnan(expected)).tolist():
         yield Finding(
             **_place(catalog, table, row), identity=law.name, meaning=law.meaning,
             fields=tuple(dict.fromkeys((law.figure, *law.fields))), relation=law.relation, found=float(found[row]),
             expected=float(expected[row]), kind=column.kind, unit=column.unit, deviation=float(deviation[row]),
-            tolerance=float(tolerance[row]), reason=law.reason, source=law.source, grade=law.grade,
+            tolerance=float(tolerance[row]), reason=law.reason, source=law.source,
         )  # fmt: skip
 
 
-def _place(catalog: Catalog, table: Table[Any], row: int) -> dict[str, Any]:
-    name = ", ".join(catalog.digests)
-    return {
-        "file": name,
-        "section": table.section,
-        "part": str(table["part"][row]),
-        "family": str(table["family"][row]),
-    }
-
-
-def _tolerance(table: Table[Any], law: Law) -> Numbers:
-    """Tolerance of a law per part: rounding of its figures and the law's allowance."""
-    total = np.full(len(table), law.allowance)
-    columns = columns_of(law.section)
-    for name in (law.figure, *law.fields) if law.rounds else ():
-        if columns[name].kind not in ("text", "ratio"):
-            total += _rounding(table, columns[name])
-    return np.asarray(np.nan_to_num(total))
-
-
-def _rounding(table: Table[Any], column: Column) -> Numbers:
+def _half_last_digit(printed: Numbers, group: NDArray[Any] | None) -> Numbers:
     """Half of the last printed digit of each figure, relative to it.
 
-    Figures have at most three digits, and no decimal place that no figure of their family has: 10 beside 14.6 is 10.0,
+    Figures have at most three digits, and no decimal place that no figure of their group has: 10 beside 14.6 is 10.0,
     0.05 beside 0.85 may be 0.046.
     """
-    printed = np.abs(from_si(table[column.name], column.unit, column.kind))
-    place = np.zeros(len(table))
-    places = decimal_places(printed)
-    for family in np.unique(table["family"]) if column.name not in _NOMINAL else ():
-        here = table["family"] == family
-        place[here] = 10.0 ** -places[here].max()
-    return half_last_digit(printed, place)
+    place = np.zeros(len(printed))
+    if group is not None:
+        places = np.where(np.isnan(printed), 0, _PLACES)
+        for count in reversed(range(_PLACES + 1)):
+            places[np.abs(np.round(printed, count) - printed) <= _SLACK * printed] = count
+        for name in np.unique(group):
+            place[group == name] = 10.0 ** -places[group == name].max()
+    last = np.maximum(10.0 ** (np.floor(np.log10(printed)) - (_DIGITS - 1)), place)
+    return np.asarray(0.5 * last / printed)
 
 
-# --- notes of the catalogue ------------------------------------------------------------------------------------------
+# -- A battery's discharge tables: among each other, with its capacities and with its voltages.
+#
+# Each figure is compared with a neighbour in its table, so that a misprint is located. Charge is a constant current
+# times its time, energy a constant power times its time; the tolerance is half of the last printed digit of both.
 
-
-def _notes_by_part(catalog: Catalog, section: str) -> dict[str, list[Note]]:
-    notes: dict[str, list[Note]] = {}
-    for note in catalog.notes:
-        if note.section == section and (note.accepted or note.exclude):
-            for part in note.parts:
-                notes.setdefault(part, []).append(note)
-    return notes
-
-
-def _accepted_by_note(finding: Finding, notes: list[Note]) -> Finding:
-    """The finding, with the text of a note that accepts one of its fields, or that excludes its part."""
-    for note in notes:
-        if note.exclude or not note.fields or set(note.fields) & set(finding.fields):
-            return replace(finding, accepted=note.text)
-    return finding
+_HOURS = {"capacity": np.nan, "capacity_10h": 10.0, "capacity_5h": 5.0, "capacity_1h": 1.0}  # the first: rated_time
+_RESTING = {"lead-acid": 1.1}  # full and at rest, per nominal voltage: 2.15 to 2.2 V of 2 V
+_MEAN = 0.02  # relative: power over current is the mean voltage of two discharges that are not quite the same
 
 
 def _discharges(catalog: Catalog) -> Iterator[Finding]:
     """Contradictions of batteries' discharge tables, among each other and with the batteries' figures."""
-    for odd in odd_discharges(catalog.discharges, catalog.batteries):
-        yield Finding(**_place(catalog, catalog.batteries, odd.row), **odd.finding)
+    given, batteries = catalog.discharges, catalog.batteries
+    for row in np.unique(given.battery).tolist():
+        odd = _OddEntries(_place(catalog, batteries, row))
+        own = given.on(given.battery == row)
+        for held, unit in HELD.items():
+            some = own.on(~np.isnan(getattr(own, held)))
+            _along_columns(odd, some, held, unit)
+        _capacities_by_table(odd, own, batteries, row)
+        _mean_voltage(odd, own, batteries, row)
+        yield from odd.found
+
+
+class _OddEntries:
+    """Findings on the discharge tables of one battery."""
+
+    def __init__(self, place: dict[str, Any]) -> None:
+        self.place, self.found = place, list[Finding]()
+
+    def add(
+        self, identity: str, meaning: str, relation: str, found: float, expected: float, kind: str, unit: str,
+        tolerance: float, *fields: str,
+    ) -> None:  # fmt: skip
+        self.found.append(Finding(
+            **self.place, identity=identity, meaning=meaning, relation=relation, found=float(found), kind=kind,
+            expected=float(expected), unit=unit, deviation=float(found / expected - 1.0), tolerance=float(tolerance),
+            reason="half of the last printed digits", source="what the words mean", fields=(DISCHARGES, *fields),
+        ))  # fmt: skip
+
+
+def _along_columns(odd: _OddEntries, some: Discharges, held: str, unit: str) -> None:
+    """A longer discharge draws less, and gives no less in total; one to a lower end voltage gives no less."""
+    total = {"current": ("charge", "A*h"), "power": ("energy", "W*h")}[held]
+    draw = getattr(some, held)
+    digit, amount = _half_last_digit(draw, some.time), draw * some.time
+    for quick, slow in _neighbours(some.cutoff_voltage, some.time):
+        where = f"{_at(some, slow)}, beside {_hours(some.time[quick])}"
+        if not draw[slow] < draw[quick]:
+            odd.add(f"{held} falls with time", f"less than for a shorter time: {where}", "<",
+                    draw[slow], draw[quick], held, unit, 0.0)  # fmt: skip
+        span = digit[slow] + digit[quick]
+        if amount[slow] < amount[quick] * (1.0 - span - _SLACK):
+            odd.add(f"{total[0]} and rate", f"not below that of a faster discharge: {where}", ">=",
+                    amount[slow], amount[quick], *total, span)  # fmt: skip
+    for deep, shallow in _neighbours(some.time, some.cutoff_voltage):
+        span = digit[deep] + digit[shallow]
+        if draw[deep] < draw[shallow] * (1.0 - span - _SLACK):
+            volts = show(some.cutoff_voltage[shallow], "V", "voltage")
+            odd.add(f"{held} and end voltage", f"not below that down to more volts: {_at(some, deep)}, beside {volts}",
+                    ">=", draw[deep], draw[shallow], held, unit, span)  # fmt: skip
+
+
+def _neighbours(first: Numbers, then: Numbers) -> Iterator[tuple[int, int]]:
+    """Neighbours along the second column where the first is the same."""
+    order = np.lexsort((then, first))
+    for a, b in zip(order[:-1].tolist(), order[1:].tolist(), strict=True):
+        if first[a] == first[b]:
+            yield a, b
+
+
+def _capacities_by_table(odd: _OddEntries, own: Discharges, batteries: Table[Any], row: int) -> None:
+    """A printed capacity is current times time of the table, down to the end voltage where they are nearest."""
+    charge, digit = own.current * own.time, _half_last_digit(own.current, own.time)
+    for name, hours in _HOURS.items():
+        capacity, time = batteries[name][row], 3600.0 * hours if hours == hours else batteries["rated_time"][row]
+        there = np.flatnonzero((np.abs(own.time / time - 1.0) < _SLACK) & ~np.isnan(charge))
+        if not len(there) or np.isnan(capacity):
+            continue
+        near = there[np.abs(charge[there] - capacity).argmin()]
+        span = digit[near] + 0.005  # a capacity has two digits or more
+        if abs(charge[near] - capacity) > capacity * (span + _SLACK):
+            odd.add(f"{name.replace('_', ' ')} in the table", f"current x time: {_at(own, near)}", "=",
+                    charge[near], capacity, "charge", "A*h", span, name)  # fmt: skip
+
+
+def _mean_voltage(odd: _OddEntries, own: Discharges, batteries: Table[Any], row: int) -> None:
+    """Power over current for the same time and end voltage is a voltage between that end and that of a full battery."""
+    nominal, chemistry = batteries["nominal_voltage"][row], str(batteries["chemistry"][row])
+    full = _RESTING[chemistry] * nominal if chemistry in _RESTING else batteries["charge_voltage"][row]
+    current, power = ({(v, t): n for n, (v, t, x) in enumerate(zip(own.cutoff_voltage, own.time, column, strict=True))
+                       if x == x} for column in (own.current, own.power))  # fmt: skip
+    digits = _half_last_digit(own.current, own.time), _half_last_digit(own.power, own.time)
+    for key in (key for key in current if key in power):
+        n, m = current[key], power[key]
+        mean, span = own.power[m] / own.current[n], digits[0][n] + digits[1][m] + _MEAN
+        for relation, bound, off in ((">=", key[0], key[0] - mean), ("<=", full, mean - full)):
+            if off > span * bound:
+                odd.add("mean voltage", f"power by current, between the end's and a full one's: {_at(own, n)}",
+                        relation, mean, bound, "voltage", "V", span)  # fmt: skip
+
+
+def _at(own: Discharges, place: int) -> str:
+    return f"{_hours(own.time[place])} to {show(own.cutoff_voltage[place], 'V', 'voltage')}"
+
+
+def _hours(time: float) -> str:
+    return show(time, "h" if time >= 3600.0 else "min", "time")
+
+
+# -- Pull-out curves of steppers
+
+_RISE = 0.08  # of the torque at a lower speed: charts are read to about 5 %, and have dips where rotors resonate
+_READ = 0.05
 
 
 def _pull_outs(catalog: Catalog) -> Iterator[Finding]:
-    """Contradictions of steppers' pull-out curves with their holding torque and with themselves."""
-    for odd in odd_pull_outs(catalog.pull_outs, catalog.steppers):
-        yield Finding(**_place(catalog, catalog.steppers, odd.row), **odd.finding)
+    """The first point of each curve that is above the holding torque, or above the torque at a lower speed."""
+    given, steppers = catalog.pull_outs, catalog.steppers
+    for curve in np.unique(given.curve).tolist():
+        own = given.on(given.curve == curve)
+        row = int(own.stepper[0])
+        holding, least = np.full(len(own.torque), steppers["holding_torque"][row]), np.minimum.accumulate(own.torque)
+        for identity, meaning, limit, span, fields in (
+            ("pull-out and holding torque", "not above the holding torque", holding, _READ, ("holding_torque",)),
+            ("pull-out torque and speed", "not above that at a lower speed", least, _RISE, ()),
+        ):
+            for n in np.flatnonzero(own.torque > limit * (1.0 + span))[:1].tolist():
+                speed = show(float(own.speed[n]), "rpm", "rotary_speed")
+                yield Finding(
+                    **_place(catalog, steppers, row), identity=identity,
+                    meaning=f"{meaning}: {show(float(own.voltage[n]), 'V', 'voltage')}, {speed}",
+                    fields=(PULL_OUTS, *fields), relation="<=", found=float(own.torque[n]), expected=float(limit[n]),
+                    kind="torque", unit="N*m", deviation=float(own.torque[n] / limit[n]) - 1.0, tolerance=span,
+                )  # fmt: skip
 
 
-# --- parts among each other ------------------------------------------------------------------------------------------
+# -- Parts among each other
 
 
 def _twins(catalog: Catalog, table: Table[Any]) -> Iterator[Finding]:
@@ -206,36 +307,27 @@ def _twins(catalog: Catalog, table: Table[Any]) -> Iterator[Finding]:
         part = str(table["part"][row])
         other = first.setdefault(figures, part)
         if other != part:
-            meaning = f"every figure is that of {other}"
-            yield Finding(**_place(catalog, table, row), identity="two numbers for one part", meaning=meaning,
-                          fields=("part",), grade=INFORMATION)  # fmt: skip
+            yield Finding(**_place(catalog, table, row), identity="two numbers for one part", fields=("part",),
+                          meaning=f"every figure is that of {other}", grade="information")  # fmt: skip
 
 
-def _dangling(catalog: Catalog) -> Iterator[Finding]:
-    """Pairs of rows that do not exist: impossible in a file, possible in a damaged compilation."""
-    for relation, section in RELATIONS.items():
-        pairs = getattr(catalog, relation)
-        sides = ((pairs.left, len(catalog.motors)), (pairs.right, len(catalog.table(section))))
-        out = sum(int(((rows < 0) | (rows >= count)).sum()) for rows, count in sides)
-        if out:
-            yield Finding(file=", ".join(catalog.digests), section=section, part="", family="", fields=(),
-                          identity="dangling compatibility", meaning=f"{out} of {relation} name no part")  # fmt: skip
-
-
-def _alone(catalog: Catalog) -> Iterator[Finding]:
-    """Offered parts that go with no offered part: no contradiction, but never found by a search."""
+def _pairs(catalog: Catalog) -> Iterator[Finding]:
+    """Pairs of rows that do not exist (in a damaged compilation); then offered parts that go with no offered part."""
+    alone: list[Finding] = []
     for relation, section in RELATIONS.items():
         pairs, motors, others = getattr(catalog, relation), catalog.motors, catalog.table(section)
-        inside = (pairs.left < len(motors)) & (pairs.right < len(others))
-        left, right = pairs.left[inside], pairs.right[inside]
+        there = (pairs.left >= 0) & (pairs.left < len(motors)) & (pairs.right >= 0) & (pairs.right < len(others))
+        if not there.all():
+            yield Finding(file=", ".join(catalog.digests), section=section, part="", family="", fields=(),
+                          identity="dangling compatibility",
+                          meaning=f"{int((~there).sum())} of {relation} name no part")  # fmt: skip
+        left, right = pairs.left[there], pairs.right[there]
         both = ~motors.excluded[left] & ~others.excluded[right]
-        yield from _unmet(catalog, others, right[both], "no motor is listed for it")
+        sides = [(others, right[both], "no motor is listed for it")]
         if section == "gearheads" and len(others):
-            yield from _unmet(catalog, motors, left[both], "no gearhead is listed for it: direct drive only")
-
-
-def _unmet(catalog: Catalog, table: Table[Any], met: NDArray[np.int32], meaning: str) -> Iterator[Finding]:
-    alone = ~table.excluded & ~np.isin(np.arange(len(table)), met)
-    for row in np.flatnonzero(alone).tolist():
-        yield Finding(**_place(catalog, table, row), identity="goes with nothing", meaning=meaning, fields=("part",),
-                      grade=INFORMATION)  # fmt: skip
+            sides.append((motors, left[both], "no gearhead is listed for it: direct drive only"))
+        for table, met, meaning in sides:
+            for row in np.flatnonzero(~table.excluded & ~np.isin(np.arange(len(table)), met)).tolist():
+                alone.append(Finding(**_place(catalog, table, row), identity="goes with nothing", meaning=meaning,
+                                     fields=("part",), grade="information"))  # fmt: skip
+    yield from alone

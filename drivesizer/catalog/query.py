@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, Source, Table, columns_of, load, path_of, shipped
 from drivesizer.catalog.conditions import OPTIONS, Condition, column_name
-from drivesizer.catalog.more_parts import Column
-from drivesizer.catalog.parts import printed
+from drivesizer.catalog.parts import Column, printed
 from drivesizer.catalog.tables import CONFIDENCE, OTHER_NAMES, spelling
 from drivesizer.catalog.tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.errors import InputError, nearest, quoted

@@ -1,96 +1,103 @@
-"""JSON Schema of a catalogue file for editors, from the same columns as its reader."""
+"""JSON Schema of a catalogue file: for editors, and for the reader, which knows by it what a group of fields has."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
-from drivesizer.catalog.more_parts import DATA, DISCHARGES, HELD, PULL_OUTS, TABLE, Column
-from drivesizer.catalog.parts import PARTS, RELATIONS, columns_of
-from drivesizer.catalog.section_readers import COLUMNS, CURVE, FIGURES
+from drivesizer.catalog.parts import DATA, DISCHARGES, HELD, PARTS, PULL_OUTS, RELATIONS, Column, columns_of
 from drivesizer.catalog.tables import CONFIDENCE
-from drivesizer.catalog.tolerances import TOLERANCES
+from drivesizer.catalog.tolerances import CLASSES, TOLERANCES
 from drivesizer.units import KINDS, noun
 
-__all__ = ["catalog_schema"]
+__all__ = [
+    "CURVE_COLUMNS", "DISCHARGE", "FIGURES", "LISTS", "NOTE", "PULL_OUT", "SCHEMA", "SOURCE", "TOLERANCE", "TOP",
+    "catalog_schema", "group", "table",
+]  # fmt: skip
+
+SCHEMA = 1  # its number
+# kinds of parts that go together, by the name of the list
+LISTS = {relation: ("motors", right) for relation, right in RELATIONS.items()} | {
+    "triples": ("motors", "gearheads", "encoders")
+}
+FIGURES = {part: tuple(f for p, f in CLASSES if p == part) for part in dict.fromkeys(part for part, _ in CLASSES)}
+CURVE_COLUMNS = {"speed": ("rotary_speed", "rpm"), "torque": ("torque", "N*m")}  # kind and unit of the trade
 
 _TEXT: dict[str, Any] = {"type": ["string", "number", "null"]}
-_CONFIDENCE = {"enum": list(CONFIDENCE)}
-_NAMES = {"type": "array", "items": {"type": ["string", "integer"]}}
-_ACROSS = {"type": "object", "minProperties": 1, "maxProperties": 1, "description": "{catalogue: family or part}"}
-_FITTING = {"type": "array", "items": {"anyOf": [_NAMES["items"], _ACROSS]}}
-_NOT_COMMON = ("part", "family", "manufacturer", "inside")
-_SOURCE = {
-    "type": "object",
-    "description": "a document that figures come from",
-    "properties": {"document": {"type": "string"}, "confidence": _CONFIDENCE, "date": _TEXT, "url": _TEXT},
-    "required": ["document", "confidence"],
-    "additionalProperties": False,
-}
-_NOTE = {
-    "type": "object",
-    "properties": {"text": {"type": "string"}, "parts": _NAMES | {"description": "all of the table where not given"},
+_WORDS: dict[str, Any] = {"type": "string"}
+_CONFIDENCE: dict[str, Any] = {"enum": list(CONFIDENCE)}
+_NAMES: dict[str, Any] = {"type": "array", "items": {"type": ["string", "integer"]}}
+_ORIGIN = _WORDS | {"description": "one of `sources`"}
+
+
+def _fields(properties: dict[str, Any], required: Iterable[str], **more: Any) -> dict[str, Any]:
+    """A group of fields, no others allowed."""
+    return {"type": "object", **more, "properties": properties, "required": list(required),
+            "additionalProperties": False}  # fmt: skip
+
+
+def _list(items: Any, **more: Any) -> dict[str, Any]:
+    return {"type": "array", **more, "items": items}
+
+
+SOURCE = _fields(
+    {"document": _WORDS, "confidence": _CONFIDENCE, "date": _TEXT, "url": _TEXT}, ("document", "confidence"),
+    description="a document that figures come from",
+)  # fmt: skip
+NOTE = _fields(
+    {"text": _WORDS, "parts": _NAMES | {"description": "all of the table where not given"},
      "fields": _NAMES | {"description": "the whole row where not given"}, "confidence": _CONFIDENCE,
-     "source": {"type": "string"}, "exclude": {"type": "boolean", "description": "leave these parts out of the search"},
+     "source": _WORDS, "exclude": {"type": "boolean", "description": "leave these parts out of the search"},
      "accepted": {"type": "boolean", "description": "findings of `catalog check` on these fields are accepted"},
      "rule": {"type": "boolean", "description": "these figures are a rule of thumb and no maker's limits"}},
-    "required": ["text"],
-    "additionalProperties": False,
-}  # fmt: skip
+    ("text",),
+)  # fmt: skip
+DISCHARGE = _fields(  # of a battery: end voltages down, times across
+    {"battery": _TEXT | {"description": "a part number of this file"}, "source": _ORIGIN,
+     "held": _WORDS | {"description": f"held constant: {' or '.join(f'{n} ({unit})' for n, unit in HELD.items())}",
+                       "pattern": rf"^({'|'.join(HELD)})( *\(.+\))?$"},
+     "cells": {"type": "integer", "minimum": 1, "description": "voltage and power are those of one in so many"},
+     "columns": _list(_WORDS, minItems=2) | {"description": "cutoff_voltage (V), then times such as 30 min"},
+     "rows": _list(_list({"type": ["number", "null"], "exclusiveMinimum": 0}))},
+    ("battery", "source", "held", "columns", "rows"),
+)  # fmt: skip
+PULL_OUT = _fields(  # of a stepper: speed and torque of each row
+    {"stepper": _TEXT | {"description": "a part number of this file"}, "source": _ORIGIN,
+     "voltage": _WORDS | {"description": "of the driver's supply, e.g. 24 V"},
+     "current": _WORDS | {"description": "amplitude of a phase's current, e.g. 2.2 A"},
+     "driver": _WORDS | {"description": "with which it was measured"},
+     "columns": _list(_WORDS, description=", ".join(f"{n} ({unit})" for n, (_, unit) in CURVE_COLUMNS.items())),
+     "rows": _list(_list({"type": "number", "minimum": 0}, minItems=2, maxItems=2))},
+    ("stepper", "source", "voltage", "columns", "rows"),
+)  # fmt: skip
+_SHARE = _WORDS | {"description": "of the printed figure: +- 10 %, -10 %..30 %, normal(5 %) or none"}
+TOLERANCE = _fields(
+    {"source": _ORIGIN,
+     "families": _NAMES | {"minItems": 1, "description": "to which it applies; all of the maker's if left out"},
+     **{part: {"type": "object", "properties": dict.fromkeys(names, _SHARE), "additionalProperties": False,
+               "minProperties": 1} for part, names in FIGURES.items()},
+     "text": _WORDS},
+    ("source",), anyOf=[{"required": [part]} for part in FIGURES],
+)  # fmt: skip
 
 
-def catalog_schema() -> dict[str, Any]:
-    """The JSON Schema of a catalogue file."""
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "drivesizer catalogue",
-        "type": "object",
-        "properties": {
-            "catalog": {"const": 1, "description": "number of this schema"},
-            "manufacturer": {"type": "string"},
-            "overrides": {"type": "boolean", "description": "its parts count before those of catalogues named before"},
-            DATA: {
-                "type": "string",
-                "description": "at which figures of motors and actuators hold, e.g. 22 degC; else 25 degC is assumed",
-            },
-            "sources": {"type": "object", "additionalProperties": _SOURCE, "minProperties": 1},
-            **{section: _tables(section) for section in PARTS},
-            DISCHARGES: _discharges(),
-            PULL_OUTS: _pull_outs(),
-            TOLERANCES: _tolerances(),
-            "compatibility": _compatibility(),
-        },
-        "required": ["catalog", "manufacturer", "sources"],
-        "additionalProperties": False,
-    }
-
-
-def _tables(section: str) -> dict[str, Any]:
-    """The tables of a section, each a family's or a part of it."""
-    columns = columns_of(section).values()
-    table = {
-        "type": "object",
-        "properties": {
-            "family": _TEXT,
-            "source": {"type": "string", "description": "one of `sources`"},
-            "common": {
-                "type": "object",
-                "description": "figures that all rows share, each with its unit",
-                "properties": {c.name: _figure(c) for c in columns if c.name not in _NOT_COMMON},
-                "additionalProperties": False,
-            },
-            "columns": {
-                "type": "array",
-                "description": "names of columns with their units: " + "; ".join(_header(c) for c in columns),
-                "items": {"type": "string", "pattern": _pattern([c.name for c in columns])},
-                "contains": {"const": "part"},
-            },
-            "rows": {"type": "array", "items": {"type": "array", "items": _TEXT}},
-            "notes": {"type": "array", "items": _NOTE},
-        },
-        "required": ["family", "source", "columns", "rows"],
-        "additionalProperties": False,
-    }
-    return {"type": "array", "items": table}
+def table(section: str) -> dict[str, Any]:
+    """One table of a section: a family's or a part of it."""
+    columns = columns_of(section)
+    inside = ("part", "family", "manufacturer", "inside")
+    heads = (name if c.kind in ("text", "ratio") or c.unit == "1" else f"{name} ({c.unit})"
+             for name, c in columns.items())  # fmt: skip
+    return _fields(
+        {"family": _TEXT, "source": _ORIGIN,
+         "common": {"type": "object", "description": "figures that all rows share, each with its unit",
+                    "properties": {name: _figure(c) for name, c in columns.items() if name not in inside},
+                    "additionalProperties": False},
+         "columns": _list({"type": "string", "pattern": rf"^({'|'.join(columns)})( *\(.+\))?$"},
+                          description="names of columns with their units: " + "; ".join(heads))
+         | {"contains": {"const": "part"}},
+         "rows": _list(_list(_TEXT)), "notes": _list(NOTE)},
+        ("family", "source", "columns", "rows"),
+    )  # fmt: skip
 
 
 def _figure(column: Column) -> dict[str, Any]:
@@ -101,103 +108,36 @@ def _figure(column: Column) -> dict[str, Any]:
     return {"type": ["string", "null"], "description": f"{noun(column.kind)}, e.g. {KINDS[column.kind].example}"}
 
 
-def _header(column: Column) -> str:
-    return column.name if column.kind in ("text", "ratio") or column.unit == "1" else f"{column.name} ({column.unit})"
-
-
-def _pattern(names: list[str]) -> str:
-    return rf"^({'|'.join(names)})( *\(.+\))?$"
-
-
-def _discharges() -> dict[str, Any]:
-    """Discharge tables of batteries: end voltages down, times across."""
-    cell = {"type": ["number", "null"], "exclusiveMinimum": 0}
-    columns = {"type": "array", "items": {"type": "string"}, "minItems": 2}
-    named = " or ".join(f"{name} ({unit})" for name, unit in HELD.items())
-    table = {
-        "type": "object",
-        "properties": {
-            "battery": _TEXT | {"description": "a part number of this file"},
-            "source": {"type": "string", "description": "one of `sources`"},
-            "held": {"type": "string", "description": f"held constant: {named}", "pattern": _pattern(list(HELD))},
-            "cells": {"type": "integer", "minimum": 1, "description": "voltage and power are those of one in so many"},
-            "columns": columns | {"description": "cutoff_voltage (V), then times such as 30 min"},
-            "rows": {"type": "array", "items": {"type": "array", "items": cell}},
-        },
-        "required": [name for name in TABLE if name != "cells"],
-        "additionalProperties": False,
-    }
-    return {"type": "array", "items": table}
-
-
-def _pull_outs() -> dict[str, Any]:
-    """Pull-out curves of steppers: speed and torque of each row."""
-    heads = ", ".join(f"{name} ({unit})" for name, (_, unit) in COLUMNS.items())
-    cell = {"type": "number", "minimum": 0}
-    curve = {
-        "type": "object",
-        "properties": {
-            "stepper": _TEXT | {"description": "a part number of this file"},
-            "source": {"type": "string", "description": "one of `sources`"},
-            "voltage": {"type": "string", "description": "of the driver's supply, e.g. 24 V"},
-            "current": {"type": "string", "description": "amplitude of a phase's current, e.g. 2.2 A"},
-            "driver": {"type": "string", "description": "with which it was measured"},
-            "columns": {"type": "array", "items": {"type": "string"}, "description": heads},
-            "rows": {"type": "array", "items": {"type": "array", "items": cell, "minItems": 2, "maxItems": 2}},
-        },
-        "required": [name for name in CURVE if name not in ("current", "driver")],
-        "additionalProperties": False,
-    }
-    return {"type": "array", "items": curve}
-
-
-def _tolerances() -> dict[str, Any]:
-    """Tolerances that the maker states for its figures."""
-    share = {"type": "string", "description": "of the printed figure: +- 10 %, -10 %..30 %, normal(5 %) or none"}
-    figures = {
-        part: {
-            "type": "object",
-            "properties": dict.fromkeys(names, share),
-            "additionalProperties": False,
-            "minProperties": 1,
-        }
-        for part, names in FIGURES.items()
-    }
-    entry = {
-        "type": "object",
-        "properties": {
-            "source": {"type": "string", "description": "one of `sources`"},
-            "families": _NAMES | {"minItems": 1, "description": "to which it applies; all of the maker's if left out"},
-            **figures,
-            "text": {"type": "string"},
-        },
-        "required": ["source"],
-        "anyOf": [{"required": [part]} for part in figures],
-        "additionalProperties": False,
-    }
-    return {"type": "array", "items": entry}
-
-
-def _compatibility() -> dict[str, Any]:
+def group(relation: str) -> dict[str, Any]:
     """Parts that go together, by family or part number; `direct` is no gearhead."""
-    sections: dict[str, tuple[str, ...]] = {name: ("motors", right) for name, right in RELATIONS.items()}
-    sections["triples"] = ("motors", "gearheads", "encoders")
-    return {
-        "type": "object",
-        "properties": {name: {"type": "array", "items": _group(parts)} for name, parts in sections.items()},
-        "additionalProperties": False,
-    }
+    across = {"type": "object", "minProperties": 1, "maxProperties": 1, "description": "{catalogue: family or part}"}
+    fitting, parts = _list({"anyOf": [_NAMES["items"], across]}), LISTS[relation]
+    names = {"name": _TEXT, "source": _WORDS, "without": _NAMES, **dict.fromkeys(parts, fitting)}
+    return _fields(names, ("source", *parts))
 
 
-def _group(parts: tuple[str, ...]) -> dict[str, Any]:
-    return {
-        "type": "object",
-        "properties": {
-            "name": _TEXT,
-            "source": {"type": "string"},
-            "without": _NAMES,
-            **dict.fromkeys(parts, _FITTING),
+TOP = _fields(
+    {
+        "catalog": {"const": SCHEMA, "description": "number of this schema"},
+        "manufacturer": _WORDS,
+        "overrides": {"type": "boolean", "description": "its parts count before those of catalogues named before"},
+        DATA: _WORDS
+        | {"description": "at which figures of motors and actuators hold, e.g. 22 degC; else 25 degC is assumed"},
+        "sources": {"type": "object", "additionalProperties": SOURCE, "minProperties": 1},
+        **{section: _list(table(section)) for section in PARTS},
+        DISCHARGES: _list(DISCHARGE),
+        PULL_OUTS: _list(PULL_OUT),
+        TOLERANCES: _list(TOLERANCE),
+        "compatibility": {
+            "type": "object",
+            "properties": {name: _list(group(name)) for name in LISTS},
+            "additionalProperties": False,
         },
-        "required": ["source", *parts],
-        "additionalProperties": False,
-    }
+    },
+    ("catalog", "manufacturer", "sources"),
+)
+
+
+def catalog_schema() -> dict[str, Any]:
+    """The JSON Schema of a catalogue file."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "drivesizer catalogue", **TOP}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import warnings
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,45 +14,17 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.more_parts import (
-    NO_DISCHARGES,
-    NO_PULL_OUTS,
-    Actuator,
-    Battery,
-    Belt,
-    Brake,
-    BrakeResistor,
-    Discharges,
-    PowerSupply,
-    Pulley,
-    PullOuts,
-    Screw,
-    Stepper,
-)
-from drivesizer.catalog.parts import (
-    DIRECT,
-    NO_GEARHEAD,
-    PARTS,
-    RELATIONS,
-    Controller,
-    Encoder,
-    Gearhead,
-    Motor,
-    columns_of,
-    singular,
-)
+from drivesizer.catalog import parts
+from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, columns_of, singular
 from drivesizer.catalog.tolerances import MakerTolerance, join_maker_tolerances
 from drivesizer.errors import CatalogError, nearest, quoted, reason_of
 from drivesizer.files.cache import CacheWarning, arrays_kept, keep
 
 __all__ = [
     "CONFIDENCE", "ESTIMATED", "NO_GEARHEAD_SOURCE", "OTHER_NAMES", "Across", "Catalog", "Estimates", "Note", "Pairs",
-    "Source", "Table", "empty", "joined", "recall", "spelling", "store", "unique_pairs", "with_no_gearhead",
+    "PartEstimate", "Source", "Table", "as_printed", "empty", "joined", "recall", "spelling", "store", "unique_pairs",
+    "with_no_gearhead",
 ]  # fmt: skip
-
-
-# -- A catalogue in memory: parts as columns for the search, as records for people.
-
 
 _KEPT = 256  # results of a catalogue for specs of late
 _BETWEEN = str.maketrans("", "", " \t-_")
@@ -94,6 +66,12 @@ class Pairs(NamedTuple):
     left: NDArray[np.int32]
     right: NDArray[np.int32]
     source: NDArray[np.int32]  # index into Catalog.sources
+
+
+def unique_pairs(left: NDArray[Any], right: NDArray[Any], source: NDArray[Any]) -> Pairs:
+    """Pairs of rows, each once with the first source that states it, sorted."""
+    _, first = np.unique(left.astype(np.int64) << 32 | right.astype(np.int64), return_index=True)
+    return Pairs(*(side[first].astype(np.int32) for side in (left, right, source)))
 
 
 class Estimates(NamedTuple):
@@ -234,19 +212,19 @@ def empty(section: str) -> Table[Any]:
 class Catalog:
     """Loaded catalogues: parts, pairs that go together, and the source of each figure."""
 
-    motors: Table[Motor]
-    gearheads: Table[Gearhead]
-    encoders: Table[Encoder]
-    controllers: Table[Controller]
-    actuators: Table[Actuator]
-    brakes: Table[Brake]
-    steppers: Table[Stepper]
-    belts: Table[Belt]
-    pulleys: Table[Pulley]
-    screws: Table[Screw]
-    batteries: Table[Battery]
-    power_supplies: Table[PowerSupply]
-    brake_resistors: Table[BrakeResistor]
+    motors: Table[parts.Motor]
+    gearheads: Table[parts.Gearhead]
+    encoders: Table[parts.Encoder]
+    controllers: Table[parts.Controller]
+    actuators: Table[parts.Actuator]
+    brakes: Table[parts.Brake]
+    steppers: Table[parts.Stepper]
+    belts: Table[parts.Belt]
+    pulleys: Table[parts.Pulley]
+    screws: Table[parts.Screw]
+    batteries: Table[parts.Battery]
+    power_supplies: Table[parts.PowerSupply]
+    brake_resistors: Table[parts.BrakeResistor]
     motor_gearhead: Pairs
     motor_encoder: Pairs
     motor_brake: Pairs
@@ -255,8 +233,8 @@ class Catalog:
     digests: Mapping[str, str]  # catalogue name -> digest of its file, so that a result can be traced
     overrides: bool = False  # its parts count before those of the catalogues named before it
     across: tuple[Across, ...] = ()  # pairs with parts of other catalogues, until those are loaded with it
-    discharges: Discharges = NO_DISCHARGES  # of the batteries
-    pull_outs: PullOuts = NO_PULL_OUTS  # of the steppers
+    discharges: parts.Discharges = parts.NO_DISCHARGES  # of the batteries
+    pull_outs: parts.PullOuts = parts.NO_PULL_OUTS  # of the steppers
     tolerances: tuple[MakerTolerance, ...] = ()  # that makers state for their figures
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
     estimates: Mapping[str, Mapping[str, Estimates]] = field(default_factory=dict)  # by section and figure
@@ -303,15 +281,14 @@ class Catalog:
         """Confidence of each known figure of a part: that of its row, changed by the notes on it; or estimated."""
         table = self.table(section)
         base = self.sources[table.source[row]].confidence
-        known = {name for name, column in columns_of(section).items() if _is_known(table[name][row], column.kind)}
-        found = dict.fromkeys((n for n in columns_of(section) if n in known), base)
+        figures = {name: table[name][row] for name in columns_of(section)}
+        found = {name: base for name, figure in figures.items() if figure == figure and figure != ""}
         for note in self.notes_on(section, str(table["part"][row])):
             if note.confidence:
-                found |= {name: note.confidence for name in (note.fields or known) if name in known}
+                found |= {name: note.confidence for name in (note.fields or tuple(found)) if name in found}
         if self.mounted and section == "motors":
-            found |= dict.fromkeys(known & {"thermal_resistance_housing", "motor_time_constant"}, "derived")
-        estimated = (name for name in known if self.estimate_of(section, row, name))
-        return found | dict.fromkeys(estimated, ESTIMATED)
+            found |= dict.fromkeys(found.keys() & {"thermal_resistance_housing", "motor_time_constant"}, "derived")
+        return {name: ESTIMATED if self.estimate_of(section, row, name) else one for name, one in found.items()}
 
     def estimate_of(self, section: str, row: int, name: str) -> PartEstimate | None:
         """Estimate of a figure of a part, or of the actuator that it is inside of; None where peers give none."""
@@ -329,27 +306,30 @@ class Catalog:
         return PartEstimate(float(value), float(low), float(high), int(fit))
 
 
-def _is_known(value: Any, kind: str) -> bool:
-    return bool(value != "") if kind == "text" else bool(value == value)
-
-
-def unique_pairs(left: NDArray[Any], right: NDArray[Any], source: NDArray[Any]) -> Pairs:
-    """Pairs of rows, each once with the first source that states it, sorted."""
-    _, first = np.unique(left.astype(np.int64) << 32 | right.astype(np.int64), return_index=True)
-    return Pairs(*(side[first].astype(np.int32) for side in (left, right, source)))
-
-
 # -- Direct drive as a row of the gearheads: no mass, no loss and no limits.
 
 
 NO_GEARHEAD_SOURCE = Source("no gearhead: the motor drives the load itself", "quoted")
 
 
-def with_no_gearhead(gearheads: Table[Gearhead], source: int) -> Table[Gearhead]:
+def with_no_gearhead(gearheads: Table[parts.Gearhead], source: int) -> Table[parts.Gearhead]:
     """A table of gearheads with the row of direct drive, which weighs nothing and has no limits, as its last."""
-    columns = {name: np.append(gearheads[name], getattr(NO_GEARHEAD, name)) for name in gearheads.columns}
+    columns = {name: np.append(gearheads[name], getattr(parts.NO_GEARHEAD, name)) for name in gearheads.columns}
     sources = np.append(gearheads.source, source).astype(np.int32)
     return Table(gearheads.section, columns, sources, np.append(gearheads.excluded, False))
+
+
+def as_printed(catalog: Catalog) -> Catalog:
+    """A catalogue without what the reader derived: the same where that is nothing."""
+    tables: dict[str, Any] = {}
+    for note in (note for note in catalog.notes if note.derived):
+        table = tables.get(note.section) or catalog.table(note.section)
+        out = np.isin(table["part"], note.parts)
+        unknown = {name: np.where(out, np.nan, table[name]) for name in note.fields}
+        tables[note.section] = replace(table, columns={**table.columns, **unknown})
+    if not tables:
+        return catalog
+    return replace(catalog, **tables, notes=tuple(note for note in catalog.notes if not note.derived))
 
 
 # -- Compiled catalogues: the columns of a catalogue file as plain bytes in the user's cache folder.
@@ -361,7 +341,9 @@ def with_no_gearhead(gearheads: Table[Gearhead], source: int) -> Table[Gearhead]
 # other; when the folder cannot be written, the program works without it.
 
 
-_NONE = np.zeros((3, 0), np.int32)
+_PRINTED: dict[str, tuple[str, Any]] = {  # entries of tables of parts: their section, and those of a catalogue without
+    "discharges": ("batteries", parts.NO_DISCHARGES), "pull_outs": ("steppers", parts.NO_PULL_OUTS),
+}  # fmt: skip
 
 
 def recall(path: Path) -> Catalog | None:
@@ -375,8 +357,22 @@ def recall(path: Path) -> Catalog | None:
 
 def store(path: Path, catalog: Catalog) -> None:
     """Keep a compiled catalogue; older compilations of the same file are removed."""
+    arrays: dict[str, NDArray[Any]] = {}
+    names = ("sources", "notes", "digests", "overrides", "across", "replaced", "tolerances")
+    texts: dict[str, Any] = {name: getattr(catalog, name) for name in names}
+    for section in PARTS:
+        table, schema = catalog.table(section), columns_of(section)
+        if len(table):
+            figures = [name for name, column in schema.items() if column.kind != "text"]
+            arrays[f"{section}.figures"] = np.array([table[name] for name in figures])
+            arrays |= {f"{section}.source": table.source, f"{section}.excluded": table.excluded}
+            texts[section] = {name: table[name].tolist() for name in schema if name not in figures}
+    arrays |= {relation: np.array(getattr(catalog, relation)) for relation in RELATIONS}
+    for name in (name for name in _PRINTED if len(getattr(catalog, name).source)):
+        arrays |= {f"{name}.{column}": values for column, values in getattr(catalog, name)._asdict().items()}
+    arrays["texts"] = np.frombuffer(json.dumps(texts).encode(), np.uint8)
     buffer = io.BytesIO()
-    np.savez(buffer, **_packed(catalog))  # type: ignore[arg-type]  # its allow_pickle is no array
+    np.savez(buffer, **arrays)  # type: ignore[arg-type]  # its allow_pickle is no array
     try:
         keep(path, buffer.getvalue())
     except OSError as error:
@@ -384,64 +380,26 @@ def store(path: Path, catalog: Catalog) -> None:
         warnings.warn(f"the compiled catalogue is not kept in {path.parent} ({reason})", CacheWarning, stacklevel=2)
 
 
-def _packed(catalog: Catalog) -> dict[str, NDArray[Any]]:
-    arrays: dict[str, NDArray[Any]] = {}
-    texts: dict[str, Any] = {"sources": catalog.sources, "notes": catalog.notes, "digests": dict(catalog.digests)}
-    texts |= {"overrides": catalog.overrides, "across": catalog.across, "replaced": catalog.replaced}
-    texts |= {"tolerances": catalog.tolerances}
-    for section in PARTS:
-        table, schema = catalog.table(section), columns_of(section)
-        if not len(table):
-            continue
-        figures = [name for name, column in schema.items() if column.kind != "text"]
-        arrays[f"{section}.figures"] = np.array([table[name] for name in figures])
-        arrays[f"{section}.source"] = table.source
-        arrays[f"{section}.excluded"] = table.excluded
-        texts[section] = {name: table[name].tolist() for name in schema if name not in figures}
-    for relation in RELATIONS:
-        if len(getattr(catalog, relation).left):
-            arrays[relation] = np.array(getattr(catalog, relation))
-    if len(catalog.discharges.time):
-        arrays |= {f"discharges.{name}": column for name, column in catalog.discharges._asdict().items()}
-    if len(catalog.pull_outs.speed):
-        arrays |= {f"pull_outs.{name}": column for name, column in catalog.pull_outs._asdict().items()}
-    arrays["texts"] = np.frombuffer(json.dumps(texts).encode(), np.uint8)
-    return arrays
-
-
 def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
     texts = json.loads(arrays["texts"].tobytes())
-    tables: dict[str, Any] = {}
-    for section in PARTS:
-        if section not in texts:
-            tables[section] = empty(section)
-            continue
-        schema = columns_of(section)
-        figures = [name for name, column in schema.items() if column.kind != "text"]
+    found: dict[str, Any] = {section: empty(section) for section in PARTS if section not in texts}
+    for section in (section for section in PARTS if section in texts):
+        figures = [name for name, column in columns_of(section).items() if column.kind != "text"]
         columns: dict[str, NDArray[Any]] = dict(zip(figures, arrays[f"{section}.figures"], strict=True))
         columns |= {name: np.array(values, str) for name, values in texts[section].items()}
-        tables[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
-    pairs: dict[str, Any] = {relation: Pairs(*arrays.get(relation, _NONE)) for relation in RELATIONS}
-    printed = NO_DISCHARGES._asdict().items()
-    discharges: Any = (arrays.get(f"discharges.{name}", none) for name, none in printed)
-    curves: Any = (arrays.get(f"pull_outs.{name}", none) for name, none in NO_PULL_OUTS._asdict().items())
-    return Catalog(
-        **tables,
-        **pairs,
-        discharges=Discharges(*discharges),
-        pull_outs=PullOuts(*curves),
-        sources=tuple(Source(*s) for s in texts["sources"]),
-        notes=tuple(Note(n[0], tuple(n[1]), tuple(n[2]), *n[3:]) for n in texts["notes"]),
-        digests=texts["digests"],
-        overrides=texts["overrides"],
-        replaced=tuple(texts["replaced"]),
-        tolerances=tuple(MakerTolerance(s[0], s[1], s[2], s[3], tuple(s[4]), s[5], s[6]) for s in texts["tolerances"]),
-        across=tuple(Across(a[0], _names(a[1]), _names(a[2]), a[3]) for a in texts["across"]),
-    )
+        found[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
+    found |= {relation: Pairs(*arrays[relation]) for relation in RELATIONS}
+    for name, (_, none) in _PRINTED.items():
+        found[name] = type(none)(*(arrays.get(f"{name}.{column}", getattr(none, column)) for column in none._fields))
+    for name, kind in (("sources", Source), ("notes", Note), ("tolerances", MakerTolerance), ("across", Across)):
+        found[name] = tuple(kind(*map(_frozen, one)) for one in texts[name])
+    plain: dict[str, Any] = {name: texts[name] for name in ("digests", "overrides")}
+    return Catalog(**found, **plain, replaced=tuple(texts["replaced"]))
 
 
-def _names(given: list[list[str]]) -> tuple[tuple[str, str], ...]:
-    return tuple((catalogue, name) for catalogue, name in given)
+def _frozen(value: Any) -> Any:
+    """Lists as the tuples that they were."""
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
 # -- Several catalogues as one: rows concatenated, pairs renumbered, overridden parts left out.
@@ -452,21 +410,28 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     if len(catalogs) == 1 and not catalogs[0].across:
         return catalogs[0]
     replaced = (*_replaced(catalogs), *_not_loaded(catalogs))
-    first_source = np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]
-    tables = {name: _joined_tables([c.table(name) for c in catalogs], first_source) for name in PARTS}
-    places = {name: _places(table) for name, table in tables.items()}
-    pairs: dict[str, Any] = {}
+    first_source = [int(n) for n in np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]]
+    stacks = {section: _Stack([c.table(section) for c in catalogs], first_source) for section in PARTS}
+    found: dict[str, Any] = {section: stack.table for section, stack in stacks.items()}
     for relation, right in RELATIONS.items():
-        listed = _joined_pairs(catalogs, relation, first_source)
-        pairs[relation] = _moved(listed, places["motors"], places[right])
-    tolerances, instead = join_maker_tolerances([(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs],
-                                  first_source.tolist())  # fmt: skip
-    left: dict[str, Any] = {name: _last_rows(table, places[name]) for name, table in tables.items()}
+        motors, others = stacks["motors"], stacks[right]
+        each: list[tuple[NDArray[Any], ...]] = []
+        for n, catalog in enumerate(catalogs):
+            own: Pairs = getattr(catalog, relation)
+            listed = [(own.left + motors.starts[n], own.right + others.starts[n], own.source)]
+            for given in (given for given in catalog.across if given.relation == relation):
+                left, also = _named(catalogs, n, motors, given.motors), _named(catalogs, n, others, given.others)
+                pairs = np.repeat(left, len(also)), np.tile(also, len(left))
+                listed.append((*pairs, np.full(len(pairs[0]), given.source)))
+            each += [(motors.place[a], others.place[b], source + first_source[n]) for a, b, source in listed]
+        found[relation] = unique_pairs(*(np.concatenate(side) for side in zip(*each, strict=True)))
+    for name, (section, _) in _PRINTED.items():
+        found[name] = _printed([getattr(c, name) for c in catalogs], stacks[section], first_source)
+    tolerances, instead = join_maker_tolerances(
+        [(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs], first_source
+    )
     return Catalog(
-        **left,
-        **pairs,
-        discharges=_printed(catalogs, "discharges", "batteries", places, first_source),
-        pull_outs=_printed(catalogs, "pull_outs", "steppers", places, first_source),
+        **found,
         sources=tuple(source for c in catalogs for source in c.sources),
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
@@ -508,112 +473,45 @@ def _not_loaded(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _places(table: Table[Any]) -> NDArray[np.int32]:
-    """New place of each row when of rows with the same part number the last is left."""
-    _, last = np.unique(table["part"][::-1], return_index=True)
-    keep = np.zeros(len(table), bool)
-    keep[len(table) - 1 - last] = True
-    if keep.all():
-        return np.arange(len(table), dtype=np.int32)
-    place = np.cumsum(keep, dtype=np.int32) - 1
-    of_part = {str(table["part"][row]): place[row] for row in np.flatnonzero(keep)}
-    again = np.flatnonzero(~keep)
-    place[again] = [of_part[str(table["part"][row])] for row in again]
-    return place
+class _Stack:
+    """One section of all catalogues under each other, of rows with one part number the last left."""
+
+    def __init__(self, tables: Sequence[Table[Any]], first_source: Sequence[int]) -> None:
+        self.starts = [int(n) for n in np.cumsum([0, *map(len, tables)])]  # first row of each catalogue
+        columns = {name: np.concatenate([t[name] for t in tables]) for name in tables[0].columns}
+        source = np.concatenate([t.source + first for t, first in zip(tables, first_source, strict=True)])
+        whole: Table[Any] = Table(tables[0].section, columns, source, np.concatenate([t.excluded for t in tables]))
+        last = {part: row for row, part in enumerate(columns["part"].tolist())}
+        self.rows = np.array(sorted(last.values()), np.int64)  # that are left
+        place = {part: n for n, part in enumerate(columns["part"][self.rows].tolist())}
+        self.place = np.array([place[part] for part in columns["part"].tolist()], np.int32)  # of each row, among these
+        self.table = whole if len(self.rows) == len(whole) else whole.taken(self.rows)
 
 
-def _last_rows(table: Table[Any], place: NDArray[np.int32]) -> Table[Any]:
-    """The rows that are left: of those that go to one place, the last."""
-    if not len(place) or place[-1] == len(place) - 1:
-        return table
-    rows = np.empty(place.max() + 1, np.int64)
-    rows[place] = np.arange(len(place))  # the last assignment counts
-    return table.taken(rows)
-
-
-def _moved(pairs: Pairs, left: NDArray[np.int32], right: NDArray[np.int32]) -> Pairs:
-    """Pairs by the rows that are left, each once with the first source that states it."""
-    moved = left[pairs.left], right[pairs.right]
-    return unique_pairs(*moved, pairs.source)
-
-
-def _joined_tables(tables: Sequence[Table[Any]], first_source: NDArray[Any]) -> Table[Any]:
-    columns = {name: np.concatenate([t[name] for t in tables]) for name in tables[0].columns}
-    source = np.concatenate([t.source + first for t, first in zip(tables, first_source, strict=True)])
-    return Table(tables[0].section, columns, source, np.concatenate([t.excluded for t in tables]))
-
-
-def _printed(
-    catalogs: Sequence[Catalog],
-    name: str,
-    section: str,
-    places: Mapping[str, NDArray[np.int32]],
-    first_source: NDArray[Any],
-) -> Any:
+def _printed(each: Sequence[Any], stack: _Stack, first_source: Sequence[int]) -> Any:
     """Printed entries of a section's parts, each with its row first; of a replaced part only those of the last file."""
-    place, number = places[section], 0
-    last = np.zeros(int(place.max(initial=-1)) + 1, np.int64)
-    last[place] = np.arange(len(place))  # the last assignment counts
-    found = []
-    for own, start, first in zip(
-        (getattr(c, name) for c in catalogs), _starts(catalogs, section), first_source, strict=False
-    ):
+    found, number = [], 0
+    for own, start, first in zip(each, stack.starts, first_source, strict=False):
         rows = own[0] + start
-        moved = own._replace(**{own._fields[0]: place[rows], "source": (own.source + first).astype(np.int32)})
+        moved = own._replace(**{own._fields[0]: stack.place[rows], "source": (own.source + first).astype(np.int32)})
         if "curve" in own._fields:  # numbered through all files
             moved = moved._replace(curve=own.curve + number)
             number += int(own.curve.max(initial=-1)) + 1
-        found.append(moved.on(last[place[rows]] == rows))
+        found.append(moved.on(np.isin(rows, stack.rows)))
     return type(found[0])(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
-def _joined_pairs(catalogs: Sequence[Catalog], relation: str, first_source: NDArray[Any]) -> Pairs:
-    """All pairs of a relation, by the rows of the tables under each other."""
-    starts = {section: _starts(catalogs, section) for section in ("motors", RELATIONS[relation])}
-    none: NDArray[Any] = np.zeros(0, np.int32)
-    left, right, source = [none], [none], [none]
-    for place, catalog in enumerate(catalogs):
-        own: Pairs = getattr(catalog, relation)
-        groups: list[tuple[NDArray[Any], ...]] = [
-            (own.left + starts["motors"][place], own.right + starts[RELATIONS[relation]][place], own.source)
-        ]
-        groups += [_across(catalogs, place, given, starts) for given in catalog.across if given.relation == relation]
-        for motors, others, whence in groups:
-            left.append(motors)
-            right.append(others)
-            source.append(whence + first_source[place])
-    return Pairs(*(np.concatenate(side) for side in (left, right, source)))
-
-
-def _starts(catalogs: Sequence[Catalog], section: str) -> list[int]:
-    """The first row of each catalogue in a section's table of all."""
-    counts = np.cumsum([0, *(len(c.table(section)) for c in catalogs)])
-    return [int(count) for count in counts]
-
-
-def _across(
-    catalogs: Sequence[Catalog], own: int, given: Across, starts: Mapping[str, list[int]]
-) -> tuple[NDArray[Any], ...]:
-    """Pairs that a catalogue lists with parts of others, where those are loaded too."""
-    motors, others = (
-        np.concatenate([np.zeros(0, np.int64), *_named(catalogs, own, section, names, starts[section])])
-        for section, names in (("motors", given.motors), (RELATIONS[given.relation], given.others))
-    )
-    left, right = np.repeat(motors, len(others)), np.tile(others, len(motors))
-    return left, right, np.full(len(left), given.source)
-
-
-def _named(
-    catalogs: Sequence[Catalog], own: int, section: str, names: Any, starts: list[int]
-) -> Iterator[NDArray[Any]]:
+def _named(catalogs: Sequence[Catalog], own: int, stack: _Stack, names: Sequence[tuple[str, str]]) -> NDArray[np.int64]:
     """Rows, in the table of all, of families and parts by name; of a catalogue that is not loaded there are none."""
     places = {name: place for place, c in enumerate(catalogs) for name in c.digests}
+    found = [np.zeros(0, np.int64)]
     for other, name in names:
         place = places.get(other) if other else own
         if place is None:
             continue
-        members = catalogs[place].table(section).members
+        members = catalogs[place].table(stack.table.section).members
         if name not in members:
             said = f"{', '.join(catalogs[own].digests)}, compatibility: {quoted(name)} is no family or part of {other}"
             raise CatalogError(f"{said}{nearest(name, members, 1)}")
-        yield members[name] + starts[place]
+        found.append(members[name] + stack.starts[place])
+    return np.concatenate(found)

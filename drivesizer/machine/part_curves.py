@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.more_parts import NO_PULL_OUTS, PullOuts
+from drivesizer.catalog.parts import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.view.mounted import STEPPER
 from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, gear_loss
 from drivesizer.physics.figures import Figures

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
-from drivesizer.catalog.more_parts import BeltDrive
+from drivesizer.catalog.parts import BeltDrive
 from drivesizer.catalog.view.mounted import Housing, with_mounting, with_own_brake
 from drivesizer.errors import InputError, quoted
 from drivesizer.load_cases.of_machine import cycle_of_shift, load_cases

@@ -11,7 +11,7 @@ import numpy as np
 from drivesizer.catalog import Catalog, Note, columns_of, singular
 from drivesizer.catalog.estimates import estimates_of
 from drivesizer.catalog.estimates.estimate import SAME_FAMILY, family_limits, law_text
-from drivesizer.catalog.more_parts import HELD, Discharges, PullOuts
+from drivesizer.catalog.parts import HELD, Discharges, PullOuts
 from drivesizer.catalog.query import Hit, Row, origins, partners, tolerances
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.view.search_view import CLAMPING_HUB

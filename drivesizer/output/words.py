@@ -10,7 +10,7 @@ from math import ceil, inf, isfinite, isnan, log10
 from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of
-from drivesizer.catalog.more_parts import DATA, Column
+from drivesizer.catalog.parts import DATA, Column
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.results.check import Reliability, Spread
 from drivesizer.results.drive_set import DriveSet, section_of

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, BrakeResistor, Controller, Encoder, Gearhead, Motor
-from drivesizer.catalog.more_parts import NO_PULL_OUTS, BeltDrive, PullOuts
+from drivesizer.catalog.parts import NO_PULL_OUTS, BeltDrive, PullOuts
 from drivesizer.physics.braking import released_power
 from drivesizer.physics.drive_train import MotorAndGears, drive_inertia, motor_and_gears
 from drivesizer.physics.equation import Equation

@@ -7,7 +7,7 @@ from math import isnan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.more_parts import BeltDrive, Screw
+from drivesizer.catalog.parts import BeltDrive, Screw
 from drivesizer.loads.kinds import MODULES
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, Table, load, singular
-from drivesizer.catalog.more_parts import Screw as Part
+from drivesizer.catalog.parts import Screw as Part
 from drivesizer.catalog.view.mounted import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.load_cases.profile import located, profile_of

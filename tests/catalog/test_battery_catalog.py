@@ -10,7 +10,7 @@ import pytest
 
 from drivesizer.catalog import Catalog, load, shipped
 from drivesizer.catalog.law_check import Finding, check
-from drivesizer.catalog.more_parts import Discharges
+from drivesizer.catalog.parts import Discharges
 from drivesizer.errors import CatalogError
 
 HOUR = 3600.0

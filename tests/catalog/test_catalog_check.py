@@ -11,9 +11,8 @@ from broken_catalogs import about, alone, broken, held_to, laws_of, rows_of, wit
 from rows import hold
 
 from drivesizer.catalog import PARTS, Catalog, Note, columns_of, load, shipped
-from drivesizer.catalog.law import Law
 from drivesizer.catalog.law_check import Finding, check, check_file
-from drivesizer.catalog.laws_of_parts import LAWS
+from drivesizer.catalog.laws import LAWS, Law
 
 RPM = 2 * np.pi / 60  # rad/s
 

@@ -25,7 +25,7 @@ from drivesizer.catalog.estimates.laws import (
     members_of,
     widening,
 )
-from drivesizer.catalog.identities import as_printed
+from drivesizer.catalog.tables import as_printed
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import pytest
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.law_check import check
-from drivesizer.catalog.more_parts import PullOuts
+from drivesizer.catalog.parts import PullOuts
 from drivesizer.errors import CatalogError
 
 RPM = np.pi / 30.0

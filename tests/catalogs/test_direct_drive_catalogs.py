@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, load
-from drivesizer.catalog.identities import as_printed
+from drivesizer.catalog.tables import as_printed
 
 TURN = 2 * math.pi
 RPM = TURN / 60  # rad/s

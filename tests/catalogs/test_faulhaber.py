@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Motor, Table, load
-from drivesizer.catalog.identities import as_printed
+from drivesizer.catalog.tables import as_printed
 
 RPM = math.pi / 30  # rad/s
 INERTIA_KNOWN = {"22GPT": 32, "32GPT": 32, "42GPT": 31}

@@ -8,8 +8,7 @@ from math import isnan, nan
 import pytest
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.more_parts import BeltDrive
-from drivesizer.catalog.parts import NO_GEARHEAD
+from drivesizer.catalog.parts import NO_GEARHEAD, BeltDrive
 from drivesizer.output.parts import parts_list, total_texts, totals
 from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import write

@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.catalog import load
-from drivesizer.catalog.identities import DERIVED, IDENTITIES, derived, solved
 from drivesizer.catalog.law_check import check_file
+from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived, solved
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Table, empty
 from drivesizer.cli import app
@@ -199,7 +199,8 @@ def test_what_is_solved_fulfils_its_identity(one):
 
 
 def columns_in(equation):
-    names = {name for name in equation.replace("(", " ").replace(")", " ").split() if name[0].isalpha()}
+    bare = equation.partition(" where ")[0].replace("(", " ").replace(")", " ")
+    names = {name for name in bare.split() if name[0].isalpha()}
     return (names - {"k_e"}) | ({"torque_constant"} if "k_e" in names else set())
 
 

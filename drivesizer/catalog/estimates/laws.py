@@ -12,8 +12,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from drivesizer.catalog.identities import as_printed
-from drivesizer.catalog.tables import Catalog, Table
+from drivesizer.catalog.tables import Catalog, Table, as_printed
 
 __all__ = [
     "LAWS", "Fit", "Law", "Peers", "column", "constructions_of", "families_of", "fit", "fits", "given_column",

@@ -9,7 +9,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, Final, cast
 
 from drivesizer.catalog import Actuator, Belt, Brake, BrakeResistor, Controller, Encoder, Gearhead, Motor, Pulley
-from drivesizer.catalog.more_parts import Screw
+from drivesizer.catalog.parts import Screw, columns
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.control.validation import Bode, LinearRun, Loop, Validation
 from drivesizer.output.loop_table import settled
@@ -223,7 +223,7 @@ def _part(
     part: Actuator | Motor | Gearhead | Belt | Pulley | Screw | Brake | BrakeResistor | Encoder | Controller,
 ) -> dict[str, Any]:
     """A part with all its figures in SI."""
-    values = {f.name: getattr(part, f.name) for f in fields(part)}
+    values = {name: getattr(part, name) for name in columns(type(part))}
     return {k: number(v) if isinstance(v, float) else (v or None) for k, v in values.items()}
 
 

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.conditions import OPTIONS
-from drivesizer.catalog.more_parts import Column
+from drivesizer.catalog.parts import Column
 from drivesizer.catalog.query import Hit, Row, Selection, families, origins
 from drivesizer.output.part import (
     DIFFERS,

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.more_parts import BeltDrive
+from drivesizer.catalog.parts import BeltDrive
 from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.drive_train import drive_inertia

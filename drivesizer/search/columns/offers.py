@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.estimates.estimate import assumed_mass
-from drivesizer.catalog.more_parts import BeltDrive
+from drivesizer.catalog.parts import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.winding import AtGearheads
 from drivesizer.results.check_columns import CheckColumn, worst_case

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT
-from drivesizer.catalog.more_parts import BeltDrive
+from drivesizer.catalog.parts import BeltDrive
 from drivesizer.loads.kinds import MODULES
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.belt import pitch_diameter, wrap_angle

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.more_parts import PullOuts
+from drivesizer.catalog.parts import PullOuts
 from drivesizer.catalog.view.mounted import STEPPER
 from drivesizer.machine.part_curves import available_torque
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.more_parts import BeltDrive
+from drivesizer.catalog.parts import BeltDrive
 from drivesizer.catalog.view.mounted import STEPPER, has_steppers
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.winding import Heat, Parts, Stress, heat, housing_loss, stress

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.more_parts import BeltDrive, PullOuts
+from drivesizer.catalog.parts import BeltDrive, PullOuts
 from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances import Class
 from drivesizer.catalog.view.mounted import OWN, STEPPER, has_steppers

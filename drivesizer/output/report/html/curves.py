@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.more_parts import HELD, Discharges
+from drivesizer.catalog.parts import HELD, Discharges
 from drivesizer.catalog.query import Hit
 from drivesizer.machine.battery import Pack, pack_of, run_time
 from drivesizer.machine.part_curves import gear_efficiency, nominal_voltage_curves
