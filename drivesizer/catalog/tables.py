@@ -418,7 +418,9 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         each: list[tuple[NDArray[Any], ...]] = []
         for n, catalog in enumerate(catalogs):
             own: Pairs = getattr(catalog, relation)
-            listed = [(own.left + motors.starts[n], own.right + others.starts[n], own.source)]
+            listed: list[tuple[NDArray[Any], ...]] = [
+                (own.left + motors.starts[n], own.right + others.starts[n], own.source)
+            ]
             for given in (given for given in catalog.across if given.relation == relation):
                 left, also = _named(catalogs, n, motors, given.motors), _named(catalogs, n, others, given.others)
                 pairs = np.repeat(left, len(also)), np.tile(also, len(left))
