@@ -10,7 +10,7 @@ from by_hand import friction
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import WheelLoad
-from drivesizer.output.export import FORMATS, export_of, files
+from drivesizer.output.export import FORMATS, export_of, files, one_axis
 from drivesizer.sizing import size
 from drivesizer.spec.any_spec import load_any
 from drivesizer.spec.machine import MachineSpec
@@ -33,7 +33,7 @@ def test_every_starter_finds_a_drive(name, tmp_path, catalog):
     result = size(spec, catalog=catalog, top=3)
     assert result.sets, result.counts
     assert result.method == "physics"
-    record = export_of(spec, result.sets[0])
+    record = one_axis(export_of(spec, result.sets[0]))
     for form, about in FORMATS.items():
         assert all(files(record, form, tmp_path / f"set{about.suffixes[0]}").values()), form
     assert record.cycle.time[-1] == pytest.approx(result.problem.cases[0].cycle.total)

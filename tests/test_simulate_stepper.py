@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
+from exports import rendered
 from typer.testing import CliRunner
 
 from drivesizer import load_spec, size
@@ -21,7 +22,8 @@ from drivesizer.cli import app
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.machine.part_curves import torque_of_drive, torque_of_part
-from drivesizer.output.export import Export, export_of, fmu, json_document, mjcf, ros2_control, sdf, urdf
+from drivesizer.output.export import Export, export_of
+from drivesizer.output.export.json_document import export_schema
 from drivesizer.output.json.documents import as_text, validation
 from drivesizer.output.report.csv import report_csv
 from drivesizer.output.report.figures.cycle import closed_loop_rows
@@ -258,26 +260,26 @@ ARM: dict[str, Any] = {"friction_torque": "0.02 N*m", "kind": "rotary_table", "i
 
 def test_limits_of_the_joint_are_the_pull_out_torque_and_the_speed(export: Export) -> None:
     """0.42 N*m up to 60 rpm; the motion's highest speed is 300 rpm."""
-    joint = ET.fromstring(urdf.render(export)).find("joint/limit")
+    joint = ET.fromstring(rendered(export, "urdf")).find("joint/limit")
     assert joint is not None
     assert float(joint.attrib["effort"]) == pytest.approx(0.42)
     assert float(joint.attrib["velocity"]) == pytest.approx(300 * RPM)
-    assert b"PositionJointInterface" in urdf.render(export)
-    assert ET.fromstring(sdf.render(export)).find(".//limit") is not None
+    assert b"PositionJointInterface" in rendered(export, "urdf")
+    assert ET.fromstring(rendered(export, "sdf")).find(".//limit") is not None
 
 
 def test_ros2_control_takes_positions(export: Export) -> None:
-    block = ET.fromstring(ros2_control.render(export)).find("ros2_control/joint")
+    block = ET.fromstring(rendered(export, "ros2_control")).find("ros2_control/joint")
     assert block is not None
     assert [one.attrib["name"] for one in block.findall("command_interface")] == ["position"]
-    assert yaml.safe_load(ros2_control.controllers(export))["joint_trajectory_controller"]["ros__parameters"] == {
+    assert yaml.safe_load(rendered(export, "ros2_control", True))["joint_trajectory_controller"]["ros__parameters"] == {
         "joints": ["shaft"], "command_interfaces": ["position"], "state_interfaces": ["position", "velocity"],
     }  # fmt: skip
 
 
 def test_json_has_the_torque_over_the_speed(export: Export) -> None:
-    found = json.loads(json_document.render(export))
-    jsonschema.validate(found, json_document.export_schema())
+    found = json.loads(rendered(export, "json"))
+    jsonschema.validate(found, export_schema())
     one = found["stepper"]
     assert (one["teeth"]["value"], one["microsteps"]["value"]) == (50, 16)
     at = np.interp(200 * RPM, one["speed"]["values"], one["pull_out_torque"]["values"])
@@ -287,13 +289,13 @@ def test_json_has_the_torque_over_the_speed(export: Export) -> None:
 
 def test_no_fmu_of_a_stepper(export: Export) -> None:
     with pytest.raises(InputError, match="a stepper has no winding that a voltage drives in an FMU; expected --format"):
-        fmu.render(export)
+        rendered(export, "fmu")
 
 
 def test_mujoco_follows_as_the_simulation_does(export: Export, path: Path) -> None:
     """Its servo is the sine's slope: at load angles of 25 deg 3 % stiffer than the sine."""
     own = simulated(path, load=ARM)
-    model = mujoco.MjModel.from_xml_string(mjcf.render(export).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
     data, dt, angle = mujoco.MjData(model), model.opt.timestep, 0.0
     reference, lag, swing = own.series["speed_reference"], [], own.series["time"]
     for k in range(int(0.5 / dt)):

@@ -19,8 +19,8 @@ from drivesizer.errors import DrivesizerError, InputError, NoLoopError, UnknownC
 
 __all__ = [
     "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "file_argument",
-    "file_option", "load", "load_whole", "number_option", "print_notes", "progress", "proven", "proven_axes",
-    "simulating", "whole_option", "working",
+    "file_option", "load", "load_axis", "number_option", "print_notes", "progress", "proven", "simulating", "sized",
+    "whole_option", "with_drives", "working",
 ]  # fmt: skip
 
 
@@ -113,7 +113,8 @@ Spec = Annotated[Path, file_argument(metavar="ROBOT.YAML", help="The spec; robot
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Top = Annotated[int, whole_option("--top", 3, 1, 1000, meaning="How many drives to show, at most 1000.")]
 Chosen = Annotated[
-    str | None, typer.Option("--set", metavar="MOTOR/GEARHEAD", help="A drive, e.g. 118752/406764; else the best.")
+    list[str] | None,
+    typer.Option("--set", metavar="MOTOR/GEARHEAD", help="A drive, e.g. 118752/406764, or lift=...; else the best."),
 ]
 More = Annotated[
     list[str] | None,
@@ -134,7 +135,7 @@ class NothingFitsError(DrivesizerError):
 
 
 def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> Any:
-    """Read the spec of a single axis and add catalogues; their paths are relative to the current folder.
+    """Read a spec, or a machine of several axes, and add catalogues; their paths are relative to the current folder.
 
     Parameters
     ----------
@@ -147,73 +148,174 @@ def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> 
 
     Returns
     -------
-    RobotSpec
-        The spec.
-    """
-    return _single(_read(path, more), path, axis)
-
-
-def _single(found: Any, path: Path, axis: str | None) -> Any:
-    """The spec of a single axis, out of what a file has."""
-    if not hasattr(found, "axes"):
-        if axis is not None:
-            raise InputError(f"--axis: {path} has no axes; leave it out")
-        return found
-    if axis is None and found.is_several:
-        names = [one.name for one in found.axes] + (["a joint of its robot"] if found.robot else [])
-        raise InputError(f"{path}: a machine of several axes; expected --axis, one of {', '.join(names)}")
-    from drivesizer.multi_axis.sizing import laden
-
-    return laden(found, found.axes[0].name if axis is None else axis)
-
-
-def load_whole(path: Path, more: list[str] | None = None, axis: str | None = None) -> Any:
-    """Read a spec, or a machine of several axes, and add catalogues.
-
-    Parameters
-    ----------
-    path, more, axis
-        As of ``load``; without an axis all of them.
-
-    Returns
-    -------
     RobotSpec or MachineSpec
         The latter of several axes.
     """
-    found = _read(path, more)  # once: a pipe has nothing more to read
-    return found if axis is None and getattr(found, "is_several", False) else _single(found, path, axis)
-
-
-def _read(path: Path, more: list[str] | None) -> Any:
-    """The file, and further catalogues in all its axes."""
+    from drivesizer.catalog import path_of, shipped
     from drivesizer.spec.any_spec import load_any
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")
-    spec: Any = load_any(path)
-    if not more:
-        return spec
-    names = [_catalogue(name) for name in more]
+    found: Any = load_any(path)  # once: a pipe has nothing more to read
+    try:  # a file by its whole path, which is not beside the spec
+        names = [one if one in ("all", *shipped()) else str(path_of(one).absolute()) for one in more or ()]
+    except UnknownCatalogError as error:
+        raise InputError(f"--catalog: {error}") from None
 
     def with_more(one: Any) -> Any:
         select = one.select.model_copy(update={"catalogs": list(dict.fromkeys([*one.select.catalogs, *names]))})
         return one.model_copy(update={"select": select})
 
-    if hasattr(spec, "axes"):
-        return spec.changed(with_more)
-    return with_more(spec)
+    if not hasattr(found, "axes"):
+        if axis is not None:
+            raise InputError(f"--axis: {path} has no axes; leave it out")
+        return with_more(found) if names else found
+    found = found.changed(with_more) if names else found
+    if axis is None and found.is_several:
+        return found
+    from drivesizer.multi_axis.sizing import laden
+
+    return laden(found, found.axes[0].name if axis is None else axis)
 
 
-def _catalogue(name: str) -> str:
-    """Catalogue that an option names, for the spec: a file by its whole path, which is not beside the spec."""
-    from drivesizer.catalog import path_of, shipped
+def load_axis(path: Path, more: list[str] | None = None, axis: str | None = None) -> Any:
+    """Read the spec of a single axis, as :func:`load`; a machine of several is refused without one that is wanted.
 
-    if name in ("all", *shipped()):
-        return name
-    try:
-        return str(path_of(name).absolute())
-    except UnknownCatalogError as error:
-        raise InputError(f"--catalog: {error}") from None
+    Parameters
+    ----------
+    path, more, axis
+        As of :func:`load`.
+
+    Returns
+    -------
+    RobotSpec
+        The spec.
+    """
+    found = load(path, more, axis)
+    if not hasattr(found, "axes"):
+        return found
+    names = [one.name for one in found.axes] + (["a joint of its robot"] if found.robot else [])
+    raise InputError(f"{path}: a machine of several axes; expected --axis, one of {', '.join(names)}")
+
+
+def sized(
+    robot: Any, top: int, objective: str | None = None, sampling: tuple[Any, ...] = (), pareto: str | None = None,
+    choices: int = 0,
+) -> Any:  # fmt: skip
+    """Size all axes of a machine; a spec is one of a single axis.
+
+    Parameters
+    ----------
+    robot
+        Of :func:`load`.
+    top
+        Drives of each axis.
+    objective, pareto
+        As the command line gives them.
+    sampling
+        Confidence, samples, seed, processes and samples in closed loop.
+    choices
+        How many drives that pass a single axis gives as well, to choose from.
+
+    Returns
+    -------
+    MachineSizing
+        With the best drives of every axis.
+    """
+    from drivesizer.results.machine import of_one_axis
+    from drivesizer.search.ranking import objective_of
+    from drivesizer.search.uncertainty.options import sampling_of
+
+    rank, front = None if objective is None else objective_of(objective), _pareto(pareto)
+    with progress() as advance:
+        if hasattr(robot, "axes"):
+            from drivesizer.multi_axis.sizing import size_machine
+
+            return size_machine(
+                robot, top=top, objective=rank, pareto=front, progress=advance,
+                sampling=lambda spec: sampling_of(spec, *sampling),
+            )  # fmt: skip
+        from drivesizer.sizing import size
+
+        samples = sampling_of(robot, *sampling)
+        return of_one_axis(size(
+            robot, top=top, objective=rank, pareto=front, progress=advance, sampling=samples, choices=choices
+        ))  # fmt: skip
+
+
+def _pareto(text: str | None) -> tuple[str, ...]:
+    """The objectives of a Pareto front."""
+    from drivesizer.spec.drive import OBJECTIVES
+
+    names = tuple(name.strip() for name in text.split(",")) if text else ()
+    wrong = [name for name in names if name not in OBJECTIVES]
+    if wrong:
+        raise InputError(f"--pareto: {quoted(wrong[0])} is not known; expected {', '.join(OBJECTIVES)}")
+    if text is not None and len(set(names)) < 2:
+        raise InputError(f"--pareto: {quoted(text)} names one objective; expected several, e.g. mass,price,energy")
+    return tuple(dict.fromkeys(names))
+
+
+def with_drives(robot: Any, chosen: list[str] | None, top: int = 1) -> tuple[list[tuple[str, Any, Any]], Any]:
+    """The drives that options name by their parts, else the best of the search.
+
+    Parameters
+    ----------
+    robot
+        Of :func:`load`.
+    chosen
+        MOTOR/GEARHEAD or ACTUATOR; of an axis of several AXIS=MOTOR/GEARHEAD.
+    top
+        Drives of each axis that are searched.
+
+    Returns
+    -------
+    tuple
+        Name, spec and drive of each axis, and the MachineSizing with these drives; None where nothing was searched.
+
+    Raises
+    ------
+    NothingFitsError
+        When an axis has no drive that meets all limits.
+    InputError
+        When an option names no parts, or no axis.
+    """
+    several = hasattr(robot, "axes")
+    if chosen and not several:
+        if len(chosen) > 1:
+            raise InputError(f"--set: {quoted(chosen[1])} is a second drive of one axis; expected one")
+        return [("", robot, _named(robot, chosen[0]))], None
+    wanted = {}
+    for text in chosen or ():
+        axis, _, parts = text.partition("=")
+        if not parts:
+            raise InputError(f"--set: {quoted(text)} names no axis; expected e.g. {robot.axes[0].name}=118752/406764")
+        wanted[axis] = parts
+    result = sized(robot, top)
+    for name in wanted:
+        result.machine.axis(name)
+    axes = []
+    for axis in result.axes:
+        one = axis.result
+        if axis.name in wanted and several:
+            one = replace(one, sets=(_named(axis.spec, wanted[axis.name]),))
+        if not one.sets:
+            text = "no drive meets all limits; `drivesizer size` shows the closest rejected"
+            raise NothingFitsError(f"{axis.name}: {text}" if several else f"{text}, --set names one to validate")
+        axes.append(replace(axis, result=one))
+    found = [(axis.name if several else "", axis.spec, axis.best) for axis in axes]
+    return found, replace(result, axes=tuple(axes))
+
+
+def _named(spec: Any, chosen: str) -> Any:
+    """The drive of these parts that passes best, with any belt of the spec."""
+    from drivesizer.results.check import GRAVEST
+    from drivesizer.sizing import explain
+
+    parts = [part.strip() for part in chosen.split("/")]
+    if len(parts) > 2 or not all(parts):
+        raise InputError(f"--set: {quoted(chosen)} is not MOTOR/GEARHEAD or ACTUATOR; expected e.g. 118752/406764")
+    return min(explain(spec, *parts), key=lambda one: (GRAVEST[::-1].index(one.status), one.rank))
 
 
 def print_notes(messages: tuple[str, ...]) -> None:
@@ -290,68 +392,49 @@ def working(on: str) -> Iterator[None]:
         line.stop()
 
 
-# -- The recommended drives of a sizing in closed loop, each in its hardest load case, or why they cannot be.
+# -- The recommended drives of a machine in closed loop, each in its hardest load case, or why they cannot be.
 
 
-def proven(result: Any, profile: str | None = None, axis: str = "") -> tuple[Any, Any]:
-    """A sizing and its best drive in closed loop; a note and a warning of the sizing where it cannot be simulated.
-
-    Parameters
-    ----------
-    result
-        The sizing.
-    profile
-        As of ``drivesizer validate``.
-    axis
-        Name of the axis in its machine, for the note.
-
-    Returns
-    -------
-    tuple
-        The sizing, and the Validation; None where no drive passes or a figure is unknown that the simulation needs.
-    """
-    from drivesizer.simulate import hardest_case, validate, with_remedies
-
-    if not result.sets:
-        return result, None
-    best = result.sets[0]
-    try:
-        proof = validate(result.spec, best, profile=profile, load_case=hardest_case(result.spec, best))
-        return result, with_remedies(proof, result.spec, result.sets, profile=profile)
-    except NoLoopError as error:
-        reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
-        print_notes((f"{axis}: {reason}" if axis else str(error),))
-        return replace(result, warnings=(*result.warnings, reason)), None
-
-
-def proven_axes(sizing: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]]:
+def proven(result: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]]:
     """A machine and the best drive of every axis in closed loop, with the drives that ride on it in its load.
 
     Parameters
     ----------
-    sizing
-        The machine.
+    result
+        The MachineSizing.
     profile
-        As of :func:`proven`, for every axis.
+        As of ``drivesizer validate``, for every axis.
 
     Returns
     -------
     tuple
-        The MachineSizing, and the Validation of each axis that has one, by the axis' name.
+        The MachineSizing, with a warning where a drive cannot be simulated, and the Validation by the name of each axis
+        that has one.
 
     Raises
     ------
     InputError
-        As ``validate``, with the name of the axis.
+        As ``validate``, of several axes with the name of the axis.
     """
+    from drivesizer.simulate import hardest_case, validate, with_remedies
+
     axes, proofs = [], {}
-    for one in sizing.axes:
-        with simulating(f"simulating {one.name} in closed loop"):
+    for axis in result.axes:
+        one, several = axis.result, not result.alone
+        axes.append(axis)
+        if not one.sets:
+            continue
+        best = one.sets[0]
+        with simulating(f"simulating {axis.name if several else 'the drive'} in closed loop"):
             try:
-                result, proof = proven(one.result, profile, one.name)
+                proof = validate(one.spec, best, profile=profile, load_case=hardest_case(one.spec, best))
+                proofs[axis.name] = with_remedies(proof, one.spec, one.sets, profile=profile)
+            except NoLoopError as error:
+                reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
+                print_notes((f"{axis.name}: {reason}" if several else str(error),))
+                axes[-1] = replace(axis, result=replace(one, warnings=(*one.warnings, reason)))
             except InputError as error:
-                raise InputError(f"{one.name}: {error}") from None
-        axes.append(replace(one, result=result))
-        if proof is not None:
-            proofs[one.name] = proof
-    return replace(sizing, axes=tuple(axes)), proofs
+                if not several:
+                    raise
+                raise InputError(f"{axis.name}: {error}") from None
+    return replace(result, axes=tuple(axes)), proofs

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Json, OfAxis, file_argument, file_option, load, working
+from drivesizer.commands.common import DEFAULT, Json, OfAxis, file_argument, file_option, load_axis, working
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.text import shipped_folder
 
@@ -198,7 +198,7 @@ def equations(
     sizing, platform = derivation.find(number), robot_figures.find(number)
     if sizing is None and platform is None:
         raise InputError(f"there is no equation {quoted(number)}; expected 1 to {max(PLATFORM)}")
-    robot = None if spec is None else load(spec, None, axis)
+    robot = None if spec is None else load_axis(spec, None, axis)
     if sizing is not None:
         terminal_equations.equation(sizing, *(_steps(sizing, robot) if robot else ()))
     elif platform is not None:

@@ -7,27 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import (
-    DEFAULT,
-    TOP,
-    Json,
-    More,
-    OfAxis,
-    Profile,
-    Spec,
-    Top,
-    file_option,
-    load_whole,
-    number_option,
-    print_notes,
-    progress,
-    proven,
-    simulating,
-    whole_option,
-    working,
-)
+from drivesizer.commands import common
+from drivesizer.commands.common import DEFAULT, TOP, Json, More, OfAxis, Profile, Spec, Top, file_option
 from drivesizer.commands.setup import interactive, start_by_questions
-from drivesizer.errors import InputError, quoted
+from drivesizer.errors import InputError
 
 __all__ = ["explain", "report", "size"]
 
@@ -37,23 +20,23 @@ Objective = Annotated[
 Pareto = Annotated[str | None, typer.Option(metavar="NAMES", help="Also the Pareto front, e.g. of mass,price,energy.")]
 Confidence = Annotated[
     float | None,
-    number_option(
+    common.number_option(
         "--confidence", 0.95, meaning="Only drives of which no check fails with this probability, e.g. 0.95."
     ),
 ]
 Samples = Annotated[
-    int | None, whole_option("--samples", 2000, meaning="Samples of each drive's tolerances; else the spec's.")
+    int | None, common.whole_option("--samples", 2000, meaning="Samples of each drive's tolerances; else the spec's.")
 ]
 Seed = Annotated[
-    int | None, whole_option("--seed", 1, meaning="Seed of the samples: the same seed gives the same figures.")
+    int | None, common.whole_option("--seed", 1, meaning="Seed of the samples: the same seed gives the same figures.")
 ]
 LoopSamples = Annotated[
     int | None,
-    whole_option(
+    common.whole_option(
         "--loop-samples", 64, meaning="Samples in closed loop, of the best drives; 64 with a confidence, else 0."
     ),
 ]
-Processes = Annotated[int, whole_option("--processes", 2, 1, 64, meaning="Processes that share the sampling.")]
+Processes = Annotated[int, common.whole_option("--processes", 2, 1, 64, meaning="Processes that share the sampling.")]
 _CHOICES = 200  # drives of a page, to choose from by weights
 
 
@@ -81,67 +64,50 @@ def size(
     catalogs: More = None,
 ) -> None:
     """Find the drive: parts list, verdict, tightest checks, alternatives."""
-    from drivesizer.output.report import accept, write, write_sets
+    from drivesizer.output import report as reports
+    from drivesizer.output.terminal import sizing as terminal
 
     if spec == DEFAULT and not spec.exists() and not json and interactive():
         start_by_questions(spec)
-    robot = load_whole(spec, catalogs, axis)
-    accept([pdf] if pdf else [], tables=[csv] if csv else [])
-    if hasattr(robot, "axes"):
-        from drivesizer.commands.machine import size_machine_axes
-
-        given = {"--pareto": pareto, "--paper": beside, "--derivation": derivation}
-        sampling = confidence, samples, seed, processes, loop_samples
-        shown = checks or verbose
-        raise typer.Exit(size_machine_axes(robot, spec, csv, pdf, given, top, objective, sampling, shown, quiet, json))
-    result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples))
+    robot = common.load(spec, catalogs, axis)
+    reports.accept([pdf] if pdf else [], tables=[csv] if csv else [])
+    result = common.sized(robot, top, objective, (confidence, samples, seed, processes, loop_samples), pareto)
+    one, named = result.alone, "" if spec == DEFAULT else str(spec)
     if csv:
-        write_sets(result, csv)
+        reports.write_sets(one, csv) if one else reports.write_machine(result, {}, [csv])
     if pdf:
-        with working("writing the report"):
-            write(*proven(result), [pdf])
+        simulated = common.proven(result)
+        with common.working("writing the report"):
+            _reports(*simulated, [pdf])
     if json:
-        from drivesizer.output.json import documents as json_documents
+        from drivesizer.output.json import documents
 
-        typer.echo(json_documents.as_text(json_documents.sizing(result)))
+        typer.echo(documents.as_text(documents.sizing(one) if one else documents.machine_document(result)))
+        raise typer.Exit(int(result.status == "fail"))
+    chosen = {"checks": checks, "derivation": derivation, "paper": beside, "ranking": top != TOP}
+    details = terminal.DETAILS if verbose else frozenset(name for name, wanted in chosen.items() if wanted)
+    if one:
+        terminal.sizing(one, details=details, spec=named, quiet=quiet)
+        common.print_notes(() if quiet else one.warnings)
     else:
-        from drivesizer.output.terminal import sizing as terminal
+        from drivesizer.output.terminal.several_axes import machine_sizing
 
-        chosen = {"checks": checks, "derivation": derivation, "paper": beside}
-        chosen["ranking"] = top != TOP
-        details = terminal.DETAILS if verbose else frozenset(name for name, wanted in chosen.items() if wanted)
-        terminal.sizing(result, details=details, spec="" if spec == DEFAULT else str(spec), quiet=quiet)
-        print_notes(() if quiet else result.warnings)
-    raise typer.Exit(0 if result.sets else 1)
-
-
-def _sized(
-    robot: Any, top: int, objective: str | None, pareto: str | None, sampling: tuple[Any, ...], choices: int = 0
-) -> Any:
-    """The sizing by the options of ``size`` and ``report``; ``sampling`` are those of the samples."""
-    from drivesizer.search.ranking import objective_of
-    from drivesizer.search.uncertainty.options import sampling_of
-    from drivesizer.sizing import size as sized
-
-    samples, rank = sampling_of(robot, *sampling), None if objective is None else objective_of(objective)
-    front = _pareto(pareto)
-    with progress() as advance:
-        return sized(
-            robot, top=top, objective=rank, pareto=front, progress=advance, sampling=samples, choices=choices
-        )  # fmt: skip
+        machine_sizing(result, spec=named, checks=checks or verbose, quiet=quiet)
+        for each in result.axes if verbose or derivation or beside or pareto else ():
+            typer.echo(f"\n{each.name}\n")
+            terminal.sizing(each.result, details=details, quiet=True)
+        for each in () if quiet else result.axes:
+            common.print_notes(tuple(f"{each.name}: {note}" for note in each.result.warnings))
+    raise typer.Exit(int(result.status == "fail"))
 
 
-def _pareto(text: str | None) -> tuple[str, ...]:
-    """The objectives of a Pareto front."""
-    from drivesizer.spec.drive import OBJECTIVES
+def _reports(result: Any, proofs: dict[str, Any], paths: list[Path], **how: Any) -> list[Path]:
+    """Write reports of all axes of a machine, or of its only one."""
+    from drivesizer.output import report as reports
 
-    names = tuple(name.strip() for name in text.split(",")) if text else ()
-    wrong = [name for name in names if name not in OBJECTIVES]
-    if wrong:
-        raise InputError(f"--pareto: {quoted(wrong[0])} is not known; expected {', '.join(OBJECTIVES)}")
-    if text is not None and len(set(names)) < 2:
-        raise InputError(f"--pareto: {quoted(text)} names one objective; expected several, e.g. mass,price,energy")
-    return tuple(dict.fromkeys(names))
+    if result.alone:
+        return reports.write(result.alone, next(iter(proofs.values()), None), paths, **how)
+    return reports.write_machine(result, proofs, paths, **how)
 
 
 def report(
@@ -167,26 +133,22 @@ def report(
     catalogs: More = None,
 ) -> None:
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
-    from drivesizer.output.report import accept, write, write_figures
+    from drivesizer.output import report as reports
 
-    robot = load_whole(spec, catalogs, axis)
-    accept(output)
-    if hasattr(robot, "axes"):
-        from drivesizer.commands.machine import report_machine
-
-        given, sampling = {"--pareto": pareto}, (confidence, samples, seed, processes, loop_samples)
-        raise typer.Exit(report_machine(robot, output, given, top, objective, sampling, profile, drawings, paper, date))
+    robot = common.load(spec, catalogs, axis)
+    reports.accept(output)
     choices = _CHOICES if any(path.suffix.lower() == ".html" for path in output) else 0
-    result = _sized(robot, top, objective, pareto, (confidence, samples, seed, processes, loop_samples), choices)
-    with simulating("simulating the drive in closed loop"):
-        result, proof = proven(result, profile)
-    with working("writing the report"):
-        written = write(result, proof, output, paper=paper, date=date)
-        if drawings:
-            written += write_figures(result, proof, drawings)
+    how = confidence, samples, seed, processes, loop_samples
+    result, proofs = common.proven(common.sized(robot, top, objective, how, pareto, choices), profile)
+    with common.working("writing the report"):
+        written = _reports(result, proofs, output, paper=paper, date=date)
+        if drawings and result.alone:
+            written += reports.write_figures(result.alone, next(iter(proofs.values()), None), drawings)
+        elif drawings:
+            written += reports.write_machine_figures(result, proofs, drawings)
     for path in written:
         typer.echo(path)
-    raise typer.Exit(0 if result.sets else 1)
+    raise typer.Exit(int(result.status == "fail"))
 
 
 def explain(
@@ -204,22 +166,29 @@ def explain(
     from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import explained, load_parts
 
-    robot = load_whole(spec, catalogs, axis)
-    if hasattr(robot, "axes"):
-        from drivesizer.commands.machine import explain_axes
-
-        raise typer.Exit(explain_axes(robot, motor, gearhead, (samples, seed, loop_samples), json))
-    sampling = sampling_of(robot, samples=samples, seed=seed, loop=loop_samples)
-    catalog = load_parts(robot)
-    with working("examining the drive"):
-        found = explained(robot, motor, gearhead, catalog=catalog, sampling=sampling)
+    robot, found = common.load(spec, catalogs, axis), {}
+    several = hasattr(robot, "axes")
+    axes = {one.name: one.result.problem.machine for one in common.sized(robot, 1).axes} if several else {"": robot}
+    for name, one in axes.items():  # of several each has the best drives of the others on it
+        with common.working(f"examining the drive on {name}" if name else "examining the drive"):
+            try:
+                sampling, catalog = sampling_of(one, samples=samples, seed=seed, loop=loop_samples), load_parts(one)
+                found[name] = explained(one, motor, gearhead, catalog=catalog, sampling=sampling)
+            except InputError as error:
+                raise (InputError(f"{name}: {error}") if name else error) from None
     if json:
-        from drivesizer.output.json import documents as json_documents
+        from drivesizer.output.json import documents
 
-        typer.echo(json_documents.as_text(json_documents.explanation(found)))
+        each = {name: documents.explanation(one) for name, one in found.items()}
+        document = {"schema_version": documents.SCHEMA_VERSION, "axes": each} if several else each[""]
+        typer.echo(documents.as_text(document))
+    elif several:
+        from drivesizer.output.terminal.several_axes import machine_explained
+
+        machine_explained(robot.name, found)
     else:
         from drivesizer.output.terminal import sizing as terminal
 
-        terminal.explained(found, catalog)
-        print_notes(found.warnings)
-    raise typer.Exit(0 if any(s.status != "fail" for s in found.sets) else 1)
+        terminal.explained(found[""], catalog)
+        common.print_notes(found[""].warnings)
+    raise typer.Exit(int(all(one.status == "fail" for pair in found.values() for one in pair.sets)))

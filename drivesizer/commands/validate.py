@@ -7,31 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import (
-    DEFAULT,
-    Chosen,
-    Json,
-    More,
-    NothingFitsError,
-    OfAxis,
-    Profile,
-    Spec,
-    file_argument,
-    file_option,
-    load,
-    load_whole,
-    print_notes,
-    progress,
-    simulating,
-    whole_option,
-    working,
-)
-from drivesizer.errors import InputError, quoted
+from drivesizer.commands import common
+from drivesizer.commands.common import DEFAULT, Chosen, Json, More, OfAxis, Profile, Spec, file_argument, file_option
+from drivesizer.errors import InputError, NoLoopError, quoted
 
-__all__ = ["pick"]
-
-
-# -- ``drivesizer validate``.
+__all__ = ["drive", "validate"]
 
 
 def validate(
@@ -47,126 +27,107 @@ def validate(
         str | None, typer.Option(metavar="NAME", help="The load case to simulate; else the hardest.")
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="The best drives of the search, ranked anew.")] = False,
-    top: Annotated[int, whole_option("--top", 5, 1, 100, meaning="How many, with --all; at most 100.")] = 5,
+    top: Annotated[int, common.whole_option("--top", 5, 1, 100, meaning="How many, with --all; at most 100.")] = 5,
     axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
     """Simulate a drive over the profile in closed loop: every demand against its limit."""
-    from drivesizer.output.report import accept
-    from drivesizer.simulate import hardest_case, with_remedies
-    from drivesizer.simulate import validate as validated
-    from drivesizer.sizing import size as sized
+    from drivesizer.output import report as reports
+    from drivesizer.output.json import documents
+    from drivesizer.output.terminal import several_axes, sizing
 
-    robot = load_whole(spec, catalogs, axis)
-    accept([], tables=[csv] if csv else [])
-    if hasattr(robot, "axes"):
-        from drivesizer.commands.machine import validate_axes
-
-        given = {"--set": chosen, "--csv": csv, "--figures": drawings, "--case": case, "--all": everything}
-        raise typer.Exit(validate_axes(robot, given, profile, json))
+    robot = common.load(spec, catalogs, axis)
+    reports.accept([], tables=[csv] if csv else [])
     _known_case(robot, case)
     if everything:
         if chosen or csv or drawings:
             raise InputError("--all: it takes the drives of the search; --set, --csv and --figures are for one of them")
         raise typer.Exit(_all_of(robot, case, profile, top, json))
-    found = pick(robot, chosen)
-    with simulating("simulating the drive in closed loop"):
-        proof = validated(robot, found, profile=profile, load_case=case or hardest_case(robot, found))
-        if proof.status == "fail":
-            proof = with_remedies(proof, robot, sized(robot, top=3).sets, profile=profile)
-    if drawings:
-        from drivesizer.output.report import write_loop_figures
-
-        for path in write_loop_figures(proof, drawings):
-            typer.echo(f"{path} written", err=True)
-    if csv:
-        from drivesizer.output.report import write_series
-
-        write_series(proof, csv)
+    axes, several = common.with_drives(robot, chosen)[0], hasattr(robot, "axes")
+    proofs = _proofs(axes, case, profile)
+    for name, proof in proofs.items():
+        if drawings:
+            folder = drawings.with_name(f"{drawings.name}_{name}") if several else drawings
+            for path in reports.write_loop_figures(proof, folder):
+                typer.echo(f"{path} written", err=True)
+        if csv:
+            reports.write_series(proof, csv.with_name(f"{csv.stem}_{name}{csv.suffix}") if several else csv)
     if json:
-        from drivesizer.output.json import documents as json_documents
-
-        typer.echo(json_documents.as_text(json_documents.validation(proof)))
+        each = {name: documents.validation(proof) for name, proof in proofs.items()}
+        document = {"schema_version": documents.SCHEMA_VERSION, "axes": each} if several else each[""]
+        typer.echo(documents.as_text(document))
+    elif several:
+        several_axes.machine_proofs(robot.name, proofs)
     else:
-        from drivesizer.output.terminal import sizing as terminal
+        sizing.validation(proofs[""])
+        common.print_notes(proofs[""].warnings)
+    raise typer.Exit(int(any(proof.status == "fail" for proof in proofs.values())))
 
-        terminal.validation(proof)
-        print_notes(proof.warnings)
-    raise typer.Exit(1 if proof.status == "fail" else 0)
+
+def _proofs(axes: list[tuple[str, Any, Any]], case: str | None, profile: str | None) -> dict[str, Any]:
+    """The drive of every axis in closed loop; of several without those that cannot be simulated, with a note."""
+    from drivesizer.simulate import hardest_case, validate, with_remedies
+    from drivesizer.sizing import size
+
+    proofs = {}
+    for name, spec, found in axes:
+        with common.simulating(f"simulating {name or 'the drive'} in closed loop"):
+            own = case if case in _cases(spec) else hardest_case(spec, found)
+            try:
+                proof = validate(spec, found, profile=profile, load_case=own)
+                if proof.status == "fail":
+                    proof = with_remedies(proof, spec, size(spec, top=3).sets, profile=profile)
+                proofs[name] = proof
+            except NoLoopError as error:
+                if not name:
+                    raise
+                common.print_notes((f"{name}: not simulated in {'open' if found.steps else 'closed'} loop: {error}",))
+            except InputError as error:
+                if not name:
+                    raise
+                raise InputError(f"{name}: {error}") from None
+    return proofs
+
+
+def _cases(spec: Any) -> list[str]:
+    from drivesizer.load_cases.of_machine import load_cases
+
+    return [case for _, case, _ in load_cases(spec)]
 
 
 def _known_case(robot: Any, name: str | None) -> None:
-    """Refuse a name that none of the spec's load cases has."""
-    from drivesizer.load_cases.of_machine import load_cases
-
-    found = [case for _, case, _ in load_cases(robot)]
-    if name is not None and name not in found:
+    """Refuse a name that no load case has; of several axes those that lack it are simulated in their hardest."""
+    if name is None:
+        return
+    axes = [one.spec for one in robot.axes if not one.is_joint] if hasattr(robot, "axes") else [robot]
+    found = dict.fromkeys(case for spec in axes for case in _cases(spec))
+    if name not in found and not getattr(robot, "robot", None):
         raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
 
 
 def _all_of(robot: Any, case: str | None, profile: str | None, top: int, json: bool) -> int:
-    """The best drives of the search in closed loop, those that pass first; the exit status."""
+    """The best drives of the search in closed loop, of every axis those that pass first; the exit status."""
+    from drivesizer.output.json import documents
+    from drivesizer.output.terminal import sizing as terminal
     from drivesizer.simulate import validate_all
-    from drivesizer.sizing import size as sized
 
-    with progress() as advance:
-        result = sized(robot, top=top, progress=advance)
-    if not result.sets:
-        raise NothingFitsError("no drive meets all limits; `drivesizer size` shows the closest rejected")
-    with simulating("simulating the drives in closed loop"):
-        proofs, notes = validate_all(result, profile=profile, load_case=case)
+    _, result = common.with_drives(robot, None, top)
+    each, failing, several = {}, False, not result.alone
+    for axis in result.axes:
+        with common.simulating("simulating the drives in closed loop"):
+            own = case if case in _cases(axis.spec) else None
+            proofs, notes = validate_all(axis.result, profile=profile, load_case=own)
+        failing |= all(proof.status == "fail" for proof in proofs)
+        each[axis.name] = {"validations": [documents.validation(proof) for proof in proofs]}
+        if not json:
+            if several:
+                typer.echo(f"\n{axis.name}\n")
+            terminal.validations(proofs, axis.result.objective)
+        common.print_notes(tuple(f"{axis.name}: {note}" if several else note for note in notes))
     if json:
-        from drivesizer.output.json import documents as json_documents
-
-        documents = [json_documents.validation(proof) for proof in proofs]
-        typer.echo(json_documents.as_text({"schema_version": json_documents.SCHEMA_VERSION, "validations": documents}))
-    else:
-        from drivesizer.output.terminal import sizing as terminal
-
-        terminal.validations(proofs, result.objective)
-    print_notes(tuple(notes))
-    return 1 if all(proof.status == "fail" for proof in proofs) else 0
-
-
-def pick(robot: Any, chosen: str | None) -> Any:
-    """The drive that an option names by its parts, or the best of the search.
-
-    Parameters
-    ----------
-    robot
-        The spec.
-    chosen
-        MOTOR/GEARHEAD or ACTUATOR; None for the best.
-
-    Returns
-    -------
-    DriveSet
-        The drive.
-
-    Raises
-    ------
-    NothingFitsError
-        When no drive meets all limits.
-    InputError
-        When the option names no parts.
-    """
-    from drivesizer.results.check import GRAVEST
-    from drivesizer.sizing import explain as explained
-    from drivesizer.sizing import size as sized
-
-    if chosen is None:
-        with progress() as advance:
-            result = sized(robot, top=1, progress=advance)
-        if not result.sets:
-            raise NothingFitsError(
-                "no drive meets all limits; `drivesizer size` shows the closest rejected, --set names one to validate"
-            )
-        return result.sets[0]
-    parts = [part.strip() for part in chosen.split("/")]
-    if len(parts) > 2 or not all(parts):
-        raise InputError(f"--set: {quoted(chosen)} is not MOTOR/GEARHEAD or ACTUATOR; expected e.g. 118752/406764")
-    sets = explained(robot, *parts)
-    return min(sets, key=lambda s: (GRAVEST[::-1].index(s.status), s.rank))
+        found = {"axes": each} if several else each[result.axes[0].name]
+        typer.echo(documents.as_text({"schema_version": documents.SCHEMA_VERSION, **found}))
+    return int(failing)
 
 
 # -- ``drivesizer drive``.
@@ -184,7 +145,7 @@ def drive(
     ] = False,
     failed: Annotated[
         list[int] | None,
-        whole_option("--failed", 2, metavar="WHEEL", meaning="A wheel whose motor has failed; may be repeated."),
+        common.whole_option("--failed", 2, metavar="WHEEL", meaning="A wheel whose motor has failed; may be repeated."),
     ] = None,
     csv: Annotated[Path | None, file_option(help="Also write posture, speeds and torques over time.")] = None,
     drawings: Annotated[
@@ -199,7 +160,7 @@ def drive(
 
     if drawings and not follow:
         raise InputError("--figures: it draws what --follow simulates; expected both, or none")
-    robot = load(spec, catalogs)
+    robot = common.load_axis(spec, catalogs)
     accept([], tables=[csv] if csv else [])
     on_path = with_trajectory(robot, trajectory, failed or ())
     found = driving(on_path)
@@ -220,7 +181,7 @@ def drive(
 
         terminal_driving.driven(found, one, runs, speeds)
         if not one:
-            print_notes(("no drive meets all limits for the spec's own motion; see `drivesizer size`",))
+            common.print_notes(("no drive meets all limits for the spec's own motion; see `drivesizer size`",))
     raise typer.Exit(0 if one and one.status != "fail" else 1)
 
 
@@ -228,7 +189,7 @@ def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     """Simulate the runs along the path, and draw them where a folder is given."""
     from drivesizer.control.path_following.runs import drawn, follow_runs
 
-    with working("simulating the platform on its path"):
+    with common.working("simulating the platform on its path"):
         runs = follow_runs(found, one)
     if drawings:
         from drivesizer.output.report import write_path
@@ -238,30 +199,23 @@ def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     return runs
 
 
-def _drive_on_path(robot: Any, on_path: Any, chosen: str | None) -> Any:
+def _drive_on_path(robot: Any, on_path: Any, chosen: list[str] | None) -> Any:
     """The drive with its checks on the path: named by its parts, or the best for the spec's own motion; or None."""
-    from drivesizer.sizing import explain, size
+    from drivesizer.catalog.view.mounted import OWN
+    from drivesizer.sizing import explain
 
     if chosen:
-        return pick(on_path, chosen)
-    with progress() as advance:
-        best = size(robot, top=1, progress=advance).sets
-    if not best or (robot.motion == on_path.motion and robot.platform == on_path.platform):
-        return best[0] if best else None
-    motor, gearhead = (best[0].actuator or best[0].motor).part, best[0].gearhead.part
-    return next(
-        s for s in explain(_with_parts_of(best[0], on_path), motor, gearhead) if s.belt_ratio == best[0].belt_ratio
-    )
-
-
-def _with_parts_of(best: Any, on_path: Any) -> Any:
-    """The spec of the path, with encoder, controller and brake of a drive as the only ones to choose from."""
-    from drivesizer.catalog.view.mounted import OWN
-
+        return common.with_drives(on_path, chosen)[0][0][2]
+    sets = common.sized(robot, 1).axes[0].result.sets
+    if not sets or (robot.motion == on_path.motion and robot.platform == on_path.platform):
+        return sets[0] if sets else None
+    best = sets[0]
     parts = {role: getattr(best, role) for role in ("encoder", "controller", "brake")}
-    pinned = {
+    pinned = {  # the only ones to choose from
         role: getattr(on_path.select, role).model_copy(update={"family": None, "part": [part.part]})
         for role, part in parts.items()
         if part is not None and part.family != OWN and not getattr(part, "inside", "")
     }
-    return on_path.alone(select=on_path.select.model_copy(update=pinned))
+    spec = on_path.alone(select=on_path.select.model_copy(update=pinned))
+    found = explain(spec, (best.actuator or best.motor).part, best.gearhead.part)
+    return next(one for one in found if one.belt_ratio == best.belt_ratio)

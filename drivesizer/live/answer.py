@@ -376,36 +376,42 @@ def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 def export(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """The best drive as ``drivesizer export`` writes it, a platform whole; several files come as one archive."""
-    from drivesizer.output.export import FORMATS
-    from drivesizer.output.export.machine import machine_export, write_machine
-    from drivesizer.output.export.platform import write_drive
+    from drivesizer.output import export as exports
 
     form = str(request["form"])
-    if form not in FORMATS:
-        raise InputError(f"{quoted(form)} is not known; expected {', '.join(FORMATS)}")
-    result = whole(held, text_of(held, request), top=1)
+    if form not in exports.FORMATS:
+        raise InputError(f"{quoted(form)} is not known; expected {', '.join(exports.FORMATS)}")
+    result, bodies = whole(held, text_of(held, request), top=1), exports.FORMATS[form].bodies
+    if hasattr(result, "axes"):
+        if any(one.best is None for one in result.axes):
+            raise InputError("an axis has no drive that meets all limits; nothing to export")
+        of = exports.machine_export(result, one_rate=form == "ros2_control", bodies=bodies)
+    elif not result.sets:
+        raise InputError("no drive meets all limits; nothing to export")
+    elif result.spec.platform is not None and bodies:
+        of = exports.platform_alone(exports.platform_export(result.spec, result.sets[0]))
+    else:
+        of = exports.one_axis(exports.export_of(result.spec, result.sets[0]))
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"drive{FORMATS[form].suffixes[0]}"
-        if hasattr(result, "axes"):
-            if any(one.best is None for one in result.axes):
-                raise InputError("an axis has no drive that meets all limits; nothing to export")
-            write_machine(machine_export(result, one_rate=form == "ros2_control"), form, path)
-        elif not result.sets:
-            raise InputError("no drive meets all limits; nothing to export")
-        else:
-            write_drive(result.spec, result.sets[0], form, path)
+        path = Path(folder) / f"drive{exports.FORMATS[form].suffixes[0]}"
+        exports.write(of, form, path)
         yield _together(Path(folder), path)
 
 
 def _proven(held: EngineMemory, request: Piece) -> tuple[Any, Any]:
     """The sizing, and the closed loop of the best drive, or of each axis."""
-    from drivesizer.commands.common import proven, proven_axes
+    from drivesizer.commands.common import proven
+    from drivesizer.results.machine import of_one_axis
+
+    def looped() -> tuple[Any, Any]:
+        if hasattr(result, "axes"):
+            return proven(result)
+        found, proofs = proven(of_one_axis(result))
+        return found.axes[0].result, next(iter(proofs.values()), None)
 
     text = text_of(held, request)
     result = whole(held, text, front=True)
-    found: tuple[Any, Any] = held.keep(
-        json.dumps(["proven", text]), lambda: proven_axes(result) if hasattr(result, "axes") else proven(result)
-    )
+    found: tuple[Any, Any] = held.keep(json.dumps(["proven", text]), looped)
     return found
 
 

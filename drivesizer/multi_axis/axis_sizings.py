@@ -282,6 +282,7 @@ class Options(NamedTuple):
 
     top: int
     objective: Ranking | None
+    pareto: tuple[str, ...]
     progress: Progress | None
     sampling: SamplingOf
     brief: bool
@@ -415,8 +416,8 @@ class AxisSizings:
         objective = self.objective(axis)
         rides = any(axis in self.machine.carried(other.name) for other in self.machine.axes)
         if not rides or not isinstance(objective, str) or objective not in SUMMED:
-            return ()
-        return tuple(dict.fromkeys((objective, "mass")))
+            return self.how.pareto
+        return tuple(dict.fromkeys((*self.how.pareto, objective, "mass")))
 
     def _parts(self, spec: RobotSpec) -> Catalog:
         """The catalogues of an axis, those of the same choice once."""

@@ -54,6 +54,7 @@ def size_machine(
     *,
     top: int = 5,
     objective: Ranking | None = None,
+    pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     sampling: SamplingOf = sampling_of,
     brief: bool = False,
@@ -66,7 +67,7 @@ def size_machine(
     ----------
     machine
         Its axes, and what they share.
-    top, objective, progress
+    top, objective, pareto, progress
         As of ``size``, for every axis.
     sampling
         How drives of an axis are sampled for their tolerances.
@@ -85,7 +86,7 @@ def size_machine(
     InputError
         As ``size`` does.
     """
-    sizings = AxisSizings(machine, Options(top, objective, progress, sampling, brief, parts, torques))
+    sizings = AxisSizings(machine, Options(top, objective, pareto, progress, sampling, brief, parts, torques))
     machine = sizings.machine
     carried = {axis.name: tuple(machine.carried(axis.name)) for axis in machine.axes}
 

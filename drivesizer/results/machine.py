@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import fsum, isnan, nan
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,14 @@ from drivesizer.results.check import Check, Figure, Reliability, Status, verdict
 from drivesizer.results.drive_set import BrakingBudget, DriveSet, EnergyBudget
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.drive import OBJECTIVES
-from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
+
+if TYPE_CHECKING:
+    from drivesizer.spec.machine import MachineSpec
 
 __all__ = [
     "SUMMED", "AxisSizing", "CarriedMass", "Course", "Exceeded", "MachinePower", "MachineSizing", "objective_sum",
+    "of_one_axis",
 ]  # fmt: skip
 
 
@@ -144,7 +147,7 @@ class AxisSizing:
 class MachineSizing:
     """A machine: its axes in the order of the file, and the machine's own checks."""
 
-    machine: MachineSpec
+    machine: MachineSpec  # of one axis the spec itself, which has name and file too
     axes: tuple[AxisSizing, ...]
     objective: str
     searches: int  # sizings of single axes that were made
@@ -152,6 +155,11 @@ class MachineSizing:
     notes: tuple[str, ...]  # how the drives were chosen, as sentences
     checks: tuple[Check, ...] = ()  # of the supply, battery and budget of all axes together
     power: MachinePower | None = None  # of all axes on the supply; None of one axis, or where one has no drive
+
+    @property
+    def alone(self) -> SizingResult | None:
+        """The sizing of the axis of a machine that has no other; None of several."""
+        return None if hasattr(self.machine, "axes") else self.axes[0].result
 
     @property
     def status(self) -> Status:
@@ -182,3 +190,10 @@ class MachineSizing:
             return nan
         found = [objective_sum(self.objective, one.best, one.drives) if one.best else nan for one in self.axes]
         return nan if any(map(isnan, found)) else fsum(found)
+
+
+def of_one_axis(result: SizingResult) -> MachineSizing:
+    """A machine of one axis."""
+    axis = AxisSizing(name=result.spec.name, result=result, carried=())
+    machine = cast("MachineSpec", result.spec)
+    return MachineSizing(machine=machine, axes=(axis,), objective=result.objective, searches=1, certain=False, notes=())

@@ -18,12 +18,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from exports import rendered
 from specs import poorer
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.export import export_of
 from drivesizer.output.export.common import torque_law
-from drivesizer.output.export.mjcf import render
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
@@ -73,7 +73,7 @@ def asked(model, time):
 
 def driven(export, model=None, seconds=None, weight=0.0):
     """Time, motor speed and current in MuJoCo, by the inputs that the file's remarks tell."""
-    model = model or mujoco.MjModel.from_xml_string(render(export).decode())
+    model = model or mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
     data, K, law = mujoco.MjData(model), export.train.ratio, torque_law(export)
     end = seconds or model.numeric("cycle_time").data[-1]
     time = np.arange(round(end / model.opt.timestep)) * model.opt.timestep
@@ -104,7 +104,7 @@ def test_the_whole_cycle_of_the_robot(sps, proof):
     """244 s, in steps of a control period: speeding up, cruising, and what is late."""
     spec, found = sps
     export = export_of(spec, found)
-    model = mujoco.MjModel.from_xml_string(render(export).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
     model.opt.timestep = export.period
     run = driven(export, model)
     assert proof.series["motor_speed"].max() > 580.0 and proof.series["current"].max() > 1.8
@@ -121,7 +121,7 @@ def test_the_file_s_own_step(sps, proof):
     worst, rms = compared(proof, driven(export, seconds=3.0), 0.0, 3.0)
     assert worst[0] < 0.12 and rms[0] < 0.016  # rad/s
     assert worst[1] < 0.11 and rms[1] < 0.006  # A
-    model = mujoco.MjModel.from_xml_string(render(export).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
     model.opt.timestep *= 4
     assert compared(proof, driven(export, model, seconds=3.0), 0.0, 3.0)[1, 0] > 2.5 * rms[0]
 
@@ -135,7 +135,7 @@ def test_what_braking_takes_too_much(sps, proof):
     own = train.motor_inertia * train.ratio * 0.75 / train.radius - train.friction
     simulated = -(torque * train.efficiency / train.ratio + own) / train.torque_constant
     theirs = -(torque / train.efficiency / train.ratio + own) / train.torque_constant
-    model = mujoco.MjModel.from_xml_string(render(export).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
     model.opt.timestep = export.period
     time, _, current = driven(export, model)
     assert np.interp(243.0, s["time"], s["current"]) == pytest.approx(simulated, abs=2e-3)
@@ -148,7 +148,7 @@ def test_braking_by_the_rule_of_the_remarks(servo):
     spec, found = servo
     export = export_of(spec, found)
     train = export.train
-    model = mujoco.MjModel.from_xml_string(render(export).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
     model.opt.timestep = export.period
     current = repeated(export, model, 1)[1][round(7.0 / export.period) - 1]
     torque = train.load_inertia * 0.75 / 0.0762 - 0.02 * 45.0 / 4 * 9.80665 * 0.0762  # N*m that comes back
@@ -174,7 +174,7 @@ def test_an_arm_under_gravity_lifted_and_lowered(way):
     spec = read_spec(YamlSource(ARM, "arm.yaml"))
     (found, *_) = explain(spec, "110940", "166175")
     export = export_of(spec, found)
-    model = mujoco.MjModel.from_xml_string(render(export).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
     data, law, K, e, k = mujoco.MjData(model), torque_law(export), export.train.ratio, 0.6, 25.5e-3
     data.qpos[0], speed = (0.0 if way > 0 else 2.1), 0.6 * way
     at, current = [], []
@@ -224,7 +224,7 @@ def test_the_current_s_limit_holds(servo):
 def test_every_figure_of_the_motor_arrives(sps):
     """MuJoCo's own parameters, against the data sheet of RE 25 118752."""
     spec, found = sps
-    model = mujoco.MjModel.from_xml_string(render(export_of(spec, found)).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export_of(spec, found), "mjcf").decode())
     motor = model.actuator("motor")
     assert motor.gear[0] == pytest.approx(3249 / 121 * 1.1, rel=1e-11)
     assert np.allclose(motor.forcerange, [-0.0234 * 15.0, 0.0234 * 15.0])
@@ -235,7 +235,7 @@ def test_every_figure_of_the_motor_arrives(sps):
 def test_a_free_motor_runs_up_as_its_time_constant_says(sps):
     """The file on plain voltage, as its remark says: R J / k^2 with all inertia, and the no-load speed."""
     spec, found = sps
-    root = ET.fromstring(render(export_of(spec, found)).decode())
+    root = ET.fromstring(rendered(export_of(spec, found), "mjcf").decode())
     motor = root.find("actuator/dcmotor")
     motor.attrib.pop("controller")
     motor.set("input", "voltage")
@@ -257,7 +257,7 @@ def test_torque_by_current_and_voltage_by_speed_may_differ(sps):
     k_t, k_e = 19.8e-3, 25e-3
     train = replace(export.train, torque_constant=k_t, back_emf_constant=k_e, friction=0.0, load_inertia=1e-3,
                     forward_torque=0.0, backward_torque=0.0, rest_torque=0.0)  # fmt: skip
-    root = ET.fromstring(render(replace(export, train=train)).decode())
+    root = ET.fromstring(rendered(replace(export, train=train), "mjcf").decode())
     motor = root.find("actuator/dcmotor")
     limit = float(motor.get("controller").split()[-1]) / export.voltage
     motor.attrib.pop("controller")
@@ -278,7 +278,7 @@ def test_a_weight_and_the_load_over_time_pull(sps):
     spec, found = sps
     export = export_of(spec, found)
     heavy = replace(export, train=replace(export.train, forward_torque=1.168, backward_torque=0.832, rest_torque=1.0))
-    model = mujoco.MjModel.from_xml_string(render(heavy).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(heavy, "mjcf").decode())
     data = mujoco.MjData(model)
     for more in (0.0, 0.5):
         data.ctrl[3] = more
@@ -298,9 +298,11 @@ def test_the_winding_warms(servo):
     spec, found = servo
     warm = replace(found, motor=replace(found.motor, winding_time_constant=12.4, motor_time_constant=910.0))
     export = export_of(spec, warm)
-    thermal = [float(x) for x in ET.fromstring(render(export)).find("actuator/dcmotor").get("thermal").split()]
+    thermal = [
+        float(x) for x in ET.fromstring(rendered(export, "mjcf")).find("actuator/dcmotor").get("thermal").split()
+    ]
     assert thermal[:5] == pytest.approx([3.1, 12.4 / 3.1, 0.0, 0.0039, 25.0])
-    model = mujoco.MjModel.from_xml_string(render(export).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
     model.opt.timestep = export.period
     speed, current, rise = repeated(export, model, 8)
     exact = for_ever(export.period, current**2, 23.4e-3 * 36.9e-3 * np.abs(speed))

@@ -20,7 +20,7 @@ from drivesizer.commands import ends
 from drivesizer.errors import InputError
 from drivesizer.files.cache import keep
 from drivesizer.files.writing import check_targets, new, write_files
-from drivesizer.output.export.fmu import render as render_fmu
+from drivesizer.output.export import files, one_axis
 from drivesizer.output.terminal.tables import console
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="devices, pipes and signals of another kind")
@@ -246,9 +246,10 @@ def test_an_import_is_written_before_its_reader_can_go_away(run, monkeypatch):
 
 def test_an_fmu_in_a_year_that_zip_files_do_not_know_is_one_line(monkeypatch):
     monkeypatch.setattr("time.time", lambda: 86_400.0)
-    drive = SimpleNamespace(stepper=False, train=SimpleNamespace(motor_inertia=1e-6))
+    train = SimpleNamespace(motor_inertia=1e-6)
+    drive = SimpleNamespace(name="x", gravity=9.81, stepper=False, train=train)
     with pytest.raises(InputError, match="no dates before 1980; set this machine's clock"):
-        render_fmu(drive)
+        files(one_axis(drive), "fmu", Path("drive.fmu"))
 
 
 @pytest.mark.slow

@@ -106,10 +106,12 @@ def test_no_drive_is_said_with_the_axis(leg: Path, capsys: pytest.CaptureFixture
     ("words", "said"),
     [
         (("explain", "LEG", "--motor", "1"), 'hip: motor "1" is in no catalogue'),
-        (("export", "LEG", "--format", "fmu", "-o", "x.fmu"), "fmu is of a single axis"),
+        (("export", "LEG", "--format", "urdf", "-o", "x.urdf", "--set", "1/2"), '--set: "1/2" names no axis'),
+        (("export", "LEG", "--format", "urdf", "-o", "x.urdf", "--wheel", "1"), "--wheel: it is of a single axis"),
         (("size", "LEG", "--axis", "ankle"), 'there is no axis "ankle"; expected hip'),
-        (("size", "LEG", "--pareto", "mass,price"), "--pareto: it is of a single axis"),
-        (("validate", "LEG", "--all"), "--all: it is of a single axis"),
+        (("size", "LEG", "--pareto", "mass"), "--pareto: "),
+        (("validate", "LEG", "--case", "late"), '--case: "late" is not known'),
+        (("validate", "LEG", "--set", "ankle=1/2"), 'there is no axis "ankle"; expected hip'),
         (("size", "examples/sps_robot.yaml", "--axis", "x"), "has no axes"),
     ],
 )
@@ -117,3 +119,20 @@ def test_what_is_of_one_axis_is_refused_in_one_line(words: tuple[str, ...], said
     with pytest.raises(InputError) as error:
         called(*(leg if word == "LEG" else word for word in words))
     assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_options_of_one_axis_hold_for_several(leg: Path, tmp_path: Path) -> None:
+    """Front, other method and derivation, named drives, all drives in closed loop, series and figures of each."""
+    status, text = called("size", leg, "--pareto", "mass,price", "--checks", "--derivation")
+    assert status == 0 and all(text.count(word) >= 2 for word in ("Pareto front", "hip", "knee"))
+    front = json.loads(called("size", leg, "--json", "--pareto", "mass,price")[1])["axes"]["knee"]["sizing"]["pareto"]
+    assert {"mass", "price"} <= {*front["objectives"]} and front["sets"]
+    every = json.loads(called("validate", leg, "--all", "--top", 2, "--json")[1])["axes"]
+    assert [len(every[axis]["validations"]) for axis in ("hip", "knee")] == [2, 2]
+    other = every["knee"]["validations"][1]["set"]
+    named = f"knee={other['motor']['part']}/{other['gearhead']['part']}"
+    words = "--set", named, "--json", "--csv", tmp_path / "loop.csv", "--figures", tmp_path / "figures"
+    text = called("validate", leg, *words)[1]
+    assert json.loads(text[text.index("{") :])["axes"]["knee"]["set"]["motor"]["part"] == other["motor"]["part"]
+    assert sorted(path.name for path in tmp_path.glob("*.csv")) == ["loop_hip.csv", "loop_knee.csv"]
+    assert all(list((tmp_path / f"figures_{axis}").iterdir()) for axis in ("hip", "knee"))

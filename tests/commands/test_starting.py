@@ -62,7 +62,7 @@ def test_an_existing_file_is_told_before_anything_is_asked(told):
 
 def test_size_without_a_spec_asks_and_goes_on(told, monkeypatch):
     seen = []
-    monkeypatch.setattr(sizing, "load_whole", lambda path, *_: seen.append(path.read_text(encoding="utf-8")) or 1 / 0)
+    monkeypatch.setattr(sizing.common, "load", lambda path, *_: seen.append(path.read_text(encoding="utf-8")) or 1 / 0)
     with pytest.raises(ZeroDivisionError):
         CliRunner().invoke(app, ["size"], input="fan\n" + "\n" * 20, catch_exceptions=False)
     assert "kind: fan" in seen[0]

@@ -13,6 +13,7 @@ import control
 import numpy as np
 import pytest
 import yaml
+from exports import rendered
 from scipy.linalg import expm
 
 from drivesizer.control.drive_train import Regime, drive_train, modes
@@ -21,7 +22,7 @@ from drivesizer.control.gains import CascadeRequirements, design, design_cascade
 from drivesizer.control.loop_design import analyse, designed
 from drivesizer.control.validation import Rates, rates
 from drivesizer.errors import InputError
-from drivesizer.output.export import export_of, ros2_control
+from drivesizer.output.export import export_of
 from drivesizer.physics.counted_speed import Counts
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
@@ -219,7 +220,7 @@ def test_an_elastic_shaft_and_its_backlash_slow_the_loop(spec, chosen):
 def test_gains_for_ros2_control_are_stable_at_the_rate_that_the_file_states(spec, chosen, rate):
     """J dw/dt = torque, the law of the file, each torque a period after its sample."""
     made = export_of(controlled(spec, rate=rate), chosen)
-    stated = yaml.safe_load(ros2_control.controllers(made))
+    stated = yaml.safe_load(rendered(made, "ros2_control", True))
     law = stated["velocity_controller"]["ros__parameters"]["gains"]["shaft"]
     T = 1.0 / stated["controller_manager"]["ros__parameters"]["update_rate"]
     train = made.train

@@ -22,6 +22,7 @@ from drivesizer.live.held import EngineMemory, StoppedError
 from drivesizer.output.derivation import margin
 from drivesizer.output.json import documents
 from drivesizer.output.report import write
+from drivesizer.results.machine import of_one_axis
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 
@@ -156,8 +157,8 @@ def test_drives_side_by_side_are_those_of_explain() -> None:
 
 def test_files_are_those_of_the_command_line(tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(PROVEN, encoding="utf-8")
-    result, proof = proven(size(load_spec(tmp_path / "robot.yaml"), top=10, pareto=FRONT))
-    write(result, proof, [tmp_path / "report.csv"])
+    found, proofs = proven(of_one_axis(size(load_spec(tmp_path / "robot.yaml"), top=10, pareto=FRONT)))
+    write(found.alone, *proofs.values(), [tmp_path / "report.csv"])
     made = base64.b64decode(one("report", PROVEN, form="csv")["content"])
     assert made == (tmp_path / "report.csv").read_bytes()
     assert one("report", PROVEN, form="exe")["kind"] == "wrong"

@@ -18,13 +18,14 @@ import fmpy
 import numpy as np
 import pint
 import pytest
+from exports import rendered
 from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
 from specs import poorer
 
 from drivesizer.errors import InputError
 from drivesizer.output.export import export_of
-from drivesizer.output.export.fmu import _UNITS, parameters, render
+from drivesizer.output.export.fmu import _UNITS, parameters
 from drivesizer.output.export.fmu_motor import FIGURES, INPUTS, OUTPUTS, Drive
 from drivesizer.sizing import explain, size
 
@@ -48,7 +49,7 @@ def export(spec, found):
 @pytest.fixture(scope="module")
 def fmu(export, tmp_path_factory):
     path = tmp_path_factory.mktemp("fmu") / "drive.fmu"
-    path.write_bytes(render(export))
+    path.write_bytes(rendered(export, "fmu"))
     return path
 
 
@@ -124,7 +125,7 @@ def test_two_sets_in_one_process(spec, fmu, tmp_path):
     """RE 25 118752 and RE 30 310009 side by side, unloaded at 12 V: (U - R I_0) / k_t of each data sheet."""
     other = tmp_path / "drive.fmu"
     (heavy, *_) = explain(spec, "310009", "166936")
-    other.write_bytes(render(export_of(spec, heavy)))
+    other.write_bytes(rendered(export_of(spec, heavy), "fmu"))
     free = {fmu: (12.0 - 2.32 * 0.0369) / 23.4e-3, other: (12.0 - 2.45 * 0.0786) / 53.8e-3}  # rad/s: 509.2, 219.5
     for order in ((fmu, other), (other, fmu)):
         ran = subprocess.run([sys.executable, "-c", TOGETHER, *order], capture_output=True, text=True, check=True)
@@ -239,7 +240,7 @@ def test_the_winding_warms_to_where_heat_is_carried_off(spec, found):
     rise = 17.1 * R * drive.current**2  # the resistance at 25 degC
     assert drive.winding_temperature - 298.15 == pytest.approx(rise / (1.0 - 0.0039 * rise), rel=1e-3)
     assert drive.current == pytest.approx(1.0 / (R * (1.0 + 0.0039 * (drive.winding_temperature - 298.15))), rel=1e-6)
-    described = zipfile.ZipFile(io.BytesIO(render(warm))).read("modelDescription.xml").decode()
+    described = zipfile.ZipFile(io.BytesIO(rendered(warm, "fmu"))).read("modelDescription.xml").decode()
     assert 'name="winding_temperature"' in described and 'unit="K"' in described
 
 
@@ -280,7 +281,7 @@ def test_every_unit_is_defined_with_its_own_dimensions():
 
 def test_nothing_of_the_packing_stays(export):
     path, modules = list(sys.path), set(sys.modules)
-    render(export)
+    rendered(export, "fmu")
     assert sys.path == path
     assert not {name for name in set(sys.modules) - modules if name.split(".")[0] != "pythonfmu"}
 
@@ -295,4 +296,4 @@ def test_without_pythonfmu_it_is_one_line(export, monkeypatch):
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(InputError, match=r"pip install 'drivesizer\[fmu\]'"):
-        render(export)
+        rendered(export, "fmu")

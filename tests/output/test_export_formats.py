@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 import yaml
 import yourdfpy
+from exports import rendered
 from specs import poorer
 
 from drivesizer.control.validation import Cascade
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.export import FORMATS, accept, export_of, files, mjcf, ros2_control, sdf, urdf, write
+from drivesizer.output.export import FORMATS, accept, export_of, files, one_axis, write
 from drivesizer.output.export.common import torque_law
-from drivesizer.output.export.json_document import document, export_schema, render
+from drivesizer.output.export.json_document import document, export_schema
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec, read_spec
 
@@ -137,7 +138,7 @@ def test_viscous_friction_goes_by_the_square(spec, found):
 
 
 def test_urdf_by_another_s_reader(export):
-    robot = yourdfpy.URDF.load(io.BytesIO(urdf.render(export)), build_scene_graph=False, load_meshes=False)
+    robot = yourdfpy.URDF.load(io.BytesIO(rendered(export, "urdf")), build_scene_graph=False, load_meshes=False)
     assert robot.validate(), robot.errors
     joint, link = robot.robot.joints[0], robot.robot.links[1]
     assert (joint.name, joint.type, joint.parent, joint.child) == ("shaft", "continuous", "base", "load")
@@ -146,7 +147,7 @@ def test_urdf_by_another_s_reader(export):
     )
     assert float(joint.dynamics.friction) == pytest.approx(export.friction)
     assert link.inertial.inertia[2, 2] == pytest.approx(export.inertia)
-    reduction = ET.fromstring(urdf.render(export)).find("transmission/actuator/mechanicalReduction").text
+    reduction = ET.fromstring(rendered(export, "urdf")).find("transmission/actuator/mechanicalReduction").text
     assert float(reduction) == pytest.approx(K)  # yourdfpy leaves transmissions aside
 
 
@@ -165,10 +166,10 @@ def test_a_limit_that_is_unknown_has_no_place_in_urdf(spec, found):
     nan = math.nan
     slow = export_of(spec, found)
     none = replace(slow, limits=slow.limits._replace(peak_torque=slow.limits.peak_torque._replace(value=nan, by="")))
-    for make in (urdf.render, ros2_control.render):
+    for form in ("urdf", "ros2_control"):
         with pytest.raises(InputError, match="no limit of torque of RE 25 118752"):
-            make(none)
-    assert ET.fromstring(sdf.render(none)).find(".//limit/effort") is None  # SDF may leave it out
+            rendered(none, form)
+    assert ET.fromstring(rendered(none, "sdf")).find(".//limit/effort") is None  # SDF may leave it out
 
 
 SDF = {  # element: what stands below it, as sdformat 1.7 describes it
@@ -180,7 +181,7 @@ SDF = {  # element: what stands below it, as sdformat 1.7 describes it
 
 
 def test_sdf_has_the_structure_of_its_specification(export):
-    root = ET.fromstring(sdf.render(export))
+    root = ET.fromstring(rendered(export, "sdf"))
     for element in root.iter():
         below, without = [child.tag for child in element], element.get("name") in ("base", "stand")
         wanted = set(SDF.get(element.tag, ()))
@@ -203,9 +204,9 @@ def remarks(raw):
     return [e.text for e in ET.fromstring(raw, parser=parser).iter() if e.tag is ET.Comment]
 
 
-@pytest.mark.parametrize("make", [urdf.render, sdf.render, ros2_control.render])
-def test_a_file_says_which_limit_it_has_and_why(make, export):
-    said = " ".join(remarks(make(export)))
+@pytest.mark.parametrize("form", ["urdf", "sdf", "ros2_control"])
+def test_a_file_says_which_limit_it_has_and_why(form, export):
+    said = " ".join(remarks(rendered(export, form)))
     assert "effort is the peak torque, 3.344 N*m (gearhead, intermittent torque)" in said
     assert f"continuous torque, {export.limits.continuous_torque.value:.5g} N*m (motor, nominal current)" in said
     assert "unknown: motor, permissible speed" in said and "weight" not in said
@@ -215,10 +216,10 @@ def test_what_is_left_out_is_said(export):
     train = replace(export.train, forward_torque=3.0, backward_torque=2.0)
     cycle = replace(export.cycle, load_time=(0.0, 1.0), load_torque=(0.0, 1.0))
     rich = replace(export, train=train, cycle=cycle, elastic=True)
-    said = " ".join(remarks(urdf.render(rich)))
+    said = " ".join(remarks(rendered(rich, "urdf")))
     assert "a torque of 2.5 N*m against forward motion" in said
     assert "torque of the load over time" in said and "elastic shaft" in said
-    assert "elastic shaft" in " ".join(remarks(mjcf.render(rich)))
+    assert "elastic shaft" in " ".join(remarks(rendered(rich, "mjcf")))
     assert rich.load_friction == 0.5
 
 
@@ -227,7 +228,7 @@ def test_what_is_left_out_is_said(export):
 
 def test_gains_of_ros2_control_close_the_loop_that_was_designed(export):
     """By hand: the voltage PI and the motor's own back-EMF, as torque at the shaft per speed of it."""
-    made = yaml.safe_load(ros2_control.controllers(export))
+    made = yaml.safe_load(rendered(export, "ros2_control", True))
     gains = made["velocity_controller"]["ros__parameters"]["gains"]["shaft"]
     c = export.controller
     for w_r, w, angle in ((3.0, 2.0, 0.1), (0.0, 1.0, -0.2)):  # rad/s and rad of the shaft, 'angle' the summed error
@@ -253,7 +254,7 @@ DECLARED = {"2.54.0": HUMBLE, "4.42.1": SINCE | {"antiwindup"}, "5.17.0": SINCE,
 @pytest.mark.parametrize("version", DECLARED)
 def test_every_version_of_ros2_controllers_finds_its_names(export, version):
     """What a version does not declare it passes over; what it needs for the integral to work and be held is there."""
-    made = yaml.safe_load(ros2_control.controllers(export))
+    made = yaml.safe_load(rendered(export, "ros2_control", True))
     own = made["velocity_controller"]["ros__parameters"]
     gains = set(own["gains"]["shaft"])
     assert gains <= set().union(*DECLARED.values())
@@ -266,7 +267,7 @@ def test_every_version_of_ros2_controllers_finds_its_names(export, version):
 
 
 def test_the_block_of_ros2_control(export):
-    root = ET.fromstring(ros2_control.render(export))
+    root = ET.fromstring(rendered(export, "ros2_control"))
     block = root.find("ros2_control")
     assert block.get("type") == "system" and block.find("hardware/plugin").text == "mock_components/GenericSystem"
     names = {e.get("name"): {p.get("name"): float(p.text) for p in e} for e in block.iter("command_interface")}
@@ -277,7 +278,7 @@ def test_the_block_of_ros2_control(export):
 
 def test_a_position_loop_has_no_place_in_a_velocity_controller(export):
     with pytest.raises(InputError, match=r"leave control\.position out"):
-        ros2_control.controllers(replace(export, controller=CASCADE))
+        rendered(replace(export, controller=CASCADE), "ros2_control", True)
 
 
 # --- the torque law
@@ -314,7 +315,7 @@ def test_the_document_obeys_its_schema(export, spec, found):
         replace(export, controller=CASCADE),
         export_of(spec, fitted(found, controller={"peak_current": math.nan})),
     ):
-        made = json.loads(render(one))
+        made = json.loads(rendered(one, "json"))
         jsonschema.Draft202012Validator(export_schema()).validate(made)
     assert made["controller_limits"]["peak_current"]["value"] is None
     made["drive"].pop("ratio")
@@ -344,20 +345,20 @@ def test_the_document_has_every_gain_and_figure_with_its_unit(export):
 def test_no_name_is_markup(name, export):
     """A user's name, whatever it is: well-formed XML with nothing in it that was not there, and YAML that is read."""
     odd = replace(export, name=name, label=f"{name}{name}", said=(name,))
-    for make in (mjcf.render, urdf.render, sdf.render, ros2_control.render):
-        plain, made = ET.fromstring(make(export)), ET.fromstring(make(odd))
+    for form in ("mjcf", "urdf", "sdf", "ros2_control"):
+        plain, made = ET.fromstring(rendered(export, form)), ET.fromstring(rendered(odd, form))
         assert [e.tag for e in made.iter()] == [e.tag for e in plain.iter()]
-    assert yaml.safe_load(ros2_control.controllers(odd)) == yaml.safe_load(ros2_control.controllers(export))
-    assert "\\x00" in ET.fromstring(mjcf.render(replace(export, name="a\x00"))).get("model")
-    json.loads(render(odd))
+    assert yaml.safe_load(rendered(odd, "ros2_control", True)) == yaml.safe_load(rendered(export, "ros2_control", True))
+    assert "\\x00" in ET.fromstring(rendered(replace(export, name="a\x00"), "mjcf")).get("model")
+    json.loads(rendered(odd, "json"))
 
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_the_same_set_gives_the_same_bytes(form, spec, found, tmp_path):
     path = tmp_path / f"drive{FORMATS[form].suffixes[0]}"
-    one, other = (files(export_of(spec, found), form, path) for _ in range(2))
+    one, other = (files(one_axis(export_of(spec, found)), form, path) for _ in range(2))
     assert one == other and set(one) >= {path}
-    assert write(export_of(spec, found), form, path) == list(one)
+    assert write(one_axis(export_of(spec, found)), form, path) == list(one)
     assert all(p.read_bytes() == content for p, content in one.items())
 
 
@@ -383,8 +384,8 @@ def test_every_format_takes_loads_that_hang(kind):
     spec = read_spec(YamlSource(f"name: {kind}\n{LOADS[kind]}, {motion}", "x.yaml"))
     export = export_of(spec, size(spec, top=1).sets[0])
     assert export.weight > 0.5  # N*m
-    for make in (mjcf.render, urdf.render, sdf.render, ros2_control.render):
-        ET.fromstring(make(export))
+    for form in ("mjcf", "urdf", "sdf", "ros2_control"):
+        ET.fromstring(rendered(export, form))
     assert not export.cycle.load_time and (export.lever is not None) == (kind == "arm")
     if kind == "hoist":
         assert export.weight == pytest.approx(20.0 * 9.80665 * 0.03)
@@ -401,7 +402,7 @@ def test_a_platform_s_joint_has_the_friction_of_its_wheel(example):
     spec = load_spec(example.with_name("sps_platform.yaml"))
     export = export_of(spec, size(spec, top=1).sets[0])
     assert export.load_friction == pytest.approx(ROLLING)
-    dynamics = ET.fromstring(urdf.render(export)).find("joint/dynamics")
+    dynamics = ET.fromstring(rendered(export, "urdf")).find("joint/dynamics")
     train = export.train
     assert float(dynamics.get("friction")) == pytest.approx(ROLLING + train.friction * train.ratio * train.efficiency)
 
@@ -420,7 +421,7 @@ def test_a_lever_hangs_in_urdf_and_sdf_as_it_does_in_the_machine():
     mujoco = pytest.importorskip("mujoco")
     spec = read_spec(YamlSource(TABLE, "x.yaml"))
     export = export_of(spec, size(spec, top=1).sets[0])
-    model = mujoco.MjModel.from_xml_string(urdf.render(export).decode())
+    model = mujoco.MjModel.from_xml_string(rendered(export, "urdf").decode())
     model.opt.gravity[2] = -9.80665  # its own has two digits after the point
     data = mujoco.MjData(model)
     for angle in (0.0, 0.7, 2.0, -1.2):
@@ -431,7 +432,7 @@ def test_a_lever_hangs_in_urdf_and_sdf_as_it_does_in_the_machine():
     about = np.empty((1, 1))
     mujoco.mj_fullM(model, data, about)
     assert about[0, 0] == pytest.approx(0.2 + export.reflected_inertia)
-    link = ET.fromstring(sdf.render(export)).find("model/link[@name='load']/inertial")
+    link = ET.fromstring(rendered(export, "sdf")).find("model/link[@name='load']/inertial")
     high = 0.15 * math.sin(math.radians(50.0))
     centre = (
         0.15 * math.cos(math.radians(50.0)),

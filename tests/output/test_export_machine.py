@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from random import Random
@@ -13,15 +14,16 @@ import numpy as np
 import pytest
 import yaml
 import yourdfpy
+from exports import rendered
 from small_arms import catalogue
 
 from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import Array, torques_of
 from drivesizer.load_cases import driven_shaft_cycle
 from drivesizer.multi_axis.sizing import size_machine
+from drivesizer.output.export import MachineExport, export_of, machine_export, write
 from drivesizer.output.export import files as exported
 from drivesizer.output.export.common import torque_law
-from drivesizer.output.export.machine import MachineExport, machine_export, write_machine
 from drivesizer.output.export.mjcf import lossless
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.machine import MachineSizing
@@ -56,13 +58,9 @@ def export(arm: MachineSizing) -> MachineExport:
     return machine_export(arm)
 
 
-def rendered(of: MachineExport, form: str, suffix: str = ".urdf") -> bytes:
-    return next(iter(exported(of, form, Path(f"machine{suffix}"), "machine").values()))
-
-
 @pytest.fixture(scope="module")
 def model(export: MachineExport) -> Any:
-    return mujoco.MjModel.from_xml_string(rendered(export, "mjcf", ".xml").decode())
+    return mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
 
 
 def described(of: MachineExport, form: bytes, folder: Path) -> Any:
@@ -203,7 +201,7 @@ def test_urdf_is_read_by_another_s_reader_and_keeps_names_and_limits(export, tmp
 
 
 def test_one_controller_of_all_joints_at_one_rate(export):
-    files = exported(export, "ros2_control", Path("arm.urdf"), "machine")
+    files = exported(export, "ros2_control", Path("arm.urdf"))
     assert [path.name for path in files] == ["arm.urdf", "arm_controllers.yaml"]
     parameters = yaml.safe_load(files[Path("arm_controllers.yaml")])
     manager, loops = (parameters[name]["ros__parameters"] for name in ("controller_manager", "velocity_controller"))
@@ -217,10 +215,24 @@ def test_one_controller_of_all_joints_at_one_rate(export):
 
 
 def test_the_same_machine_gives_the_same_bytes_and_one_file(arm, export, tmp_path):
-    (path,) = write_machine(export, "urdf", tmp_path / "arm.urdf")
+    (path,) = write(export, "urdf", tmp_path / "arm.urdf")
     assert path.read_bytes() == rendered(machine_export(arm), "urdf") and list(tmp_path.iterdir()) == [path]
-    with pytest.raises(InputError, match="sdf is of a single axis; expected --axis"):
-        write_machine(export, "sdf", tmp_path / "arm.sdf")
+
+
+def test_formats_without_links_have_the_joints_as_axes(arm, tmp_path):
+    """Gazebo, FMUs and plain figures: each joint as its axis alone gives it, by its name."""
+    of = machine_export(arm, bodies=False)
+    joints = ElementTree.fromstring(rendered(of, "sdf")).findall("model/joint[@type='revolute']")
+    assert [one.get("name") for one in joints] == [f"{axis.name}_shaft" for axis in arm.axes]
+    for joint, (_, one) in zip(joints, of.axes, strict=True):
+        assert float(joint.findtext("axis/dynamics/friction")) == pytest.approx(one.friction)
+    figures = json.loads(rendered(of, "json"))["axes"]
+    alone = [
+        json.loads(rendered(replace(export_of(axis.spec, axis.best), name=axis.name), "json")) for axis in arm.axes
+    ]
+    assert figures == alone
+    paths = write(of, "fmu", tmp_path / "arm.fmu")
+    assert [path.name for path in paths] == [f"arm_{axis.name}.fmu" for axis in arm.axes]
 
 
 def test_a_belt_that_passes_a_joint_is_a_tendon(export):
@@ -230,12 +242,12 @@ def test_a_belt_that_passes_a_joint_is_a_tendon(export):
         for drive in export.robot.drives
     )
     coupled = replace(export, robot=replace(export.robot, drives=drives))
-    model = mujoco.MjModel.from_xml_string(rendered(coupled, "mjcf", ".xml").decode())
+    model = mujoco.MjModel.from_xml_string(rendered(coupled, "mjcf").decode())
     rotor = next(drive.armature for drive in drives if drive.joint == "elbow")
     assert model.joint("elbow").armature[0] == 0.0 and model.tendon_armature[0] == pytest.approx(rotor)
     assert model.actuator("elbow_motor").trntype[0] == mujoco.mjtTrn.mjTRN_TENDON
     with pytest.raises(InputError, match="elbow: its belt passes other joints"):
-        exported(coupled, "ros2_control", Path("arm.urdf"), "machine")
+        rendered(coupled, "ros2_control")
 
 
 def test_a_name_that_is_there_already_is_refused(export):
@@ -244,8 +256,8 @@ def test_a_name_that_is_there_already_is_refused(export):
     with pytest.raises(InputError, match='axis "a-b": a link "a_b_load" is there already; rename'):
         rendered(twice, "urdf")
     hostile = replace(export, name='--> <a & "b', axes=(("x", replace(of, name="-->", label="<--")),))
-    for form, suffix in (("urdf", ".urdf"), ("mjcf", ".xml")):
-        assert ElementTree.fromstring(rendered(hostile, form, suffix)).tag in ("robot", "mujoco")
+    for form, tag in (("urdf", "robot"), ("mjcf", "mujoco")):
+        assert ElementTree.fromstring(rendered(hostile, form)).tag == tag
 
 
 # --- further stages and steppers at joints
@@ -309,11 +321,11 @@ def test_a_further_gear_is_one_with_the_drive(tmp_path):
         assert float(drive.limits["effort"]) == pytest.approx(
             ratio * efficiency * drive.of.limits.peak_torque.value / (train.ratio * e), rel=1e-9
         )
-    text = rendered(of, "mjcf", ".xml").decode()
+    text = rendered(of, "mjcf").decode()
     model = mujoco.MjModel.from_xml_string(text)
     assert model.joint("second").armature[0] == pytest.approx(of.robot.drives[1].armature)
     assert "Where the load drives the motor, the gears have an efficiency f of" in text and "input shaft" not in text
-    loops = yaml.safe_load(exported(of, "ros2_control", Path("a.urdf"), "machine")[Path("a_controllers.yaml")])
+    loops = yaml.safe_load(rendered(of, "ros2_control", True))
     law, first = torque_law(of.robot.drives[0].of), loops["velocity_controller"]["ros__parameters"]["gains"]["first"]
     assert first["p"] == pytest.approx(law.kd * (43 * 2.5) ** 2 * 0.8 * 0.9)
 
@@ -333,7 +345,7 @@ def test_steppers_at_joints_go_along_the_trajectory(tmp_path):
     axes = {"first": {"transmission": belt}, "second": {"transmission": belt}, "third": {"transmission": belt[:1]}}
     select = {"catalogs": ["stepperonline"], "motor": {"kind": "stepper"}}
     of = machine_export(picked(tmp_path, axes, select), one_rate=True)
-    model = mujoco.MjModel.from_xml_string(rendered(of, "mjcf", ".xml").decode())
+    model = mujoco.MjModel.from_xml_string(rendered(of, "mjcf").decode())
     data, drives = mujoco.MjData(model), of.robot.drives
     mujoco.mj_resetDataKeyframe(model, data, 0)
     columns = [model.numeric(f"{d.joint}_{what}").data for d in drives for what in ("position", "speed")]
@@ -350,7 +362,7 @@ def test_steppers_at_joints_go_along_the_trajectory(tmp_path):
         train = drive.of.train
         expected = train.motor_inertia * train.ratio**2 * train.efficiency + drive.stage_inertia
         assert model.joint(drive.joint).armature[0] == pytest.approx(expected / drive.travel**2)
-    files = exported(of, "ros2_control", Path("a.urdf"), "machine")
+    files = exported(of, "ros2_control", Path("a.urdf"))
     loops = yaml.safe_load(files[Path("a_controllers.yaml")])
     assert [*loops] == ["controller_manager", "joint_trajectory_controller"]
     assert loops["joint_trajectory_controller"]["ros__parameters"]["joints"] == ["first", "second", "third"]
@@ -418,7 +430,7 @@ def test_what_is_written_has_the_inertias_of_links_and_drives(picker, tmp_path):
 
 def test_mujoco_reads_the_same_robot(picker):
     """Forces of the joint that slides in N, by its travel; the world upright and the base turned."""
-    model = mujoco.MjModel.from_xml_string(rendered(picker, "mjcf", ".xml").decode())
+    model = mujoco.MjModel.from_xml_string(rendered(picker, "mjcf").decode())
     data, joints = mujoco.MjData(model), [model.joint(name).dofadr[0] for name in picker.robot.motion.joints]
     expected = torques(picker, picker.robot.robot, points=True)
     for row, state in enumerate(zip(*states(5), strict=True)):
@@ -463,4 +475,4 @@ def test_of_a_platform_the_file_says_where_its_base_is():
     of = machine_export(found)
     said = [line for line in of.said if line.startswith("wheels: ")]
     assert said == ["wheels: the shaft of one wheel; exported as an axis of its own it is the base with all of them"]
-    assert said[0] in rendered(of, "mjcf", ".xml").decode()
+    assert said[0] in rendered(of, "mjcf").decode()

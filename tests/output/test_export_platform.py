@@ -15,15 +15,16 @@ import numpy as np
 import pytest
 import yaml
 import yourdfpy
+from exports import rendered
 from small_arms import catalogue
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
-from drivesizer.output.export import export_of
+from drivesizer.output.export import export_of, platform_alone, write
 from drivesizer.output.export import files as exported
 from drivesizer.output.export.common import torque_law
 from drivesizer.output.export.mjcf import lossless
-from drivesizer.output.export.platform import PlatformExport, platform_export, split, write_platform
+from drivesizer.output.export.platform import PlatformExport, platform_export, split
 from drivesizer.platform.dynamics import acceleration, motion, wheel_torques
 from drivesizer.sizing import explain
 from drivesizer.spec.description import read_description
@@ -96,16 +97,12 @@ def omni(made) -> Made:
     return made(OMNI)
 
 
-def rendered(of: PlatformExport, form: str, name: str = "base.urdf") -> bytes:
-    return exported(of, form, Path(name), "platform")[Path(name)]
-
-
 def model_of(of: PlatformExport) -> Any:
-    return mujoco.MjModel.from_xml_string(rendered(of, "mjcf", "base.xml").decode())
+    return mujoco.MjModel.from_xml_string(rendered(of, "mjcf").decode())
 
 
 def parameters(of: PlatformExport) -> dict[str, Any]:
-    files = exported(of, "ros2_control", Path("base.urdf"), "platform")
+    files = exported(platform_alone(of), "ros2_control", Path("base.urdf"))
     return {name: one["ros__parameters"] for name, one in yaml.safe_load(files[Path("base_controllers.yaml")]).items()}
 
 
@@ -397,7 +394,7 @@ def test_wheels_that_no_controller_fits_have_none_and_say_so(made):
     skewed = [{"kind": "omni", "x": f"{x} mm", "y": f"{y} mm", "heading": f"{h} deg"}
               for x, y, h in ((300, 0, 90), (-200, 200, 200), (-150, -200, -30))]  # fmt: skip
     _, of = made(OMNI, {"platform": {"wheels": skewed, "layout": None}})
-    text = exported(of, "ros2_control", Path("base.urdf"), "platform")[Path("base_controllers.yaml")].decode()
+    text = rendered(of, "ros2_control", True).decode()
     assert "no controller of ros2_controllers drives these wheels" in text and "base_controller" not in text
     assert model_of(of).nu == 9
 
@@ -420,7 +417,7 @@ def test_what_is_unknown_or_not_driven_is_said(made):
         "load": {"friction_coefficient": None},
         "platform": {"layout": None, "casters": [], "wheels": [*places, passive], "centre_of_mass": {"x": "-50 mm"}},
     })  # fmt: skip
-    text = rendered(of, "mjcf", "base.xml").decode()
+    text = rendered(of, "mjcf").decode()
     for said in (
         "The height of the centre of mass is unknown: it is on the floor",
         "friction between wheel and floor is unknown; 1 is assumed",
@@ -429,7 +426,7 @@ def test_what_is_unknown_or_not_driven_is_said(made):
     ):
         assert said in text
     assert model_of(of).nu == 6
-    controllers = exported(of, "ros2_control", Path("base.urdf"), "platform")[Path("base_controllers.yaml")].decode()
+    controllers = rendered(of, "ros2_control", True).decode()
     assert "odometry is that of the axle's middle, -0.05 m ahead of base_footprint" in controllers
     assert "left_wheel_names: [velocity_controller/wheel_1]" in controllers
     blunt = replace(of, drives={k: replace(d, of=replace(d.of, controller=None)) for k, d in of.drives.items()})
@@ -459,9 +456,9 @@ def test_one_wheel_has_its_own_motion(mecanum):
 
 def test_the_same_platform_gives_the_same_bytes(cart, tmp_path):
     spec, of = cart
-    paths = write_platform(of, "ros2_control", tmp_path / "cart.urdf")
+    paths = write(platform_alone(of), "ros2_control", tmp_path / "cart.urdf")
     assert [path.name for path in paths] == ["cart.urdf", "cart_controllers.yaml"]
-    again = exported(platform_export(spec, explain(spec, "m1", "g0")[0]), "ros2_control", paths[0], "platform")
+    again = exported(platform_alone(platform_export(spec, explain(spec, "m1", "g0")[0])), "ros2_control", paths[0])
     assert [path.read_bytes() for path in paths] == [*again.values()]
     hostile = replace(of, name='--> <a & "b')
     assert ElementTree.fromstring(rendered(hostile, "urdf")).tag == "robot"

@@ -16,10 +16,11 @@ import pytest
 from docs_pages import held_against_the_page
 from printed import blank_figures, text_of
 from two_axes import STEPPER, two_axes
+from typer.testing import CliRunner
 
 import drivesizer.simulate
-from drivesizer.commands.common import proven_axes
-from drivesizer.commands.machine import report_machine, validate_axes
+from drivesizer.cli import app
+from drivesizer.commands.common import proven
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema
@@ -27,6 +28,12 @@ from drivesizer.output.report.html.plots import power_plot
 from drivesizer.output.report.machine import MachineContent, document
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
+
+
+def called(*words: Any) -> str:
+    found = CliRunner().invoke(app, [str(word) for word in words], catch_exceptions=False)
+    assert found.exit_code == 0
+    return found.stdout
 
 
 @pytest.fixture(scope="module")
@@ -37,11 +44,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Any:
 @pytest.fixture(scope="module")
 def validated(machine: Any) -> dict[str, dict[str, Any]]:
     """What `drivesizer validate --json` prints of each axis."""
-    with pytest.MonkeyPatch.context() as patch:
-        said: list[str] = []
-        patch.setattr("drivesizer.commands.machine.typer.echo", said.append)
-        assert validate_axes(machine, {}, None, True) == 0
-    return json.loads(said[0])["axes"]
+    return json.loads(called("validate", machine.file, "--json"))["axes"]
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +53,7 @@ def files(machine: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[di
     folder = tmp_path_factory.mktemp("report")
     paths = [folder / f"a.{kind}" for kind in ("json", "csv", "xlsx", "html", "pdf")]
     with blank_figures():
-        assert report_machine(machine, paths, {}, 1, None, (), None, None, "a4", None) == 0
+        called("report", machine.file, "--top", 1, *(word for path in paths for word in ("-o", path)))
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
@@ -58,7 +61,7 @@ def files(machine: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[di
 def content(machine: Any) -> MachineContent:
     from drivesizer.multi_axis.sizing import size_machine
 
-    return MachineContent(*proven_axes(size_machine(machine, top=1)))
+    return MachineContent(*proven(size_machine(machine, top=1)))
 
 
 # -- the same numbers as those of validate
@@ -168,7 +171,7 @@ def test_an_axis_that_fails_or_is_not_simulated_is_named(content, monkeypatch):
         raise NoLoopError(f"motor {drive.motor.part}: its inductance is unknown")
 
     monkeypatch.setattr(drivesizer.simulate, "validate", refuse)
-    sizing, proofs = proven_axes(content.sizing)
+    sizing, proofs = proven(content.sizing)
     assert (
         not proofs
         and "not simulated in open loop: motor A2: its inductance is unknown" in sizing.axes[1].result.warnings
@@ -191,7 +194,7 @@ def test_documents_with_and_without_loops_obey_the_schema(files, content):
 
 def test_a_profile_that_an_axis_cannot_follow_is_refused_with_its_name(content):
     with pytest.raises(InputError, match=r"^x: profile .triangle.: the spec's motion is trapezoid; expected [^\n]*$"):
-        proven_axes(content.sizing, "triangle")
+        proven(content.sizing, "triangle")
 
 
 # -- power that can be moved

@@ -11,7 +11,7 @@ import pytest
 from drivesizer.errors import InputError
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import energy_flow
-from drivesizer.output.export import export_of, files
+from drivesizer.output.export import export_of, files, one_axis
 from drivesizer.output.export.json_document import document, export_schema
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain, explained
@@ -138,7 +138,7 @@ def test_what_can_be_exported_is_and_names_what_is_left_out(shop):
     (one,) = explain(spec, "M-unknown", "direct")
     record = export_of(spec, one)
     for form in ("urdf", "sdf"):
-        (text,) = (found.decode() for found in files(record, form, shop / f"drive.{form}").values())
+        (text,) = (found.decode() for found in files(one_axis(record), form, shop / f"drive.{form}").values())
         assert "rotor with gearhead input UNKNOWN and left out" in text
         root = fromstring(text)
         inertia = root.find(".//inertial/inertia")
@@ -152,7 +152,7 @@ def test_what_can_be_exported_is_and_names_what_is_left_out(shop):
     assert told["limits_at_shaft"]["peak_torque"]["value"] == pytest.approx(0.05 * 20)
     for form, suffix in (("mjcf", "xml"), ("ros2_control", "urdf"), ("fmu", "fmu")):
         with pytest.raises(InputError, match="rotor's inertia is not in the catalogue") as refused:
-            files(record, form, shop / f"drive.{suffix}")
+            files(one_axis(record), form, shop / f"drive.{suffix}")
         assert "\n" not in str(refused.value)
 
 

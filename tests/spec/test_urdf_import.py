@@ -14,7 +14,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.multi_axis.axis_sizings import with_joints
-from drivesizer.output.export import export_of, write
+from drivesizer.output.export import export_of, one_axis, write
 from drivesizer.sizing import size
 from drivesizer.spec.description import read_urdf, rotation
 from drivesizer.spec.from_description import carried, has_wheels, joints_to_drive, machine_of, spec_of
@@ -120,7 +120,7 @@ def test_what_is_balanced_is_a_table(at):
 def test_there_and_back(spec, tmp_path):
     """What export writes, read again: the inertia at the shaft and the speed at no load."""
     export = export_of(spec, size(spec, top=1).sets[0])
-    (path,) = write(export, "urdf", tmp_path / "drive.urdf")
+    (path,) = write(one_axis(export), "urdf", tmp_path / "drive.urdf")
     again = spec_from(path)
     assert again.load.inertia == pytest.approx(export.inertia, rel=1e-5)
     assert again.motion.speed == pytest.approx(export.limits.peak_speed.value, rel=1e-5)

@@ -1,39 +1,42 @@
-"""A sized drive as a file for a simulator or a robot's software: one module per format.
-
-``common`` has the figures that all formats need, seen from the driven shaft.
-"""
+"""A sized machine as a file for a simulator or a robot's software: one module per format, each of a list of axes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.writing import ready, write_files
-from drivesizer.output.export.common import Export, check_wheel, export_of
+from drivesizer.output.export.common import Export, check_wheel, export_of, identifier
+from drivesizer.output.export.machine import MachineExport, machine_export, one_axis, platform_alone
+from drivesizer.output.export.platform import PlatformExport, platform_export
 
-__all__ = ["FORMATS", "WHOLE", "Export", "Format", "accept", "check_wheel", "export_of", "files", "write"]
+__all__ = [
+    "FORMATS", "Export", "Format", "MachineExport", "PlatformExport", "accept", "check_wheel", "export_of", "files",
+    "machine_export", "one_axis", "platform_alone", "platform_export", "write",
+]  # fmt: skip
 
 
 class Format(NamedTuple):
-    """A format: its name, its module, and the suffixes of its file."""
+    """A format: its reader, its module with the function that renders it, and the suffixes of its file."""
 
     said: str
     module: str
     suffixes: tuple[str, ...]
+    render: str = "render"
+    bodies: bool = False  # whether it has bodies: a robot's links, a platform's wheels
 
 
 FORMATS = {
-    "mjcf": Format("MuJoCo", "mjcf", (".xml", ".mjcf")),
-    "urdf": Format("URDF", "urdf", (".urdf", ".xml")),
-    "sdf": Format("Gazebo", "sdf", (".sdf", ".xml")),
-    "ros2_control": Format("ros2_control", "ros2_control", (".urdf", ".xacro", ".xml")),
+    "mjcf": Format("MuJoCo", "mjcf", (".xml", ".mjcf"), bodies=True),
+    "urdf": Format("URDF", "urdf", (".urdf", ".xml"), bodies=True),
+    "sdf": Format("Gazebo", "urdf", (".sdf", ".xml"), "render_sdf"),
+    "ros2_control": Format("ros2_control", "ros2_control", (".urdf", ".xacro", ".xml"), bodies=True),
     "fmu": Format("FMI 2.0 co-simulation", "fmu", (".fmu",)),
     "json": Format("JSON", "json_document", (".json",)),
 }
-WHOLE = ("mjcf", "urdf", "ros2_control")  # formats with several joints
 
 
 def accept(form: str, path: Path) -> None:
@@ -48,30 +51,20 @@ def accept(form: str, path: Path) -> None:
     ready(path)
 
 
-def files(of: Any, form: str, path: Path, room: str = "") -> dict[Path, bytes]:
-    """The files of a format: one, and for ros2_control also the controllers' parameters beside it."""
+def files(of: MachineExport, form: str, path: Path) -> dict[Path, bytes]:
+    """The files of a format: one; for ros2_control also the controllers' parameters beside it; an FMU for each axis."""
     module = import_module(f"drivesizer.output.export.{FORMATS[form].module}")
-    kind = f"_{room}" if room else ""
-    render: Callable[[Any], bytes] = getattr(module, f"render{kind}")
+    render: Callable[[MachineExport], bytes] = getattr(module, FORMATS[form].render)
+    if form == "fmu" and not of.alone:
+        each = {f"{path.stem}_{identifier(name)}{path.suffix}": one_axis(one) for name, one in of.exports}
+        return {path.with_name(name): render(one) for name, one in each.items()}
     found = {path: render(of)}
     if form == "ros2_control":
-        beside = path.with_name(f"{path.stem}_controllers.yaml")
-        found[beside] = getattr(module, f"controllers{kind}")(of)
+        found[path.with_name(f"{path.stem}_controllers.yaml")] = module.controllers(of)
     return found
 
 
-def write(of: Any, form: str, path: Path, room: str = "") -> list[Path]:
-    """Write a drive to a file of a format, whole or not at all.
-
-    Parameters
-    ----------
-    of, form, path, room
-        As of :func:`files`.
-
-    Returns
-    -------
-    list of Path
-        The files written.
-    """
+def write(of: MachineExport, form: str, path: Path) -> list[Path]:
+    """Write a machine to the files of a format, whole or not at all."""
     accept(form, path)
-    return write_files(files(of, form, path, room))
+    return write_files(files(of, form, path))

@@ -1,13 +1,13 @@
-"""Figures of a drive that every format needs, its limits, its loops as one torque law; XML as a tree."""
+"""Figures of a drive that every format needs, its limits, its loops as one torque law, its link; XML as a tree."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import cos, inf, isfinite, isnan, nan, sin, sqrt
-from typing import Any, NamedTuple
-from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
+from typing import NamedTuple
+from xml.etree.ElementTree import Comment, Element, indent, tostring
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +17,13 @@ from drivesizer.control.drive_train import DriveTrain, drive_train, within_reach
 from drivesizer.control.loop_design import designed
 from drivesizer.control.open_loop.run import Stepper, prepared
 from drivesizer.control.validation import Cascade, Gains
-from drivesizer.errors import InputError
+from drivesizer.errors import InputError, quoted
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remaining_torque
 from drivesizer.loads.lever import Lever
 from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.machine.set_cycle import set_cycle, warming
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.figures import Figures
 from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.thermal import TwoBodies, current_derating, rated_ambient, two_bodies
 from drivesizer.physics.winding import housing_loss
@@ -36,16 +35,19 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
 __all__ = [
-    "BASE", "JOINT", "LEAST_INERTIA", "LINK", "Export", "Limit", "Link", "TorqueLaw", "Vector", "behind_gear", "brief",
-    "check_wheel", "document", "drive_count_text", "export_of", "far_above", "identifier", "inertial", "lacking",
-    "limited", "link_of", "number", "remark", "remarks", "speed_at", "text", "torque_law", "vector", "whose",
+    "LEAST_INERTIA", "PROGRAM", "Export", "Limit", "Link", "TorqueLaw", "Vector", "behind_gear", "brief",
+    "check_wheel", "document", "drive_count_text", "export_of", "far_above", "identifier", "lacking", "limited",
+    "link_of", "number", "refuse_doubles", "remark", "remarks", "speed_at", "text", "torque_law", "vector", "whose",
 ]  # fmt: skip
 
-
-# -- XML of the formats: a tree with remarks, figures to twelve digits, escaped names.
-
-
+PROGRAM = f"drivesizer {__version__}"
+LEAST_INERTIA = 1e-12  # kg*m^2: no simulator takes a moving link without any
+Vector = tuple[float, float, float]
+_FAR = 1e3  # lengths of the lever
 _NO_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML 1.0, production 2
+
+
+# XML of the formats: a tree with remarks, figures to twelve digits, escaped names.
 
 
 def number(value: float) -> str:
@@ -79,15 +81,11 @@ def text(said: str) -> str:
 def identifier(said: str) -> str:
     """A text as a name that simulators accept: letters, digits and underscores.
 
-    Examples
-    --------
     >>> identifier("SPS surveillance robot")
     'SPS_surveillance_robot'
     """
     name = re.sub(r"[^A-Za-z0-9]+", "_", said).strip("_")
-    if name[:1].isdigit():
-        name = f"_{name}"
-    return name or "drive"
+    return (f"_{name}" if name[:1].isdigit() else name) or "drive"
 
 
 def remark(parent: Element, *lines: str) -> None:
@@ -103,27 +101,23 @@ def document(root: Element) -> bytes:
     return f'<?xml version="1.0" encoding="utf-8"?>\n{tostring(root, encoding="unicode")}\n'.encode()
 
 
-# -- The figures of a drive that every format needs, as one record.
-#
-# It holds one drive and its share of the load, seen from the driven shaft: a joint that turns by its angle.
-# Convention: as in ``plant``; a torque of the load is positive when it resists forward motion.
-#
-# A gear's efficiency is in no format. Seen at the driven shaft with gears that drive, a motor torque M is K e M, and
-#
-# .. math:: K e M = (J_l + K^2 e J_m)\, \dot w + (T_f + K e M_f)\, \mathrm{sgn}\, w + K^2 e b_m w + T_0
-#
-# J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, dry and viscous friction of the
-# motor.
-#
-# Limits of a drive at the driven shaft: peak and continuous torque and speed, with the limiting part.
+def refuse_doubles(root: Element, tags: Collection[str], axis: str) -> None:
+    """Refuse an axis that was added to a document with names that were there."""
+    seen = set[tuple[str, str]]()
+    for one in root.iter():
+        key = str(one.tag), one.attrib.get("name", "")
+        if key[0] in tags and key[1] and key in seen:
+            raise InputError(f"axis {quoted(axis)}: a {key[0]} {quoted(key[1])} is there already; rename the axis")
+        seen.add(key)
+
+
+# Limits of a drive at its driven shaft: peak and continuous torque and speed, with the limiting part.
 #
 # .. math:: T = K e\, k_t I \;\text{(motor, controller)}, \qquad T = i_b e_b\, T_g \;\text{(gearhead)}, \qquad w =
 # w_m / K
 #
 # A torque is that of the motor's magnets behind gears that drive, without friction, since every simulator subtracts
 # the friction of a joint by itself. K total ratio, e efficiency of gearhead and belt, b of the belt alone.
-#
-# A stepper as exports have it: its model in open loop, and its limits at the driven shaft.
 
 
 class Limit(NamedTuple):
@@ -141,87 +135,6 @@ class Limits(NamedTuple):
     continuous_torque: Limit  # N*m
     peak_speed: Limit  # rad/s
     continuous_speed: Limit  # rad/s
-
-
-def limits(spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float) -> Limits:
-    """Peak and continuous torque and speed at the driven shaft."""
-    per_ampere = train.torque_constant * train.ratio * train.efficiency
-    currents = _peak_currents(found, train, voltage), _continuous_currents(spec, found)
-    torques = ({name: current * per_ampere for name, current in of.items()} for of in currents)
-    peak, continuous = (own | more for own, more in zip(torques, behind_gearhead(found, train), strict=True))
-    fastest = _speeds(found, train, voltage)
-    continuous_speeds = fastest | {"gearhead, continuous input speed": found.gearhead.continuous_input_speed}
-    return Limits(
-        least(peak),
-        least(continuous),
-        *(least({n: w / train.ratio for n, w in of.items()}) for of in (fastest, continuous_speeds)),
-    )
-
-
-def _peak_currents(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
-    controller, motor = found.controller, found.motor
-    named = {
-        "motor at stall": voltage / train.resistance,
-        "controller, peak current": controller.peak_current if controller else nan,
-    }
-    if isfinite(motor.peak_torque):  # most makers limit none
-        named["motor, peak torque"] = motor.peak_torque / train.torque_constant
-    return named
-
-
-def _continuous_currents(spec: RobotSpec, found: DriveSet) -> dict[str, float]:
-    controller, motor = found.controller, found.motor
-    rated = rated_ambient(motor)
-    derating = float(current_derating(spec.environment.ambient, motor.max_winding_temperature, rated))
-    left = rise_left(spec.environment)
-    derating *= sqrt(left)
-    lasting = float(controller_current(controller, spec.environment.ambient)) if controller else nan
-    return {
-        "motor, nominal current": motor.nominal_current * derating,
-        "controller, continuous current": lasting * left,
-    }
-
-
-def speed_at(train: DriveTrain, voltage: float, torque: float) -> float:
-    """Steady speed of the motor at a voltage, winding at 25 degC, under a torque, friction included [rad/s]."""
-    winding = Winding(train.resistance, train.inductance, train.torque_constant, train.back_emf_constant)
-    return float(operating_point(winding, voltage, torque, train.viscous)[0])
-
-
-def _speeds(found: DriveSet, train: DriveTrain, voltage: float) -> dict[str, float]:
-    """Highest speeds of the motor [rad/s]; that at no load includes the gears' idle friction."""
-    motor, controller = found.motor, found.controller
-    named = {
-        "motor at no load": speed_at(train, voltage, train.friction),
-        "motor, permissible speed": motor.max_speed,
-        "gearhead, intermittent input speed": found.gearhead.intermittent_input_speed,
-        "encoder, permissible speed": found.encoder.max_speed if found.encoder else nan,
-    }
-    if found.brake and not isnan(found.brake.max_speed):
-        turns = found.total_ratio if found.brake.shaft == "load" else 1.0
-        named["brake, permissible speed"] = found.brake.max_speed * turns
-    if motor.kind == "brushless":
-        named["controller, electrical speed"] = controller.max_speed_sine / motor.pole_pairs if controller else nan
-    return named
-
-
-def behind_gearhead(found: DriveSet, train: DriveTrain) -> tuple[dict[str, float], dict[str, float]]:
-    """Torque of the gearhead at the driven shaft, for a short time and continuous [N*m]; none without one."""
-    if found.gearhead.part == DIRECT:
-        return {}, {}
-    behind = train.belt_ratio * train.belt_efficiency
-    return (
-        {"gearhead, intermittent torque": found.gearhead.intermittent_torque * behind},
-        {"gearhead, continuous torque": found.gearhead.continuous_torque * behind},
-    )
-
-
-def least(named: Mapping[str, float]) -> Limit:
-    """The least of some limits, by name; NaN where none is known."""
-    known = {name: value for name, value in named.items() if value == value and value < inf}
-    unknown = tuple(name for name, value in named.items() if value != value)
-    by = min(known, key=lambda name: known[name], default="")
-    return Limit(known.get(by, nan), by, unknown)
 
 
 class OpenLoopStepper(NamedTuple):
@@ -245,28 +158,79 @@ class OpenLoopStepper(NamedTuple):
         return at_motor * one.ratio**2 * one.efficiency
 
 
-def stepper_of(spec: RobotSpec, found: DriveSet) -> tuple[OpenLoopStepper, DriveTrain, list[str]]:
-    """The stepper of a drive, its drive train without electrical figures, and assumptions."""
-    lowest = spec.supply.lowest
-    ready = prepared(spec, found, motion_of(spec), lambda speed: torque_of_drive(found, speed, lowest))
-    one, shaft, gearhead = ready.stepper, at_shaft(spec), found.gearhead
-    train = DriveTrain(
-        resistance=nan, inductance=nan, torque_constant=nan, back_emf_constant=nan, friction=one.friction,
-        motor_inertia=one.motor_inertia, gear_ratio=gearhead.ratio,
-        gear_efficiency=one.efficiency / found.belt_efficiency, belt_ratio=found.belt_ratio,
-        belt_efficiency=found.belt_efficiency, load_inertia=one.load_inertia, radius=shaft.radius,
-        forward_torque=one.forward_torque, backward_torque=one.backward_torque, rest_torque=one.rest_torque,
-    )  # fmt: skip
-    speed = np.linspace(0.0, one.top_speed, len(one.torque))
-    return OpenLoopStepper(one, ready.microsteps, speed), train, list(ready.assumptions)
+def speed_at(train: DriveTrain, voltage: float, torque: float) -> float:
+    """Steady speed of the motor at a voltage, winding at 25 degC, under a torque, friction included [rad/s]."""
+    winding = Winding(train.resistance, train.inductance, train.torque_constant, train.back_emf_constant)
+    return float(operating_point(winding, voltage, torque, train.viscous)[0])
 
 
-def limits_of(found: DriveSet, one: OpenLoopStepper, train: DriveTrain) -> Limits:
-    """Limits at the driven shaft: the pull-out torque at rest, and the speed up to which it was looked up."""
-    pull_out = {"stepper, pull-out torque at rest": float(one.model.torque[0] * train.ratio * train.efficiency)}
-    peak, lasting = (pull_out | more for more in behind_gearhead(found, train))
-    fastest = {"stepper, highest speed of the motion": one.model.top_speed / train.ratio}
-    return Limits(*(least(named) for named in (peak, lasting, fastest, fastest)))
+def _least(named: Mapping[str, float]) -> Limit:
+    """The least of some limits, by name; NaN where none is known."""
+    known = {name: value for name, value in named.items() if value == value and value < inf}
+    by = min(known, key=lambda name: known[name], default="")
+    return Limit(known.get(by, nan), by, tuple(name for name, value in named.items() if value != value))
+
+
+def _limits(
+    spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float, stepper: OpenLoopStepper | None
+) -> Limits:
+    """Peak and continuous torque and speed; of a stepper its pull-out torque at rest, and the speeds looked up."""
+    motor, gearhead, controller, environment = found.motor, found.gearhead, found.controller, spec.environment
+    short, lasting = dict[str, float](), dict[str, float]()
+    if gearhead.part != DIRECT:
+        behind = train.belt_ratio * train.belt_efficiency
+        short = {"gearhead, intermittent torque": gearhead.intermittent_torque * behind}
+        lasting = {"gearhead, continuous torque": gearhead.continuous_torque * behind}
+    if stepper:
+        pull_out = float(stepper.model.torque[0] * train.ratio * train.efficiency)
+        at_rest = {"stepper, pull-out torque at rest": pull_out}
+        fastest = _least({"stepper, highest speed of the motion": stepper.model.top_speed / train.ratio})
+        return Limits(_least(at_rest | short), _least(at_rest | lasting), fastest, fastest)
+    peak = {
+        "motor at stall": voltage / train.resistance,
+        "controller, peak current": controller.peak_current if controller else nan,
+    }
+    if isfinite(motor.peak_torque):  # most makers limit none
+        peak["motor, peak torque"] = motor.peak_torque / train.torque_constant
+    left = rise_left(environment)
+    derating = float(current_derating(environment.ambient, motor.max_winding_temperature, rated_ambient(motor)))
+    own = float(controller_current(controller, environment.ambient)) if controller else nan
+    continuous = {
+        "motor, nominal current": motor.nominal_current * (derating * sqrt(left)),
+        "controller, continuous current": own * left,
+    }
+    speeds = {
+        "motor at no load": speed_at(train, voltage, train.friction),  # the gears' idle friction among it
+        "motor, permissible speed": motor.max_speed,
+        "gearhead, intermittent input speed": gearhead.intermittent_input_speed,
+        "encoder, permissible speed": found.encoder.max_speed if found.encoder else nan,
+    }
+    if found.brake and not isnan(found.brake.max_speed):
+        turns = found.total_ratio if found.brake.shaft == "load" else 1.0
+        speeds["brake, permissible speed"] = found.brake.max_speed * turns
+    if motor.kind == "brushless":
+        speeds["controller, electrical speed"] = controller.max_speed_sine / motor.pole_pairs if controller else nan
+    slower = speeds | {"gearhead, continuous input speed": gearhead.continuous_input_speed}
+    per_ampere = train.torque_constant * train.ratio * train.efficiency
+    return Limits(
+        _least({name: current * per_ampere for name, current in peak.items()} | short),
+        _least({name: current * per_ampere for name, current in continuous.items()} | lasting),
+        _least({name: speed / train.ratio for name, speed in speeds.items()}),
+        _least({name: speed / train.ratio for name, speed in slower.items()}),
+    )
+
+
+# The figures of a drive that every format needs, as one record.
+#
+# It holds one drive and its share of the load, seen from the driven shaft: a joint that turns by its angle.
+# Convention: as in ``plant``; a torque of the load is positive when it resists forward motion.
+#
+# A gear's efficiency is in no format. Seen at the driven shaft with gears that drive, a motor torque M is K e M, and
+#
+# .. math:: K e M = (J_l + K^2 e J_m)\, \dot w + (T_f + K e M_f)\, \mathrm{sgn}\, w + K^2 e b_m w + T_0
+#
+# J_l, T_f, T_0 inertia, friction and weight of the load; J_m, M_f, b_m inertia, dry and viscous friction of the
+# motor.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -285,7 +249,7 @@ class Export:
 
     name: str  # of the machine
     label: str  # of the drive
-    program: str
+    program: str = PROGRAM
     parts: dict[str, str]  # by role: maker, family and part
     motor_sets: int  # of the machine
     train: DriveTrain
@@ -314,15 +278,14 @@ class Export:
         return f"{self.train.radius:.5g} {'rad' if self.turns else 'm'} per rad of it"
 
     @property
-    def friction(self) -> float:
-        """Dry friction seen at the driven shaft, gears driving [N*m]."""
-        train = self.train
-        return self.load_friction + train.friction * train.ratio * train.efficiency
-
-    @property
     def load_friction(self) -> float:
         """Dry friction of the load [N*m]: half the difference of forward and backward."""
         return (self.train.forward_torque - self.train.backward_torque) / 2
+
+    @property
+    def friction(self) -> float:
+        """Dry friction seen at the driven shaft, gears driving [N*m]."""
+        return self.load_friction + self.train.friction * self.train.ratio * self.train.efficiency
 
     @property
     def weight(self) -> float:
@@ -355,11 +318,6 @@ class Export:
         return self.train.load_inertia + self.reflected_inertia
 
     @property
-    def known_inertia(self) -> float:
-        """The inertia seen at the driven shaft, without that of the rotor where it is unknown [kg*m^2]."""
-        return self.train.load_inertia if isnan(self.inertia) else self.inertia
-
-    @property
     def period(self) -> float:
         """Period of the velocity loop; of a stepper the 16th part of a swing [s]."""
         if self.stepper:
@@ -379,35 +337,68 @@ class Export:
 
 
 def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Export:
-    """The record of a drive that a sizing found."""
-    case, spec = _load_case(for_drive(spec, found.chosen_screw), wheel)
-    stepper, train, controller, said = _controlled(spec, found)
-    usable = float(spec.feed_of(found.controller).usable)
+    """The record of a drive that a sizing found; of a platform that of its first wheel, or of one by its number."""
+    whole = for_drive(spec, found.chosen_screw)
+    cases = load_cases(whole)
+    _, case, spec = cases[0]
+    if wheel is not None:
+        place = check_wheel(whole, wheel)
+        own = [one for one in cases if not one[0]]
+        _, case, spec = next(
+            one for one in own if not isinstance(one[2].load, WheelLoad) or place in one[2].load.numbers
+        )
+    stepper, controller = None, None
+    if found.steps:
+        stepper, train, said = _stepper_of(spec, found)
+    elif found.motor.rotor_inertia > 0.0:
+        train, controller, said = designed(spec, found)
+    else:
+        train, said = drive_train(spec, replace(found, motor=replace(found.motor, rotor_inertia=1.0)), 1e-3)
+        train = replace(train, motor_inertia=nan)
+        said = [*said, "the rotor's inertia is unknown and left out; no controller is designed"]
+    own, bodies, lever, ambient = found.controller, two_bodies(found.motor), spec.load.lever, spec.environment.ambient
+    if spec.gear is not None or lever is None or lever.moment(spec.environment.gravity) == 0.0:
+        lever = None  # behind a gear of fixed ratio the shaft turns more often
+    else:
+        lever = lever._replace(mass=lever.mass / spec.load.motors)
+    usable = float(spec.feed_of(own).usable)
     voltage = spec.supply.lowest if isnan(usable) else usable
-    own, bodies, lever = found.controller, two_bodies(found.motor), _lever(spec)
+    coulomb, viscous = (float(x[0]) for x in housing_loss(found.motor, np.ones(1)))
+    parts = {}
+    for role, part in found.parts.items():
+        if part is not None:
+            names = part.manufacturer, part.family, part.part
+            parts[role] = " ".join(name for n, name in enumerate(names) if name and name not in names[:n])
+    motion = motion_of(spec)
+    within_reach(train, motion)
+    left = np.empty((0, 2)) if lever else remaining_torque(spec, motion, at_shaft(spec))
     return Export(
         name=spec.name,
         label=found.label,
-        program=f"drivesizer {__version__}",
-        parts={role: _named(part) for role, part in found.parts.items() if part is not None},
+        parts=parts,
         motor_sets=spec.load.motors,
         train=train,
         inductance_known=found.motor.inductance > 0.0,
         controller=controller,
         voltage=voltage,
         voltage_known=not isnan(usable),
-        peak_current=own.peak_current if own else float("nan"),
-        continuous_current=float(controller_current(own, spec.environment.ambient)) if own else float("nan"),
-        limits=limits_of(found, stepper, train) if stepper else limits(spec, found, train, voltage),
+        peak_current=own.peak_current if own else nan,
+        continuous_current=float(controller_current(own, ambient)) if own else nan,
+        limits=_limits(spec, found, train, voltage, stepper),
         heat=bodies if bodies.known else None,
         housing=_housing(spec, found, bodies),
-        rotor_loss=_loss(found.motor),
-        ambient=spec.environment.ambient,
+        rotor_loss=(coulomb if isfinite(coulomb) else 0.0, viscous if isfinite(viscous) else 0.0),
+        ambient=ambient,
         elastic=spec.plant.model != "rigid",
         turns=spec.load.axis == "rotary",
         lever=lever,
         gravity=spec.environment.gravity,
-        cycle=_cycle(spec, train, lever),
+        cycle=Cycle(
+            time=motion.time,
+            speed=tuple((np.array(motion.speed) / train.radius).tolist()),
+            load_time=tuple(left[:, 0].tolist()),
+            load_torque=tuple(left[:, 1].tolist()),  # none of a lever, whose weight depends on its angle
+        ),
         said=(*said, *whose(case, spec), *behind_gear(spec)),
         stepper=stepper,
     )
@@ -424,40 +415,10 @@ def check_wheel(spec: RobotSpec, wheel: int) -> int:
     return driven.index(wheel)
 
 
-def _load_case(spec: RobotSpec, wheel: int | None) -> tuple[str, RobotSpec]:
-    """Name and spec of the load case that a drive is exported with: the first, or that of a wheel."""
-    cases = load_cases(spec)
-    if wheel is None:
-        return cases[0][1:]
-    place = check_wheel(spec, wheel)
-    own = (case[1:] for case in cases if not case[0])
-    return next(one for one in own if not isinstance(one[1].load, WheelLoad) or place in one[1].load.numbers)
-
-
-def _controlled(
-    spec: RobotSpec, found: DriveSet
-) -> tuple[OpenLoopStepper | None, DriveTrain, Gains | Cascade | None, list[str]]:
-    """The drive train with its controller, or with the model of a stepper."""
-    if found.steps:
-        stepper, train, said = stepper_of(spec, found)
-        return stepper, train, None, said
-    known = found.motor.rotor_inertia > 0.0
-    return None, *(designed(spec, found) if known else _without_rotor(spec, found))
-
-
-def _without_rotor(spec: RobotSpec, found: DriveSet) -> tuple[DriveTrain, None, list[str]]:
-    """The drive train where the rotor's inertia is unknown; no controller can be designed for it."""
-    any_rotor = replace(found, motor=replace(found.motor, rotor_inertia=1.0))
-    train, said = drive_train(spec, any_rotor, 1e-3)
-    lacking = "the rotor's inertia is unknown and left out; no controller is designed"
-    return replace(train, motor_inertia=nan), None, [*said, lacking]
-
-
 def whose(case: str, spec: RobotSpec) -> list[str]:
     """The wheel whose motion and load these are, where wheels have their own."""
-    if not isinstance(spec.load, WheelLoad):
-        return []
-    return [f"motion and load are those of {case}; the other wheels have their own"]
+    wheel = isinstance(spec.load, WheelLoad)
+    return [f"motion and load are those of {case}; the other wheels have their own"] if wheel else []
 
 
 def behind_gear(spec: RobotSpec) -> list[str]:
@@ -467,49 +428,32 @@ def behind_gear(spec: RobotSpec) -> list[str]:
     return [f"the driven shaft is the input shaft of the {spec.gear.kind}; weight is a torque over time of the motion"]
 
 
-def _named(part: Any) -> str:
-    names = (part.manufacturer, part.family, part.part)
-    return " ".join(name for n, name in enumerate(names) if name and name not in names[:n])
-
-
-def _loss(motor: Figures) -> tuple[float, float]:
-    coulomb, viscous = (float(x[0]) for x in housing_loss(motor, np.ones(1)))
-    return (coulomb if isfinite(coulomb) else 0.0), (viscous if isfinite(viscous) else 0.0)
+def _stepper_of(spec: RobotSpec, found: DriveSet) -> tuple[OpenLoopStepper, DriveTrain, list[str]]:
+    """The stepper of a drive, its drive train without electrical figures, and assumptions."""
+    lowest = spec.supply.lowest
+    ready = prepared(spec, found, motion_of(spec), lambda speed: torque_of_drive(found, speed, lowest))
+    one, shaft = ready.stepper, at_shaft(spec)
+    train = DriveTrain(
+        resistance=nan, inductance=nan, torque_constant=nan, back_emf_constant=nan, friction=one.friction,
+        motor_inertia=one.motor_inertia, gear_ratio=found.gearhead.ratio,
+        gear_efficiency=one.efficiency / found.belt_efficiency, belt_ratio=found.belt_ratio,
+        belt_efficiency=found.belt_efficiency, load_inertia=one.load_inertia, radius=shaft.radius,
+        forward_torque=one.forward_torque, backward_torque=one.backward_torque, rest_torque=one.rest_torque,
+    )  # fmt: skip
+    speed = np.linspace(0.0, one.top_speed, len(one.torque))
+    return OpenLoopStepper(one, ready.microsteps, speed), train, list(ready.assumptions)
 
 
 def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
     """Mean temperature of the housing in periodic steady state [K]; NaN where unknown or with thermal runaway."""
-    if not bodies.known:
-        return nan
-    cycle = set_cycle(spec, found)
-    if not cycle.known:
+    cycle = set_cycle(spec, found) if bodies.known else None
+    if cycle is None or not cycle.known:
         return nan
     heat = periodic_heat(bodies, spec.environment.ambient, *warming(cycle))
     return heat.housing_mean if isfinite(heat.housing_mean) else nan
 
 
-def _lever(spec: RobotSpec) -> Lever | None:
-    """One drive's share of a lever with weight; None behind a gear of fixed ratio, whose shaft turns more often."""
-    lever = spec.load.lever
-    if spec.gear is not None or lever is None or lever.moment(spec.environment.gravity) == 0.0:
-        return None
-    return lever._replace(mass=lever.mass / spec.load.motors)
-
-
-def _cycle(spec: RobotSpec, train: DriveTrain, lever: Lever | None) -> Cycle:
-    """Motion, and torque of the load over time: none of a lever, whose weight depends on its angle."""
-    motion = motion_of(spec)
-    within_reach(train, motion)
-    left = np.empty((0, 2)) if lever else remaining_torque(spec, motion, at_shaft(spec))
-    return Cycle(
-        time=motion.time,
-        speed=tuple((np.array(motion.speed) / train.radius).tolist()),
-        load_time=tuple(left[:, 0].tolist()),
-        load_torque=tuple(left[:, 1].tolist()),
-    )
-
-
-# -- The designed loops as one torque law on angle and speed of the motor: what simulators and ROS have a place for.
+# The designed loops as one torque law on angle and speed of the motor: what simulators and ROS have a place for.
 #
 # .. math:: \tau = k_p (\theta_r - \theta) + k_i \int (\theta_r - \theta)\,dt + k_d (w_r - w) + \tau_f
 #
@@ -554,16 +498,12 @@ def lacking(of: Export) -> list[str]:
     """Parts of the designed controller that the law has no place for, as sentences; sampling is left to the format."""
     c = of.designed
     kd = c.kd if isinstance(c, Gains) else c.velocity_kd
-    said = []
-    if kd:
-        said.append("the derivative of the speed is left out")
+    said = ["the derivative of the speed is left out"] if kd else []
     if isinstance(c, Cascade):
         said.append("the current loop is left out: the winding alone makes the current late, by L/R")
     return said
 
 
-# -- Shared by the formats with one joint and its limits: link, limits and their remarks.
-#
 # The link that a drive moves: axis, mass and centre of mass, in a world whose z points up.
 #
 # A load that gravity turns is a mass on its lever, so that the simulator's own gravity makes the torque
@@ -573,11 +513,6 @@ def lacking(of: Export) -> list[str]:
 # s is the share of the weight that acts across the tilted axis. The lever's level line lies along x; the axis is
 # level but for its tilt, and turning forward raises the lever. Every other load turns about z, and its mass does not
 # count.
-
-
-Vector = tuple[float, float, float]
-LEAST_INERTIA = 1e-12  # kg*m^2: no simulator takes a moving link without any
-_FAR = 1e3  # lengths of the lever
 
 
 class Link(NamedTuple):
@@ -590,50 +525,70 @@ class Link(NamedTuple):
     said: str  # remark
 
 
-def link_of(of: Export, inertia: float) -> Link:
-    """The link of a drive."""
-    lever = of.lever
+def link_of(of: Export, *, reflected: bool) -> Link:
+    """The link of a drive, with what turns with the motor as far as it is known, or the load alone."""
+    lever, inertia = of.lever, of.train.load_inertia
+    if reflected and not isnan(of.inertia):
+        inertia = of.inertia
     if lever is None:
         said = "The mass does not count: the link turns about its own axis. All of the load is in its inertia."
         return Link((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.0, max(inertia, LEAST_INERTIA), said)
-    axis, up = _across(lever.share)
+    rest = sqrt(max(1.0 - lever.share * lever.share, 0.0))
     along, high = lever.length * cos(lever.start), lever.length * sin(lever.start)
-    about_centre = inertia - lever.mass * lever.length**2
     said = "One drive's share of the mass, at its position at the start of the cycle: gravity makes its torque."
-    centre = (along, high * up[1], high * up[2])
-    return Link(axis, centre, lever.mass, max(about_centre, LEAST_INERTIA), said)
+    about = max(inertia - lever.mass * lever.length**2, LEAST_INERTIA)
+    return Link((0.0, -lever.share, rest), (along, high * rest, high * lever.share), lever.mass, about, said)
 
 
-def far_above(of: Export) -> Vector:
+def far_above(lever: Lever) -> Vector:
     """A point so far up, across the axis, that every line from it to the lever is plumb to 1e-3 [m]."""
-    assert of.lever is not None
-    _, up = _across(of.lever.share)
-    return (0.0, _FAR * of.lever.length * up[1], _FAR * of.lever.length * up[2])
+    rest = sqrt(max(1.0 - lever.share * lever.share, 0.0))
+    return (0.0, _FAR * lever.length * rest, _FAR * lever.length * lever.share)
 
 
-def _across(share: float) -> tuple[Vector, Vector]:
-    """An axis tilted so far, and the direction across it and the level line that leads up."""
-    rest = sqrt(max(1.0 - share * share, 0.0))
-    return (0.0, -share, rest), (0.0, rest, share)
+def limited(of: Export) -> dict[str, str]:
+    """Effort and velocity of the joint; what is unknown is left out."""
+    named = {"effort": of.limits.peak_torque, "velocity": of.limits.peak_speed}
+    return {name: number(limit.value) for name, limit in named.items() if limit.by}
 
 
-BASE, LINK, JOINT = "base", "load", "shaft"
+def drive_count_text(of: Export) -> str:
+    """The sentence that the file is one of several drives; empty for one."""
+    return f"One of {of.motor_sets} drives. " if of.motor_sets > 1 else ""
 
 
 def remarks(of: Export) -> list[str]:
-    """Remarks on the file, as sentences."""
-    train, least = of.train, of.limits
+    """Remarks on a joint with its limits, as sentences."""
+
+    def shown(limit: Limit, unit: str) -> str:
+        unknown = f"; unknown: {', '.join(limit.unknown)}" if limit.unknown else ""
+        return f"{brief(limit.value)} {unit} ({limit.by}{unknown})" if limit.by else "unknown"
+
+    train, limits, fastest = of.train, of.limits, shown(of.limits.peak_speed, "rad/s")
     travel = f"; the load travels {of.travel}" if train.radius != 1.0 else ""
+    velocity = (
+        "velocity is that at no load and the lowest supply voltage or what the parts permit for a short time, "
+        f"{fastest}; continuous {shown(limits.continuous_speed, 'rad/s')}. At that speed the motor has no "
+        "torque left: the corner of the two limits is not reached."
+    )
+    if of.stepper:
+        there = float(of.stepper.model.torque[-1]) * train.ratio * train.efficiency
+        velocity = (
+            f"velocity is {fastest}, up to which the pull-out torque is known; there it is {brief(there)} N*m. A "
+            "stepper from which more is required loses steps, which no joint shows."
+        )
+    rotor = "UNKNOWN and left out: what accelerates here needs less torque than the drive does"
+    if not isnan(of.reflected_inertia):
+        rotor = f"{brief(of.reflected_inertia)} kg*m^2, for which the format has no place of its own"
     said = [
         f"{of.label}; {of.program}. SI: kg, m, s, N, N*m, rad.",
         f"{drive_count_text(of)}The joint is the driven shaft{travel}. Total ratio {brief(train.ratio)}.",
-        f"effort is the peak torque, {_shown(least.peak_torque, 'N*m')}: a simulator cuts at every instant, and the "
+        f"effort is the peak torque, {shown(limits.peak_torque, 'N*m')}: a simulator cuts at every instant, and the "
         "accelerations of the cycle need more than the continuous torque. Check the RMS of other cycles against the "
-        f"continuous torque, {_shown(least.continuous_torque, 'N*m')}.",
-        _velocity(of),
+        f"continuous torque, {shown(limits.continuous_torque, 'N*m')}.",
+        velocity,
         f"Gears: effort counts behind them, driving at an efficiency of {brief(train.efficiency)}. Braking, they help.",
-        f"inertia, all seen at the shaft: load {brief(train.load_inertia)}, and rotor with gearhead input "
-        f"{_rotor(of)}.",
+        f"inertia, all seen at the shaft: load {brief(train.load_inertia)}, and rotor with gearhead input {rotor}.",
         *(f"Assumed: {line}." for line in of.said),
     ]  # fmt: skip
     if of.constant_weight:
@@ -647,62 +602,3 @@ def remarks(of: Export) -> list[str]:
     if of.elastic:
         said.append("Left out: the elastic shaft between motor and load.")
     return said
-
-
-def _velocity(of: Export) -> str:
-    """Remark on the limit of speed."""
-    fastest = _shown(of.limits.peak_speed, "rad/s")
-    if of.stepper:
-        there = float(of.stepper.model.torque[-1]) * of.train.ratio * of.train.efficiency
-        return (
-            f"velocity is {fastest}, up to which the pull-out torque is known; there it is {brief(there)} N*m. A "
-            "stepper from which more is required loses steps, which no joint shows."
-        )
-    return (
-        "velocity is that at no load and the lowest supply voltage or what the parts permit for a short time, "
-        f"{fastest}; continuous {_shown(of.limits.continuous_speed, 'rad/s')}. At that speed the motor has no "
-        "torque left: the corner of the two limits is not reached."
-    )
-
-
-def drive_count_text(of: Export) -> str:
-    """The sentence that the file is one of several drives; empty for one."""
-    return f"One of {of.motor_sets} drives. " if of.motor_sets > 1 else ""
-
-
-def _rotor(of: Export) -> str:
-    if of.reflected_inertia == of.reflected_inertia:
-        return f"{brief(of.reflected_inertia)} kg*m^2, for which the format has no place of its own"
-    return "UNKNOWN and left out: what accelerates here needs less torque than the drive does"
-
-
-def _shown(limit: Limit, unit: str) -> str:
-    if not limit.by:
-        return "unknown"
-    unknown = f"; unknown: {', '.join(limit.unknown)}" if limit.unknown else ""
-    return f"{brief(limit.value)} {unit} ({limit.by}{unknown})"
-
-
-def limited(of: Export) -> dict[str, str]:
-    """Effort and velocity of the joint; what is unknown is left out."""
-    named = {"effort": of.limits.peak_torque, "velocity": of.limits.peak_speed}
-    return {name: number(limit.value) for name, limit in named.items() if limit.by}
-
-
-def inertial(parent: Element, found: Link, *, nested: bool) -> None:
-    """Add mass, centre and inertia of a link."""
-    remark(parent, found.said)
-    element, about = SubElement(parent, "inertial"), number(found.inertia)
-    moments = {"ixx": about, "ixy": "0", "ixz": "0", "iyy": about, "iyz": "0", "izz": about}
-    if nested:
-        if any(found.centre):
-            SubElement(element, "pose").text = f"{vector(found.centre)} 0 0 0"
-        SubElement(element, "mass").text = number(found.mass)
-        inertia = SubElement(element, "inertia")
-        for name, value in moments.items():
-            SubElement(inertia, name).text = value
-        return
-    if any(found.centre):
-        SubElement(element, "origin", xyz=vector(found.centre), rpy="0 0 0")
-    SubElement(element, "mass", value=number(found.mass))
-    SubElement(element, "inertia", moments)

@@ -26,6 +26,7 @@ from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 from drivesizer.errors import InputError
 from drivesizer.output.export import fmu_motor
 from drivesizer.output.export.common import Export, document, text
+from drivesizer.output.export.machine import MachineExport
 
 __all__ = ["parameters", "render"]
 
@@ -73,8 +74,9 @@ def parameters(of: Export) -> dict[str, float]:
     }  # fmt: skip
 
 
-def render(of: Export) -> bytes:
-    """The file of a set."""
+def render(machine: MachineExport) -> bytes:
+    """The file of an axis."""
+    ((_, of),) = machine.exports
     if of.stepper:
         raise InputError(
             f"{of.label}: a stepper has no winding that a voltage drives in an FMU; expected --format mjcf, urdf, sdf, "
@@ -91,8 +93,13 @@ def render(of: Export) -> bytes:
         raise InputError("--format: fmu needs PythonFMU; pip install 'drivesizer[fmu]'") from None
     if time.time() < _1980:
         raise InputError("--format: an FMU is a ZIP archive, which has no dates before 1980; set this machine's clock")
+    code = Path(fmu_motor.__file__).read_bytes()
+    figures, said = repr(parameters(of)), repr(text(f"{of.name}: {of.label}; {of.program}"))
+    digest = hashlib.sha256("\0".join((_SLAVE, figures, said)).encode() + code).hexdigest()[:_DIGITS]
     with tempfile.TemporaryDirectory(prefix="drivesizer-") as folder:
-        script, motor = _modules(of, Path(folder))
+        script, motor = Path(folder) / f"drive_{digest}.py", Path(folder) / f"drive_{digest}_motor.py"
+        script.write_bytes(_SLAVE.format(figures=figures, said=said, digest=digest).encode())
+        motor.write_bytes(code)
         with _tidy():
             made = FmuBuilder.build_FMU(script, dest=folder, project_files=[motor])
         return _settled(made.read_bytes(), of)
@@ -111,68 +118,41 @@ def _tidy() -> Iterator[None]:
                 del sys.modules[name]
 
 
-def _modules(of: Export, folder: Path) -> tuple[Path, Path]:
-    """Write the class that PythonFMU calls, with the set's figures in it, and the motor, named by what is in both."""
-    motor = Path(fmu_motor.__file__).read_bytes()
-    figures, said = repr(parameters(of)), repr(text(f"{of.name}: {of.label}; {of.program}"))
-    content = "\0".join((_SLAVE, figures, said)).encode() + motor
-    digest = hashlib.sha256(content).hexdigest()[:_DIGITS]
-    slave = _SLAVE.format(figures=figures, said=said, digest=digest)
-    written = folder / f"drive_{digest}.py", folder / f"drive_{digest}_motor.py"
-    for path, code in zip(written, (slave.encode(), motor), strict=True):
-        path.write_bytes(code)
-    return written
-
-
 def _settled(archive: bytes, of: Export) -> bytes:
-    """The archive with fixed dates, names in order, and a GUID that is that of its content."""
+    """The archive with units, fixed dates, names in order, and a GUID that is that of its content."""
     with zipfile.ZipFile(io.BytesIO(archive)) as made:
         files = {name: made.read(name) for name in sorted(made.namelist()) if "__pycache__" not in name}
     name = "modelDescription.xml"
     described = fromstring(files.pop(name))  # noqa: S314 - made a moment ago
     described.attrib.pop("generationDateAndTime")
     described.set("guid", "")
-    _units(described, of)
-    _initial_unknowns(described)
-    content = hashlib.sha256(b"".join(files.values()) + tostring(described)).hexdigest()
-    described.set("guid", f"{{{uuid.uuid5(_SPACE, content)}}}")
-    files[name] = document(described)
-    return _packed(files)
-
-
-def _packed(files: dict[str, bytes]) -> bytes:
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archived:
-        for path, content in sorted(files.items()):
-            entry = zipfile.ZipInfo(path, _DATE)
-            entry.external_attr = 0o644 << 16
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            archived.writestr(entry, content)
-    return out.getvalue()
-
-
-def _initial_unknowns(described: Element) -> None:
-    """Variables that are computed before the first step: all outputs; the format requires the list."""
-    structure = described.find("ModelStructure")
-    assert structure is not None
-    outputs = [unknown.attrib for unknown in structure.iter("Unknown")]
-    initial = SubElement(structure, "InitialUnknowns")
-    for attributes in outputs:
-        SubElement(initial, "Unknown", attributes)
-
-
-def _units(described: Element, of: Export) -> None:
-    """Units of all variables, which PythonFMU does not write."""
-    named = fmu_motor.FIGURES | fmu_motor.INPUTS | fmu_motor.OUTPUTS
-    defined = Element("UnitDefinitions")
+    units = Element("UnitDefinitions")  # which PythonFMU does not write
     for unit, base in _UNITS.items():
-        SubElement(SubElement(defined, "Unit", name=unit), "BaseUnit", base)
-    described.insert(1, defined)  # behind CoSimulation, the first
+        SubElement(SubElement(units, "Unit", name=unit), "BaseUnit", base)
+    described.insert(1, units)  # behind CoSimulation, the first
+    named = fmu_motor.FIGURES | fmu_motor.INPUTS | fmu_motor.OUTPUTS
     for variable in described.iter("ScalarVariable"):
         real = variable.find("Real")
         if real is not None:
             turns = variable.get("name") == "load_speed" and of.turns
             real.set("unit", "rad/s" if turns else named[variable.get("name", "")][0])
+    structure = described.find("ModelStructure")
+    assert structure is not None
+    outputs = [unknown.attrib for unknown in structure.iter("Unknown")]
+    initial = SubElement(structure, "InitialUnknowns")  # what is computed before the first step, which must be listed
+    for attributes in outputs:
+        SubElement(initial, "Unknown", attributes)
+    content = hashlib.sha256(b"".join(files.values()) + tostring(described)).hexdigest()
+    described.set("guid", f"{{{uuid.uuid5(_SPACE, content)}}}")
+    files[name] = document(described)
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archived:
+        for path, written in sorted(files.items()):
+            entry = zipfile.ZipInfo(path, _DATE)
+            entry.external_attr = 0o644 << 16
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archived.writestr(entry, written)
+    return out.getvalue()
 
 
 _SLAVE = '''"""The FMU's side of the drive: its variables by name."""

@@ -10,8 +10,9 @@ from math import isfinite, nan
 from typing import Any
 
 from drivesizer.control.validation import Gains
-from drivesizer.output.export.common import Export, Limit, torque_law
+from drivesizer.output.export.common import PROGRAM, Export, Limit, torque_law
 from drivesizer.output.export.fmu_motor import FIGURES
+from drivesizer.output.export.machine import MachineExport
 from drivesizer.output.json.documents import as_text
 
 __all__ = ["SCHEMA_VERSION", "document", "export_schema", "render"]
@@ -42,9 +43,11 @@ _LIMITS = {
 _ELECTRICAL = {"voltage": "V", "peak_current": "A", "continuous_current": "A"}
 
 
-def render(of: Export) -> bytes:
-    """The file of a drive."""
-    return (as_text(document(of)) + "\n").encode("utf-8", "backslashreplace")
+def render(of: MachineExport) -> bytes:
+    """The file of a machine: of an axis alone its document, else all of them."""
+    found: dict[str, Any] = {"schema_version": SCHEMA_VERSION, "program": PROGRAM, "name": of.name}
+    found = document(of.alone) if of.alone else found | {"axes": [document(one) for _, one in of.exports]}
+    return (as_text(found) + "\n").encode("utf-8", "backslashreplace")
 
 
 def document(of: Export) -> dict[str, Any]:

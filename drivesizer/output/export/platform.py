@@ -1,11 +1,14 @@
-"""A platform as one file for a simulator or a robot's software: the base with all its wheels."""
+r"""A platform as every format needs it: base, wheels with their drives, what it reaches, its motion.
+
+All wheels have one drive, and its controller: that of the wheel with the largest RMS torque. Motors that have failed
+belong to a load case; the file has all.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import fsum, inf, isfinite, isnan, nan
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +19,8 @@ from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import dynamics_of, ground_of, platform_assumptions, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.output.export import WHOLE, accept, write
-from drivesizer.output.export.common import LEAST_INERTIA, Export, brief, export_of, speed_at, whose
-from drivesizer.output.export.machine import JointDrive, of_drive
+from drivesizer.output.export.common import LEAST_INERTIA, PROGRAM, Export, brief, export_of, speed_at, whose
+from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.platform.dynamics import Ground, contact_loads, motion, own_rolling
 from drivesizer.platform.envelope import Size
 from drivesizer.platform.kinematics import Kinematics
@@ -28,84 +30,16 @@ from drivesizer.spec.description_record import Body
 from drivesizer.spec.platform import Limits
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "BASE", "PlatformExport", "Reach", "head", "of_wheel", "platform_export", "rollers", "split", "wheel_name",
-    "write_drive", "write_platform",
-]  # fmt: skip
+__all__ = ["BASE", "PlatformExport", "Reach", "platform_export", "split", "wheel_name"]
 
-
-# -- A sized platform as every format needs it: base, wheels with their drives, what it reaches, its motion.
-#
-# All wheels have one drive, and its controller: that of the wheel with the largest RMS torque. Motors that have
-# failed belong to a load case; the file has all.
-#
-# The mass of a platform as bodies: its wheels, and a base that has all the rest.
-#
-# The spec has the mass of all together, the inertia about the vertical through its centre, and of a wheel the
-# inertia J about its axle. A simulator wants bodies. A wheel gets the mass of a homogeneous disc of its inertia, and
-# J about every axis; the base what is left, so that mass, centre and inertia of all together are those of the spec:
-#
-# .. math:: m_w = \frac{2J}{r^2}, \quad m_b = m - N m_w, \quad c_b = \frac{m c - m_w \sum p_k}{m_b}, \quad
-#     I_b = I - \sum_k (J + m_w |p_k - c|^2) - m_b |c_b - c|^2
-#
-# p_k are the wheels' contact points. Of rolling and pitching the spec has nothing: the base is as slender as its
-# box, :math:`I_x : I_y : I_z = w^2 + h^2 : l^2 + h^2 : l^2 + w^2`, or flat where that is unknown.
-#
-# Speeds that a platform reaches with its drives, by direction, and accelerations that it is sized for.
-#
-# A drive turns its wheel as fast as the lowest supply voltage V permits while the platform rolls at constant speed
-# on a level floor, T being the torque of that:
-#
-# .. math:: K w = \frac{k_t V - R \left( M_f + \frac{T}{K e} \right)}{k_t k_e + R b}
-#
-# or as the parts permit where that is less. The platform's speed in a direction is w over the largest of the wheels'
-# speeds in it; a limit that the spec sets is kept. Accelerations are the spec's limits, else the largest of its
-# motion.
-#
-# Remarks at the head of a platform's file, as sentences.
-
-
+BASE = "base_link"
 _NOTHING = 1e-9  # of what is largest: rounding
 _LIGHT, _HEAVY = 1e-3, 0.5  # of the mass that a wheel carries: bounds of its own
 
 
-def split(platform: Platform, size: Size | None) -> tuple[Body, Body]:
-    """Base and one wheel of a platform."""
-    r, share = platform.wheels[0].radius, platform.mass / len(platform.wheels)
-    J = max(platform.wheels[0].inertia, LEAST_INERTIA)
-    disc = min(max(2.0 * J / r**2, _LIGHT * share), _HEAVY * share)
-    for mass in (disc, _LIGHT * share):  # a lighter one where little of the inertia is known
-        wheel = Body(mass, np.zeros(3), J * np.eye(3))
-        base = _rest(platform, wheel, size)
-        if base.inertia[2, 2] > 0.0:
-            return base, wheel
-    raise InputError(
-        f"platform.inertia: {platform.inertia:.4g} kg*m^2 is less than its wheels alone have; expected that of all, "
-        "without payloads"
-    )
-
-
-def _rest(platform: Platform, wheel: Body, size: Size | None) -> Body:
-    """The base: all of a platform beside its wheels."""
-    places = np.array([(w.x, w.y, w.radius) for w in platform.wheels])
-    middle = np.array([platform.x, platform.y, platform.height])
-    mass = platform.mass - len(places) * wheel.mass
-    centre = (platform.mass * middle - wheel.mass * places.sum(axis=0)) / mass
-
-    def levers(points: np.ndarray) -> float:
-        return float(((points - middle)[..., :2] ** 2).sum())
-
-    about = platform.inertia - len(places) * wheel.inertia[2, 2] - wheel.mass * levers(places) - mass * levers(centre)
-    centre[np.abs(centre) < _NOTHING * platform.wheels[0].radius] = 0.0
-    return Body(mass, centre, about * np.diag(_slenderness(size)))
-
-
-def _slenderness(size: Size | None) -> tuple[float, float, float]:
-    """Inertia about x, y and z over that about z, of a box or a flat plate."""
-    if size is None:
-        return 0.5, 0.5, 1.0
-    length, width, height = size.length**2, size.width**2, size.height**2
-    return (width + height) / (length + width), (length + height) / (length + width), 1.0
+def wheel_name(place: int) -> str:
+    """Name of a wheel's joint, by its place from 0: the numbers are those of every other output."""
+    return f"wheel_{place + 1}"
 
 
 class Reach(NamedTuple):
@@ -118,80 +52,6 @@ class Reach(NamedTuple):
     jerk: float  # m/s^3
     turning_acceleration: float  # rad/s^2
     turning_jerk: float  # rad/s^3
-
-
-def wheel_speed(of: Export, rolling: float) -> float:
-    """Speed that a drive keeps at its wheel on the lowest supply voltage [rad/s]."""
-    permitted, train = of.limits.peak_speed, of.train
-    most = permitted.value if permitted.by else inf
-    if not of.stepper:
-        driven = speed_at(train, of.voltage, train.friction + rolling / (train.ratio * train.efficiency))
-        most = min(most, max(driven, 0.0) / train.ratio)
-    return most if most < inf else nan
-
-
-def reached(k: Kinematics, wheel: float, limits: Limits, eta_dot: Array) -> Reach:
-    """Speeds and accelerations of a platform."""
-    most = np.abs(k.E[list(k.driven)]).max(axis=0)
-    speed, aside, turning = (wheel / each if each > _NOTHING * most.max() else nan for each in most.tolist())
-    along, about = float(np.hypot(eta_dot[0], eta_dot[1]).max()), float(np.abs(eta_dot[2]).max())
-    return Reach(
-        forwards=_least(speed, limits.speed),
-        sideways=_least(aside, limits.speed) if k.mobility > 2 else nan,
-        turning=_least(turning, limits.turning_speed),
-        acceleration=limits.acceleration or along or nan,
-        jerk=limits.jerk or nan,
-        turning_acceleration=limits.turning_acceleration or about or nan,
-        turning_jerk=limits.turning_jerk or nan,
-    )
-
-
-def _least(value: float, limit: float | None) -> float:
-    """The smaller of two that are known; NaN where none is."""
-    known = [one for one in (value, limit) if one is not None and isfinite(one)]
-    return min(known, default=nan)
-
-
-def head(of: PlatformExport) -> list[str]:
-    """Remarks on the whole file."""
-    whole, wheel = of.platform, of.wheel
-    box = "slender as its box" if of.size else "that of a flat plate"
-    said = [
-        f"{of.of.program}. SI: kg, m, s, N, N*m, rad; x forwards, y to the left, the reference point is the origin.",
-        f"All together {brief(whole.mass)} kg, drives and payloads among them, and {brief(whole.inertia)} kg*m^2 about "
-        "the vertical through the centre of mass, as the spec has it.",
-        f"Of a wheel the spec has the inertia alone: {brief(wheel.mass)} kg is assumed, as of a homogeneous disc of it "
-        "within bounds, and the inertia is that about every axis. The base has the rest; its inertia about x and y is "
-        f"{box}.",
-    ]
-    if not whole.height:
-        said.append(
-            "The height of the centre of mass is unknown: it is on the floor, where accelerating moves no load."
-        )
-    one = next(iter(of.drives.values()))
-    said.append(f"{', '.join(drive.joint for drive in of.drives.values())}, each: {' '.join(of_drive(one))}")
-    return said + [f"Assumed: {line}." for line in of.said]
-
-
-def of_wheel(of: PlatformExport, place: int) -> str:
-    """Remark on the joint of a wheel: what resists."""
-    no_drive = "" if place in of.drives else "It has no drive. "
-    return f"{no_drive}Friction has the {brief(of.rolling[place])} N*m that it takes to roll under its load at rest."
-
-
-def rollers(of: PlatformExport) -> Iterable[str]:
-    """Remark on the rollers' resistance, which no file has, as sentences."""
-    C = max(wheel.roller_resistance for wheel in of.platform.wheels)
-    if C:
-        yield f"Left out: the resistance of the rollers on their pins, {brief(C)} of a wheel's load where they turn."
-
-
-BASE = "base_link"
-
-
-def wheel_name(place: int) -> str:
-    """Name of a wheel's joint, by its place from 0: the numbers are those of every other output."""
-    return f"wheel_{place + 1}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -219,11 +79,47 @@ class PlatformExport:
         """Of the wheels [m]."""
         return self.platform.wheels[0].radius
 
+    @property
+    def head(self) -> list[str]:
+        """Remarks on the whole file, as sentences."""
+        whole, wheel = self.platform, self.wheel
+        box = "slender as its box" if self.size else "that of a flat plate"
+        said = [
+            f"{PROGRAM}. SI: kg, m, s, N, N*m, rad; x forwards, y to the left, the reference point is the origin.",
+            f"All together {brief(whole.mass)} kg, drives and payloads among them, and {brief(whole.inertia)} kg*m^2 "
+            "about the vertical through the centre of mass, as the spec has it.",
+            f"Of a wheel the spec has the inertia alone: {brief(wheel.mass)} kg is assumed, as of a homogeneous disc "
+            "of it within bounds, and the inertia is that about every axis. The base has the rest; its inertia about "
+            f"x and y is {box}.",
+        ]
+        if not whole.height:
+            said.append(
+                "The height of the centre of mass is unknown: it is on the floor, where accelerating moves no load."
+            )
+        one = next(iter(self.drives.values()))
+        said.append(f"{', '.join(drive.joint for drive in self.drives.values())}, each: {' '.join(one.remarks)}")
+        return said + [f"Assumed: {line}." for line in self.said]
+
+    def of_wheel(self, place: int) -> str:
+        """Remark on the joint of a wheel: what resists."""
+        no_drive = "" if place in self.drives else "It has no drive. "
+        rolling = brief(self.rolling[place])
+        return f"{no_drive}Friction has the {rolling} N*m that it takes to roll under its load at rest."
+
+    @property
+    def rollers(self) -> list[str]:
+        """Remark on the rollers' resistance, which no file has."""
+        C = max(wheel.roller_resistance for wheel in self.platform.wheels)
+        left = f"Left out: the resistance of the rollers on their pins, {brief(C)} of a wheel's load where they turn."
+        return [left] if C else []
+
 
 def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
     """The record of a platform with the drive that a sizing found."""
-    spec = _laden(spec, found)
-    section, load = spec.platform, spec.load
+    if spec.budget is not None and spec.budget.drive_counts:  # of the mass that it was sized for
+        mass = fsum(row.ends[1] for row in found.masses if not isnan(row.each))
+        spec = spec.model_copy(update={"load": spec.load.model_copy(update={"mass": mass})})
+    section, load, belt = spec.platform, spec.load, spec.belt
     if section is None or not isinstance(load, WheeledVehicle):
         raise InputError(f"{spec.where(())}: no section platform; expected one, e.g. platform: {{layout: ...}}")
     (_, case, wheel_spec), *_ = load_cases(spec)
@@ -236,13 +132,28 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
     rolling = own_rolling(d, contact_loads(platform, ground=Ground(gravity=spec.environment.gravity)))
     rolling[rolling < _NOTHING * rolling.max()] = 0.0
     time, eta, eta_dot = _motion(unbroken, of)
-    fastest = wheel_speed(of, float(rolling.max()))
     left = whose(case, wheel_spec)
     controller = [] if of.stepper or not left else [f"all drives have the controller that is designed for {case}"]
+    rows = drive_rows(found, 1, belt=belt.mass if belt else None, encoder=spec.wants_encoder)
+    own = [row for row in rows if row.name != "controller"]
+    drives = {}
+    for place in d.kinematics.driven:
+        name, at = wheel_name(place), platform.wheels[place]
+        drives[place] = JointDrive(
+            joint=name,
+            of=of,
+            travel=1.0,
+            turns_by={name: 1.0},
+            mass=fsum(row.each for row in own if not isnan(row.each)),  # part of the base
+            lacking=tuple(row.name for row in own if isnan(row.each)),
+            place=Attached(BASE, np.array([at.x, at.y, at.radius])),
+            stage_inertia=belt.inertia if belt else 0.0,
+            stage_friction=belt.friction_torque if belt else 0.0,
+        )
     return PlatformExport(
         name=spec.name,
         of=of,
-        drives={place: _drive(spec, found, of, platform, place) for place in d.kinematics.driven},
+        drives=drives,
         platform=platform,
         kinematics=d.kinematics,
         base=base,
@@ -251,7 +162,7 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
         size=size,
         friction=load.friction_coefficient,
         ground=ground_of(spec),
-        reach=reached(d.kinematics, fastest, section.limits, eta_dot),
+        reach=_reached(d.kinematics, of, float(rolling.max()), section.limits, eta_dot),
         time=time,
         eta=eta,
         said=(
@@ -262,37 +173,86 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
     )
 
 
-def _laden(spec: RobotSpec, found: DriveSet) -> RobotSpec:
-    """The spec with the mass that it was sized for, where the drive's own counts."""
-    if spec.budget is None or not spec.budget.drive_counts:
-        return spec
-    mass = fsum(row.ends[1] for row in found.masses if not isnan(row.each))
-    return spec.model_copy(update={"load": spec.load.model_copy(update={"mass": mass})})
+def split(platform: Platform, size: Size | None) -> tuple[Body, Body]:
+    r"""Base and one wheel of a platform.
+
+    The spec has the mass of all together, the inertia about the vertical through its centre, and of a wheel the inertia
+    J about its axle. A simulator wants bodies. A wheel gets the mass of a homogeneous disc of its inertia, and J about
+    every axis; the base what is left, so that mass, centre and inertia of all together are those of the spec:
+
+    .. math:: m_w = \frac{2J}{r^2}, \quad m_b = m - N m_w, \quad c_b = \frac{m c - m_w \sum p_k}{m_b}, \quad
+        I_b = I - \sum_k (J + m_w |p_k - c|^2) - m_b |c_b - c|^2
+
+    p_k are the wheels' contact points. Of rolling and pitching the spec has nothing: the base is as slender as its box,
+    :math:`I_x : I_y : I_z = w^2 + h^2 : l^2 + h^2 : l^2 + w^2`, or flat where that is unknown.
+    """
+    r, share = platform.wheels[0].radius, platform.mass / len(platform.wheels)
+    J = max(platform.wheels[0].inertia, LEAST_INERTIA)
+    places = np.array([(w.x, w.y, w.radius) for w in platform.wheels])
+    middle = np.array([platform.x, platform.y, platform.height])
+    slender = 0.5, 0.5, 1.0  # inertia about x, y and z over that about z
+    if size is not None:
+        length, width, height = size.length**2, size.width**2, size.height**2
+        slender = (width + height) / (length + width), (length + height) / (length + width), 1.0
+
+    def levers(points: Array) -> float:
+        return float(((points - middle)[..., :2] ** 2).sum())
+
+    for wheel in (min(max(2.0 * J / r**2, _LIGHT * share), _HEAVY * share), _LIGHT * share):
+        # a lighter one where little of the inertia is known
+        mass = platform.mass - len(places) * wheel
+        centre = (platform.mass * middle - wheel * places.sum(axis=0)) / mass
+        about = platform.inertia - len(places) * J - wheel * levers(places) - mass * levers(centre)
+        if about > 0.0:
+            centre[np.abs(centre) < _NOTHING * r] = 0.0
+            return Body(mass, centre, about * np.diag(slender)), Body(wheel, np.zeros(3), J * np.eye(3))
+    raise InputError(
+        f"platform.inertia: {platform.inertia:.4g} kg*m^2 is less than its wheels alone have; expected that of all, "
+        "without payloads"
+    )
 
 
-def _drive(spec: RobotSpec, found: DriveSet, of: Export, platform: Platform, place: int) -> JointDrive:
-    """The drive of a wheel; its mass is part of the base."""
-    name, at, belt = wheel_name(place), platform.wheels[place], spec.belt
-    rows = drive_rows(found, 1, belt=belt.mass if belt else None, encoder=spec.wants_encoder)
-    own = [row for row in rows if row.name != "controller"]
-    return JointDrive(
-        joint=name,
-        of=of,
-        travel=1.0,
-        turns_by={name: 1.0},
-        mass=fsum(row.each for row in own if not isnan(row.each)),
-        lacking=tuple(row.name for row in own if isnan(row.each)),
-        place=Attached(BASE, np.array([at.x, at.y, at.radius])),
-        stage_inertia=belt.inertia if belt else 0.0,
-        stage_friction=belt.friction_torque if belt else 0.0,
+def _reached(k: Kinematics, of: Export, rolling: float, limits: Limits, eta_dot: Array) -> Reach:
+    r"""Speeds that a platform reaches, by direction, and accelerations that it is sized for.
+
+    A drive turns its wheel as fast as the lowest supply voltage V permits while the platform rolls at constant speed on
+    a level floor, T being the torque of that:
+
+    .. math:: K w = \frac{k_t V - R \left( M_f + \frac{T}{K e} \right)}{k_t k_e + R b}
+
+    or as the parts permit where that is less. The platform's speed in a direction is w over the largest of the wheels'
+    speeds in it; a limit that the spec sets is kept. Accelerations are the spec's limits, else the largest of its
+    motion.
+    """
+    permitted, train = of.limits.peak_speed, of.train
+    wheel = permitted.value if permitted.by else inf
+    if not of.stepper:
+        driven = speed_at(train, of.voltage, train.friction + rolling / (train.ratio * train.efficiency))
+        wheel = min(wheel, max(driven, 0.0) / train.ratio)
+    wheel = wheel if wheel < inf else nan
+
+    def least(value: float, limit: float | None) -> float:
+        return min((one for one in (value, limit) if one is not None and isfinite(one)), default=nan)
+
+    most = np.abs(k.E[list(k.driven)]).max(axis=0)
+    speed, aside, turning = (wheel / each if each > _NOTHING * most.max() else nan for each in most.tolist())
+    along, about = float(np.hypot(eta_dot[0], eta_dot[1]).max()), float(np.abs(eta_dot[2]).max())
+    return Reach(
+        forwards=least(speed, limits.speed),
+        sideways=least(aside, limits.speed) if k.mobility > 2 else nan,
+        turning=least(turning, limits.turning_speed),
+        acceleration=limits.acceleration or along or nan,
+        jerk=limits.jerk or nan,
+        turning_acceleration=limits.turning_acceleration or about or nan,
+        turning_jerk=limits.turning_jerk or nan,
     )
 
 
 def _motion(spec: RobotSpec, of: Export) -> tuple[Array, Array, Array]:
     """The spec's motion: times, velocity in the robot's frame, and its rate of change at both ends of each piece."""
-    d, trajectory = dynamics_of(spec), trajectory_of(spec)
+    trajectory = trajectory_of(spec)
     if trajectory is not None:
-        found = motion(d, trajectory, ground_of(spec))
+        found = motion(dynamics_of(spec), trajectory, ground_of(spec))
         time = np.concatenate([[0.0], np.cumsum(found.duration)])
         return time, np.concatenate([found.eta[:, :, 0], found.eta[:, -1:, 1]], axis=1), found.eta_dot
     time, speed = np.array(of.cycle.time), np.array(of.cycle.speed) * of.train.radius
@@ -300,20 +260,3 @@ def _motion(spec: RobotSpec, of: Export) -> tuple[Array, Array, Array]:
     rise = np.diff(speed)[lasts] / np.diff(time)[lasts]
     ahead = np.array([[1.0], [0.0], [0.0]])
     return time - time[0], ahead * speed, ahead * rise
-
-
-def write_platform(of: PlatformExport, form: str, path: Path) -> list[Path]:
-    """Write a platform to a file of a format, whole or not at all."""
-    accept(form, path)
-    return write(of, form, path, "platform")
-
-
-def write_drive(
-    spec: RobotSpec, found: DriveSet, form: str, path: Path, wheel: int | None = None
-) -> tuple[tuple[str, ...], list[Path]]:
-    """Write the drive of a spec; of a platform with all its wheels, in formats of several joints."""
-    if wheel is None and spec.platform is not None and form in WHOLE:
-        platform = platform_export(spec, found)
-        return platform.said, write_platform(platform, form, path)
-    drive = export_of(spec, found, wheel)
-    return drive.said, write(drive, form, path)

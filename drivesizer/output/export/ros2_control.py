@@ -1,197 +1,198 @@
-"""ros2_control: the URDF with its hardware block, and the YAML of controllers, of one axis and of several."""
+r"""ros2_control: the URDF with its hardware block, and the YAML of the controllers of all joints.
+
+The pid_controller of ros2_controllers takes reference and state of velocity and commands effort. The gains of
+``gains``, from the motor to the driven shaft with gears that drive (torque by K e, speed by 1/K), are
+
+.. math:: p = K^2 e\, k_d, \qquad i = K^2 e\, k_p
+
+With feedforward its output is p (w_r - w) + i \int (w_r - w) + f w_r. Its clamps hold the first two terms alone, which
+carry the effort and what feedforward takes away: they are the joint's effort and f times its velocity.
+
+Names of parameters by version of ros2_controllers, as its pid_controller/src/pid_controller.yaml declares them (tags
+2.54.0, 4.42.1, 5.17.0, 6.9.0); a version ignores those that it does not declare:
+
+- u_clamp_max, u_clamp_min, antiwindup_strategy: from 4.27 (Jazzy) and 5.2 on. Before, as in all 2.x (Humble), only the
+  integral is limited, by i_clamp_max and i_clamp_min, whose default there is 0.
+- enable_feedforward: 4.x and 5.0, off by default. From 5.1 on feedforward is always on; in 2.x it takes a call of the
+  service set_feedforward_control.
+
+The controller manager's update_rate is a whole number of hertz, 100 where none is given: of several drives the slowest
+of their own, for which all controllers are designed. Steppers take positions, from a controller of trajectories. The
+wheels of a platform take velocities, with a controller of the base whose own speeds of the wheels are those of the
+platform's kinematics.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from math import isnan, tau
 from typing import Any, NamedTuple
-from xml.etree.ElementTree import Element, SubElement
+from xml.etree.ElementTree import SubElement
 
 import numpy as np
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.joints.inverse_dynamics import Array
-from drivesizer.output.export.common import (
-    JOINT,
-    Export,
-    document,
-    identifier,
-    lacking,
-    limited,
-    number,
-    remark,
-    text,
-    torque_law,
-)
-from drivesizer.output.export.machine import JointDrive, MachineExport
+from drivesizer.output.export import common
+from drivesizer.output.export.common import Export, identifier, number, remark, text, torque_law
+from drivesizer.output.export.machine import MachineExport
 from drivesizer.output.export.platform import PlatformExport, Reach, wheel_name
-from drivesizer.output.export.urdf import FOOTPRINT, robot, robot_of_machine, robot_of_platform
+from drivesizer.output.export.urdf import FOOTPRINT, DrivenJoint, driven_joints, robot_of
 
 __all__ = ["controllers", "render"]
 
-
-# -- ros2_control: the URDF with its hardware block, and the YAML of a velocity controller with the designed gains.
-#
-# The pid_controller of ros2_controllers takes reference and state of velocity and commands effort. The gains of
-# ``gains``, from the motor to the driven shaft with gears that drive (torque by K e, speed by 1/K), are
-#
-# .. math:: p = K^2 e\, k_d, \qquad i = K^2 e\, k_p
-#
-# With feedforward its output is p (w_r - w) + i \int (w_r - w) + f w_r. Its clamps hold the first two terms alone,
-# which carry the effort and what feedforward takes away: they are the joint's effort and f times its velocity.
-#
-# Names of parameters by version of ros2_controllers, as its pid_controller/src/pid_controller.yaml declares them
-# (tags 2.54.0, 4.42.1, 5.17.0, 6.9.0); a version ignores those that it does not declare:
-#
-# - u_clamp_max, u_clamp_min, antiwindup_strategy: from 4.27 (Jazzy) and 5.2 on. Before, as in all 2.x (Humble), only
-# the integral is limited, by i_clamp_max and i_clamp_min, whose default there is 0. - enable_feedforward: 4.x and
-# 5.0, off by default. From 5.1 on feedforward is always on; in 2.x it takes a call of the service
-# set_feedforward_control.
-#
-# The controller manager's update_rate is a whole number of hertz, 100 where none is given.
-
-
 CONTROLLER = "velocity_controller"
-LOOP, STEPS = ("velocity", "effort"), ("position",)  # what commands a drive with a loop, and a stepper
+NAME = "base_controller"
+_ALONG = "joint_trajectory_controller"
 _MOCK = "mock_components/GenericSystem"
+_TRAJECTORY = 100  # Hz, of the controller manager where there are steppers alone
+_NEAR = 1e-6  # of a rate: what is no whole number
+_SAME = 1e-9  # of a speed at a wheel of 1 m/s, or 1 rad/s
+_PARAMETER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")  # name of a joint that is a parameter's name in ROS
+_WORDS = frozenset({"y", "n", "yes", "no", "on", "off", "true", "false", "null"})  # other than text in YAML
 
 
-def render(of: Export) -> bytes:
-    """The URDF of a set with its ``ros2_control`` block."""
-    root = robot(of)
-    block = hardware(root, identifier(of.name))
-    interfaces(block, JOINT, limited(of), STEPS if of.stepper else LOOP)
-    transmission(block, JOINT, of.train.ratio, "motor")
-    return document(root)
-
-
-def hardware(root: Element, name: str) -> Element:
-    """Add a ``ros2_control`` block with its hardware."""
-    block = SubElement(root, "ros2_control", name=f"{name}_drive", type="system")
+def render(of: MachineExport) -> bytes:
+    """The URDF of a machine with its ``ros2_control`` block."""
+    joints = _joints(of)
+    base = base_controller(of.platform) if of.platform else None
+    direction = base.direction if base else 1.0
+    root = robot_of(of, direction)
+    block = SubElement(root, "ros2_control", name=f"{identifier(of.name)}_drive", type="system")
     plugin = SubElement(block, "hardware")
     remark(plugin, f"{_MOCK} to try it; put your drive's own plugin here.")
     SubElement(plugin, "plugin").text = _MOCK
-    return block
+    stepped = ("velocity",) if of.platform else ("position",)  # what commands a stepper
+    for joint in joints:
+        added = SubElement(block, "joint", name=joint.name)
+        takes = stepped if joint.of.stepper else ("velocity", "effort")
+        for name in takes:
+            command = SubElement(added, "command_interface", name=name)
+            for side, sign in (("min", "-"), ("max", "")) if name in joint.limits else ():
+                SubElement(command, "param", name=side).text = sign + joint.limits[name]
+        for name in ("position", "velocity", "effort") if "effort" in takes else ("position", "velocity"):
+            SubElement(added, "state_interface", name=name)
+    for joint in joints:
+        added = SubElement(block, "transmission", name=f"{joint.name}_transmission")
+        SubElement(added, "plugin").text = "transmission_interface/SimpleTransmission"
+        SubElement(added, "actuator", name=joint.motor, role=joint.motor)
+        of_joint = SubElement(added, "joint", name=joint.name, role=joint.name)
+        SubElement(of_joint, "mechanical_reduction").text = number(direction * joint.ratio)
+    return common.document(root)
 
 
-def interfaces(block: Element, joint: str, known: dict[str, str], takes: Sequence[str]) -> None:
-    """Add the interfaces of a joint."""
-    of_joint = SubElement(block, "joint", name=joint)
-    for name in takes:
-        command = SubElement(of_joint, "command_interface", name=name)
-        for side, sign in (("min", "-"), ("max", "")) if name in known else ():
-            SubElement(command, "param", name=side).text = sign + known[name]
-    for name in ("position", "velocity", "effort") if "effort" in takes else ("position", "velocity"):
-        SubElement(of_joint, "state_interface", name=name)
+def _joints(of: MachineExport) -> list[DrivenJoint]:
+    """All joints with a drive, whose names ROS takes."""
+    joints = driven_joints(of)
+    for joint in joints:
+        if joint.coupled:
+            raise InputError(
+                f"{joint.name}: its belt passes other joints, which ros2_control's simple transmission has no place "
+                "for; expected --format mjcf or urdf"
+            )
+        if not _PARAMETER.fullmatch(joint.name) or joint.name.lower() in _WORDS:
+            raise InputError(
+                f"joint {quoted(joint.name)}: ROS has no parameters of this name; expected letters, digits and "
+                "underscores, a letter first"
+            )
+    return joints
 
 
-def transmission(block: Element, joint: str, ratio: float, actuator: str) -> None:
-    """Add a transmission."""
-    added = SubElement(block, "transmission", name=f"{joint}_transmission")
-    SubElement(added, "plugin").text = "transmission_interface/SimpleTransmission"
-    SubElement(added, "actuator", name=actuator, role=actuator)
-    of_joint = SubElement(added, "joint", name=joint, role=joint)
-    SubElement(of_joint, "mechanical_reduction").text = number(ratio)
-
-
-def controllers(of: Export) -> bytes:
-    """The parameters of controller manager and velocity controller, as YAML."""
-    if of.stepper:
-        return _trajectory(of)
-    law = torque_law(of)
-    said = [of.label, of.program, *lacking(of), *REMARKS, *rate_remarks(of)]
-    if law.per_acceleration or law.per_direction:
+def controllers(of: MachineExport) -> bytes:
+    """The parameters of controller manager and controllers, as YAML with remarks at its head."""
+    joints, platform = _joints(of), of.platform
+    looped, steppers = ([one for one in joints if bool(one.of.stepper) is steps] for steps in (False, True))
+    slowest = max((one.of for one in looped), key=lambda one: one.period, default=None)
+    base = base_controller(platform) if platform else None
+    said = [f"{joint.name}: {joint.of.label}" for joint in joints]
+    if platform:
+        said = [f"{', '.join(joint.name for joint in joints)}: {platform.of.label}"]
+    elif of.alone:
+        said = [of.alone.label]
+    said += [common.PROGRAM, *dict.fromkeys(line for one in looped for line in common.lacking(one.of))]
+    if slowest:
+        said += [*_VERSIONS, *_rate_remarks(slowest)]
+    law = torque_law(of.alone) if of.alone and looped else None
+    if law and (law.per_acceleration or law.per_direction):
         said.append("feedforward of acceleration and friction is left out")
-    return commented(said, velocity_loops({JOINT: velocity_gains(of)}, rate_of(of)))
+    if steppers and platform:
+        said.append("steppers run open-loop: they go at the commanded velocities, or lose steps unseen")
+    elif steppers and of.alone:
+        said.append(
+            "a stepper runs open-loop: it goes to the commanded positions, or loses steps unseen; keep accelerations "
+            "to those that drivesizer validate has simulated"
+        )
+    elif steppers:
+        said.append("steppers run open-loop: they go to the commanded positions, or lose steps unseen")
+    if platform:
+        said += [*_base_remarks(platform), *base.said] if base else [_NO_BASE]
+    gains = {one.name: _gains(one) for one in looped}
+    along = [] if platform else [one.name for one in steppers]
+    rate = _rate(slowest) if slowest else _TRAJECTORY
+    named = {CONTROLLER: "pid_controller/PidController"} if gains else {}
+    named |= {_ALONG: "joint_trajectory_controller/JointTrajectoryController"} if along else {}
+    named |= {NAME: base.kind} if base else {}
+    body = _MANAGER.format(rate=rate) + "".join(f"    {name}:\n      type: {kind}\n" for name, kind in named.items())
+    if gains:
+        lines = "".join(f"      {joint}:\n{lines}" for joint, lines in gains.items())
+        body += _VELOCITY.format(rate=rate, name=CONTROLLER, joints=", ".join(gains), gains=lines)
+    if along:
+        body += _POSITIONS.format(name=_ALONG, joints=", ".join(along))
+    if base:
+        body += f"\n{NAME}:\n  ros__parameters:\n{parameters_text(base.parameters)}"
+    return ("".join(f"# {' '.join(text(line).split())}\n" for line in said) + body).encode()
 
 
-def commented(said: Iterable[str], body: str) -> bytes:
-    """A YAML file with remarks at its head."""
-    return ("".join(f"# {_line(line)}\n" for line in said) + body).encode()
-
-
-def velocity_gains(of: Export, travel: float = 1.0, efficiency: float = 1.0, *, slides: bool = False) -> str:
+def _gains(joint: DrivenJoint) -> str:
     """Gains and clamps of one joint's velocity loop, as lines of YAML."""
+    of, travel, efficiency = joint.of, joint.travel, joint.gear_efficiency
     law, train = torque_law(of), of.train
     if law.ki:
         raise InputError("--format: ros2_control gets a velocity loop; leave control.position out of the spec")
     at_joint = train.ratio**2 * train.efficiency * efficiency / travel**2
     most, feedforward = of.limits.peak_torque.value * efficiency / travel, law.per_speed * at_joint
-    held = most + abs(feedforward) * of.limits.peak_speed.value * travel
-    force, angle = ("N", "/m") if slides else ("N*m", "/rad")
+    clamp = most + abs(feedforward) * of.limits.peak_speed.value * travel
+    force, angle = ("N", "/m") if joint.slides else ("N*m", "/rad")
     place = " at the driven shaft" if travel == 1.0 else " at the joint"
     return _GAINS.format(
-        p=float_text(law.kd * at_joint), i=float_text(law.kp * at_joint), ff=float_text(feedforward),
-        most=float_text(held), least=float_text(-held),
-        force=force, per=f"{force}*s{angle}{place}", angle=angle, speed=f"{force}*s{angle}",
+        p=_float(law.kd * at_joint), i=_float(law.kp * at_joint), ff=_float(feedforward), most=_float(clamp),
+        least=_float(-clamp), force=force, per=f"{force}*s{angle}{place}", angle=angle, speed=f"{force}*s{angle}",
     )  # fmt: skip
 
 
-def velocity_loops(
-    gains: dict[str, str], rate: int, steppers: Sequence[str] = (), more: Mapping[str, str] | None = None
-) -> str:
-    """Parameters of one velocity controller of several joints, as YAML."""
-    named = {CONTROLLER: "pid_controller/PidController"} if gains else {}
-    named |= {_ALONG: "joint_trajectory_controller/JointTrajectoryController"} if steppers else {}
-    named |= more or {}
-    found = _MANAGER.format(rate=rate) + "".join(f"    {name}:\n      type: {kind}\n" for name, kind in named.items())
-    if gains:
-        joints = "".join(f"      {joint}:\n{lines}" for joint, lines in gains.items())
-        found += _VELOCITY.format(rate=rate, name=CONTROLLER, joints=", ".join(gains), gains=joints)
-    return found + (_POSITIONS.format(name=_ALONG, joints=", ".join(steppers)) if steppers else "")
-
-
-def _trajectory(of: Export) -> bytes:
-    """A controller of positions along a trajectory: a stepper has no loop."""
-    said = [
-        of.label, of.program,
-        "a stepper runs open-loop: it goes to the commanded positions, or loses steps unseen; keep accelerations to "
-        "those that drivesizer validate has simulated",
-    ]  # fmt: skip
-    return commented(said, velocity_loops({}, TRAJECTORY, (JOINT,)))
-
-
-def rate_of(of: Export) -> int:
+def _rate(of: Export) -> int:
     """Rate of the controller manager [Hz]."""
     return max(1, round(1.0 / of.period))
 
 
-def rate_remarks(of: Export) -> list[str]:
+def _rate_remarks(of: Export) -> list[str]:
     """Remarks on the rate for which gains hold, as sentences."""
-    designed = 1.0 / of.period
+    rate = 1.0 / of.period
     said = [
-        f"p and i belong to a loop at {designed:.6g} Hz: where the controller manager does not run at update_rate they "
+        f"p and i belong to a loop at {rate:.6g} Hz: where the controller manager does not run at update_rate they "
         "do not hold; for a loop at another rate give control: {rate: 1 kHz} in the spec and export anew"
     ]
-    if abs(rate_of(of) - designed) > _NEAR * designed:
-        said.append(f"update_rate is a whole number: {rate_of(of)} Hz for {designed:.6g} Hz")
+    if abs(_rate(of) - rate) > _NEAR * rate:
+        said.append(f"update_rate is a whole number: {_rate(of)} Hz for {rate:.6g} Hz")
     return said
 
 
-def _line(said: str) -> str:
-    return " ".join(text(said).split())
-
-
-def float_text(value: float) -> str:
+def _float(value: float) -> str:
     """A figure that YAML and ROS read as a float: an integer is another type to them.
 
-    >>> float_text(2.0), float_text(1e-9)
+    >>> _float(2.0), _float(1e-9)
     ('2.0', '1e-09')
     """
     shown = number(value)
     return shown if set(shown) & {".", "e", "n"} else f"{shown}.0"
 
 
-_NEAR = 1e-6  # of a rate: what is no whole number
-REMARKS = (
+_VERSIONS = (
     "u_clamp_max, u_clamp_min and antiwindup_strategy are of ros2_controllers 4.27 and 5.2 or later; older ones, "
     "such as Humble's 2.x, ignore them and limit the integral by i_clamp_max and i_clamp_min",
     "enable_feedforward is of 4.x and 5.0; later feedforward is always on; 2.x: the service set_feedforward_control",
     "the clamps limit p and i: the joint's effort, and the feedforward at the joint's velocity",
 )
-_ALONG = "joint_trajectory_controller"
-TRAJECTORY = 100  # Hz, of the controller manager where there are steppers alone
 _MANAGER = """controller_manager:
   ros__parameters:
     update_rate: {rate}  # Hz
@@ -227,81 +228,7 @@ _GAINS = """        p: {p}  # {per}
 """
 
 
-# -- ros2_control of a machine: its URDF with one hardware block, and the YAML of a velocity controller of all joints.
-#
-# Formulas and names of parameters as in ``export.ros2_control``. All controllers are designed for one rate, that of
-# the controller manager: the slowest of the drives' own. Steppers take positions, from a controller of trajectories.
-
-
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")  # of a joint that is a parameter's name in ROS
-_WORDS = frozenset({"y", "n", "yes", "no", "on", "off", "true", "false", "null"})  # other than text in YAML
-
-
-class _Joint(NamedTuple):
-    """A joint as controllers see it."""
-
-    name: str
-    of: Export
-    travel: float
-    gear_efficiency: float
-    slides: bool
-    limits: dict[str, str]
-    ratio: float
-    motor: str
-
-
-def _joints(of: MachineExport) -> list[_Joint]:
-    """All joints with a drive."""
-    found = []
-    for drive in of.robot.drives if of.robot else ():
-        if drive.coupled:
-            raise InputError(
-                f"{drive.joint}: its belt passes other joints, which ros2_control's simple transmission has no place "
-                "for; expected --format mjcf or urdf"
-            )
-        figures = (drive.travel, drive.gear_efficiency, drive.slides, drive.limits, drive.ratio)
-        found.append(_Joint(drive.joint, drive.of, *figures, f"{drive.joint}_motor"))
-    for name, one in of.axes:
-        before = identifier(name)
-        found.append(_Joint(f"{before}_shaft", one, 1.0, 1.0, False, limited(one), one.train.ratio, f"{before}_motor"))
-    for joint in found:
-        if not _NAME.fullmatch(joint.name) or joint.name.lower() in _WORDS:
-            raise InputError(
-                f"joint {quoted(joint.name)}: ROS has no parameters of this name; expected letters, digits and "
-                "underscores, a letter first"
-            )
-    return found
-
-
-def render_machine(of: MachineExport) -> bytes:
-    """The URDF of a machine with its ``ros2_control`` block."""
-    joints = _joints(of)
-    root = robot_of_machine(of)
-    block = hardware(root, identifier(of.name))
-    for joint in joints:
-        interfaces(block, joint.name, joint.limits, STEPS if joint.of.stepper else LOOP)
-    for joint in joints:
-        transmission(block, joint.name, joint.ratio, joint.motor)
-    return document(root)
-
-
-def controllers_machine(of: MachineExport) -> bytes:
-    """The parameters of controller manager and controllers, as YAML."""
-    joints = _joints(of)
-    looped, steppers = [one for one in joints if not one.of.stepper], [one.name for one in joints if one.of.stepper]
-    slowest = max((one.of for one in looped), key=lambda export: export.period, default=None)
-    said = [f"{joint.name}: {joint.of.label}" for joint in joints]
-    said += [of.program, *dict.fromkeys(line for one in looped for line in lacking(one.of))]
-    if slowest:
-        said += [*REMARKS, *rate_remarks(slowest)]
-    if steppers:
-        said.append("steppers run open-loop: they go to the commanded positions, or lose steps unseen")
-    gains = {one.name: velocity_gains(one.of, one.travel, one.gear_efficiency, slides=one.slides) for one in looped}
-    rate = rate_of(slowest) if slowest else TRAJECTORY
-    return commented(said, velocity_loops(gains, rate, steppers))
-
-
-# -- The controller of ros2_controllers that drives a platform by velocities, and its parameters as YAML.
+# The controller of ros2_controllers that drives a platform by velocities, and its parameters as YAML.
 #
 # Which one fits is not taken from a layout's name: its own speeds of the wheels have to be those of the platform's
 # kinematics, :math:`r E η`. With l and r for left and right, f and r for front and rear, they are
@@ -324,12 +251,8 @@ def controllers_machine(of: MachineExport) -> bytes:
 # 4.41, 5.16 and 6.8 on, omni wheels of 4.30 and 5.5 on.
 
 
-NAME = "base_controller"
-_SAME = 1e-9  # of a speed at a wheel of 1 m/s, or 1 rad/s
-
-
 class BaseController(NamedTuple):
-    """A controller that drives a whole platform."""
+    """A controller that drives a whole platform; of wheels with a loop it commands their velocity controller."""
 
     kind: str  # plugin
     parameters: Mapping[str, Any]
@@ -337,46 +260,49 @@ class BaseController(NamedTuple):
     said: tuple[str, ...] = ()  # remarks
 
 
-def base_controller(of: PlatformExport, before: str) -> BaseController | None:
-    """The controller whose wheels turn as those of a platform; None where none does."""
-    places = list(of.drives)
-    rows = np.round(of.radius * of.kinematics.E[places] / _SAME) * _SAME
-    names = [wheel_name(place) for place in places]
-    for fitting in (_differential, _mecanum, _omni):
-        found = fitting(of, rows, names, before)
-        if found:
-            return found
-    return None
-
-
 def _near(a: Any, b: Any) -> bool:
     return bool(np.allclose(a, b, rtol=0.0, atol=10.0 * _SAME))
 
 
-def _differential(of: PlatformExport, rows: Array, names: list[str], before: str) -> BaseController | None:
-    """Wheels in pairs, left and right, that roll forwards."""
-    ahead, aside, turning = rows.T
+def base_controller(of: PlatformExport) -> BaseController | None:
+    """The controller whose wheels turn as those of a platform; None where none does."""
+    ahead, aside, turning = (np.round(of.radius * of.kinematics.E[list(of.drives)] / _SAME) * _SAME).T
+    names = [wheel_name(place) for place in of.drives]
+    before = "" if of.of.stepper else f"{CONTROLLER}/"
+    frames = {"odom_frame_id": "odom", "base_frame_id": FOOTPRINT}  # the root of the URDF is the one that moves
+    open_loop = {"position_feedback": not before, "cmd_vel_timeout": 0.5, **frames}
     left, right = ([n for n, t in zip(names, turning, strict=True) if side * t > 0.0] for side in (-1.0, 1.0))
-    if not (_near(ahead, 1.0) and _near(aside, 0.0) and _near(np.abs(turning), abs(turning[0]))) or not left:
+    even = _near(ahead, 1.0) and _near(aside, 0.0) and _near(np.abs(turning), abs(turning[0]))
+    if even and left and len(left) == len(right):  # in pairs, left and right, that roll forwards
+        parameters = {
+            "left_wheel_names": [before + name for name in left],
+            "right_wheel_names": [before + name for name in right], "wheels_per_side": len(left),
+            "wheel_separation": 2.0 * float(abs(turning[0])), "wheel_radius": of.radius, **open_loop,
+            **_limits(of.reach, ("x",), older=True),
+        }  # fmt: skip
+        ahead_of = of.platform.wheels[next(iter(of.drives))].x
+        said = (f"odometry is that of the axle's middle, {ahead_of:.4g} m ahead of {FOOTPRINT}",) if ahead_of else ()
+        return BaseController("diff_drive_controller/DiffDriveController", parameters, said=said)
+    if len(names) == 4 and _near(ahead, 1.0) and _near(np.abs(aside), 1.0) and _near(aside.sum(), 0.0):
+        return _mecanum(of, aside, turning, before, frames)
+    angles = np.arctan2(-ahead, aside) % tau
+    order = np.argsort(np.round(angles / _SAME) * _SAME % tau)
+    first, count, radius = float(angles[order[0]]), len(names), float(turning[0])
+    on_circle = count >= 3 and radius > 0.0 and _near(turning, radius) and _near(np.hypot(ahead, aside), 1.0)
+    if not on_circle or not _near(angles[order], first + tau / count * np.arange(count)):
         return None
-    if len(left) != len(right):
-        return None
-    parameters = {
-        "left_wheel_names": [before + name for name in left], "right_wheel_names": [before + name for name in right],
-        "wheels_per_side": len(left), "wheel_separation": 2.0 * float(abs(turning[0])), "wheel_radius": of.radius,
-        "position_feedback": not before, "cmd_vel_timeout": 0.5, **_frames(), **_limits(of.reach, ("x",), older=True),
+    parameters = {  # at equal angles on a circle, each rolling along it
+        "wheel_offset": first, "wheel_names": [before + names[n] for n in order], "robot_radius": radius,
+        "wheel_radius": of.radius, **open_loop,
     }  # fmt: skip
-    ahead_of = of.platform.wheels[next(iter(of.drives))].x
-    said = f"odometry is that of the axle's middle, {ahead_of:.4g} m ahead of {FOOTPRINT}"
-    return BaseController("diff_drive_controller/DiffDriveController", parameters, said=(said,) if ahead_of else ())
+    return BaseController("omni_wheel_drive_controller/OmniWheelDriveController", parameters, direction=-1.0)
 
 
-def _mecanum(of: PlatformExport, rows: Array, names: list[str], before: str) -> BaseController | None:
+def _mecanum(
+    of: PlatformExport, aside: Any, turning: Any, before: str, frames: dict[str, str]
+) -> BaseController | None:
     """Four wheels of which each pulls along a diagonal."""
-    ahead, aside, turning = rows.T
-    if len(names) != 4 or not (_near(ahead, 1.0) and _near(np.abs(aside), 1.0) and _near(aside.sum(), 0.0)):
-        return None
-    by_turning = np.argsort(turning)
+    names, by_turning = [wheel_name(place) for place in of.drives], np.argsort(turning)
     front_left, rear_right = (int(n) for n in by_turning if aside[n] < 0.0)
     rear_left, front_right = (int(n) for n in by_turning if aside[n] > 0.0)
     reach = (turning[rear_right] - turning[front_left]) / 2.0
@@ -393,57 +319,33 @@ def _mecanum(of: PlatformExport, rows: Array, names: list[str], before: str) -> 
         "base_frame_offset": {"x": float(one - other) / 2.0, "y": float(one + other) / 2.0, "theta": 0.0},
         "wheels_radius": of.radius, "sum_of_robot_center_projection_on_X_Y_axis": float(reach),
     }  # fmt: skip
-    parameters |= {**_frames(), **_limits(of.reach, ("x", "y"), older=False)}
+    parameters |= {**frames, **_limits(of.reach, ("x", "y"), older=False)}
     return BaseController("mecanum_drive_controller/MecanumDriveController", parameters)
-
-
-def _omni(of: PlatformExport, rows: Array, names: list[str], before: str) -> BaseController | None:
-    """Wheels at equal angles on a circle, each rolling along it."""
-    count, radius = len(names), float(rows[0, 2])
-    angles = np.arctan2(-rows[:, 0], rows[:, 1]) % tau
-    order = np.argsort(np.round(angles / _SAME) * _SAME % tau)
-    first = float(angles[order[0]])
-    if not (count >= 3 and radius > 0.0 and _near(rows[:, 2], radius) and _near(np.hypot(*rows[:, :2].T), 1.0)):
-        return None
-    if not _near(angles[order], first + tau / count * np.arange(count)):
-        return None
-    parameters = {
-        "wheel_offset": first, "wheel_names": [before + names[n] for n in order], "robot_radius": radius,
-        "wheel_radius": of.radius, "position_feedback": not before, "cmd_vel_timeout": 0.5, **_frames(),
-    }  # fmt: skip
-    return BaseController("omni_wheel_drive_controller/OmniWheelDriveController", parameters, direction=-1.0)
-
-
-def _frames() -> dict[str, Any]:
-    """Frames of the odometry: the root of the URDF is the one that moves."""
-    return {"odom_frame_id": "odom", "base_frame_id": FOOTPRINT}
 
 
 def _limits(reach: Reach, axes: tuple[str, ...], *, older: bool) -> dict[str, Any]:
     """Limits of velocity, acceleration and jerk; what is unknown is left out."""
+
+    def limits(speed: float, acceleration: float, jerk: float) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for name, value in (("velocity", speed), ("acceleration", acceleration), ("jerk", jerk)):
+            if isnan(value):
+                continue
+            if older:
+                found[f"has_{name}_limits"] = True
+            found[f"max_{name}"] = value
+            found["max_deceleration" if name == "acceleration" else f"min_{name}"] = -value
+        return found
+
     speeds = {"x": reach.forwards, "y": reach.sideways}
-    linear = {axis: _axis_limits(speeds[axis], reach.acceleration, reach.jerk, older) for axis in axes}
-    about = _axis_limits(reach.turning, reach.turning_acceleration, reach.turning_jerk, older)
+    about = limits(reach.turning, reach.turning_acceleration, reach.turning_jerk)
+    linear = {axis: limits(speeds[axis], reach.acceleration, reach.jerk) for axis in axes}
     return {"linear": linear, "angular": {"z": about}}
-
-
-def _axis_limits(speed: float, acceleration: float, jerk: float, older: bool) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for name, value in (("velocity", speed), ("acceleration", acceleration), ("jerk", jerk)):
-        if isnan(value):
-            continue
-        if older:
-            found[f"has_{name}_limits"] = True
-        found[f"max_{name}"] = value
-        found["max_deceleration" if name == "acceleration" else f"min_{name}"] = -value
-    return found
 
 
 def parameters_text(parameters: Mapping[str, Any], indent: int = 4) -> str:
     """Parameters as lines of YAML.
 
-    Examples
-    --------
     >>> print(parameters_text({"linear": {"x": {"max_velocity": 2.0}}, "names": ["a", "b"]}, 0), end="")
     linear:
       x:
@@ -452,67 +354,14 @@ def parameters_text(parameters: Mapping[str, Any], indent: int = 4) -> str:
     """
     lines = []
     for name, value in parameters.items():
+        written = f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
         if isinstance(value, Mapping):
             lines.append(f"{' ' * indent}{name}:\n{parameters_text(value, indent + 2)}")
-        else:
-            lines.append(f"{' ' * indent}{name}: {_written(value)}\n")
+            continue
+        if isinstance(value, float):
+            written = _float(value)
+        lines.append(f"{' ' * indent}{name}: {written.lower() if isinstance(value, bool) else written}\n")
     return "".join(lines)
-
-
-def _written(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        return float_text(value)
-    return f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
-
-
-# -- ros2_control of a platform: its URDF with one hardware block, and the YAML of a controller of the base.
-#
-# The controller of the base (``base_controller``) takes the platform's velocity and commands that of the wheels: the
-# references of one velocity controller of all wheels, on effort, with the designed gains as in
-# ``export.ros2_control``. A stepper has no loop: its joint takes velocities, from the controller of the base itself.
-
-
-_VELOCITY_ALONE = ("velocity",)
-
-
-def render_platform(of: PlatformExport) -> bytes:
-    """The URDF of a platform with its ``ros2_control`` block."""
-    found = _base(of)
-    direction = found.direction if found else 1.0
-    root = robot_of_platform(of, direction)
-    block = hardware(root, identifier(of.name))
-    for drive in of.drives.values():
-        interfaces(block, drive.joint, drive.limits, _VELOCITY_ALONE if drive.of.stepper else LOOP)
-    for place, drive in of.drives.items():
-        transmission(block, drive.joint, direction * drive.ratio, f"{wheel_name(place)}_motor")
-    return document(root)
-
-
-def _base(of: PlatformExport) -> BaseController | None:
-    """The controller of the base; of wheels with a loop it commands their velocity controller."""
-    return base_controller(of, "" if of.of.stepper else f"{CONTROLLER}/")
-
-
-def controllers_platform(of: PlatformExport) -> bytes:
-    """The parameters of controller manager and controllers, as YAML."""
-    found = _base(of)
-    gains = {} if of.of.stepper else {drive.joint: velocity_gains(of.of) for drive in of.drives.values()}
-    rate = TRAJECTORY if of.of.stepper else rate_of(of.of)
-    body = velocity_loops(gains, rate, more={NAME: found.kind} if found else None)
-    if found:
-        body += f"\n{NAME}:\n  ros__parameters:\n{parameters_text(found.parameters)}"
-    return commented([*_drives(of), *([*_base_remarks(of), *found.said] if found else [_NO_BASE])], body)
-
-
-def _drives(of: PlatformExport) -> list[str]:
-    """Remarks on drives and their loops."""
-    one: JointDrive = next(iter(of.drives.values()))
-    said = [f"{', '.join(drive.joint for drive in of.drives.values())}: {one.of.label}", one.of.program]
-    if of.of.stepper:
-        return [*said, "steppers run open-loop: they go at the commanded velocities, or lose steps unseen"]
-    return [*said, *lacking(of.of), *REMARKS, *rate_remarks(of.of)]
 
 
 def _base_remarks(of: PlatformExport) -> list[str]:
