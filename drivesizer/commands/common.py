@@ -289,7 +289,9 @@ def with_drives(robot: Any, chosen: list[str] | None, top: int = 1) -> tuple[lis
     for text in chosen or ():
         axis, _, parts = text.partition("=")
         if not parts:
-            raise InputError(f"--set: {quoted(text)} names no axis; expected e.g. {robot.axes[0].name}=118752/406764")
+            raise InputError(
+                f"--set: {quoted(text)} names no axis; expected AXIS=MOTOR/GEARHEAD, e.g. lift=118752/406764"
+            )
         wanted[axis] = parts
     result = sized(robot, top)
     for name in wanted:

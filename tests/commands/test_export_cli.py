@@ -115,7 +115,7 @@ def test_a_wheel_that_is_not_there_is_one_line(text, wheel, said, tmp_path, run)
     ("words", "said"),
     [
         (["--format", "urdf", "--wheel", "1"], "--wheel: it is of a single axis; expected --axis beside it"),
-        (["--format", "urdf", "--set", "1/2"], "--set: it is of a single axis; expected --axis beside it"),
+        (["--format", "urdf", "--set", "1/2"], '--set: "1/2" names no axis; expected AXIS=MOTOR/GEARHEAD'),
     ],
 )
 def test_of_a_machine_all_axes_or_one_line(words, said, tmp_path, run):
