@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from measured_compared import Comparison
 
-from drivesizer.output.report.figures.style import COLOURS, drawn
+from drivesizer.output.report.figures.style import COLOURS, Drawing
 
 __all__ = ["drawing"]
 
@@ -29,6 +29,8 @@ def drawing(comparisons: Sequence[Comparison], titles: Sequence[str]) -> bytes:
     rows = ceil(len(comparisons) / _ACROSS)
 
     def draw(figure: Any) -> None:
+        figure.set_figheight(0.3 + _HEIGHT * rows)
+        figure.set_layout_engine("constrained")
         panels = np.atleast_1d(figure.subplots(rows, _ACROSS)).ravel()
         for axes, one, title in zip(panels, comparisons, titles, strict=False):
             _panel(axes, one, title)
@@ -39,7 +41,7 @@ def drawing(comparisons: Sequence[Comparison], titles: Sequence[str]) -> bytes:
         }
         figure.legend(handles.values(), handles.keys(), loc="outside upper center", ncols=4)
 
-    return drawn(draw, 0.3 + _HEIGHT * rows)
+    return Drawing(draw)()
 
 
 def _panel(axes: Any, one: Comparison, title: str) -> None:

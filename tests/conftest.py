@@ -137,24 +137,20 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> 
 
 
 @pytest.fixture
-def canvas(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
-    """What a function of a module draws, as a matplotlib figure."""
+def canvas() -> Callable[..., Any]:
+    """What a figure's function draws, as a matplotlib figure."""
 
-    def of(module: Any, function: Callable[..., Any], *given: Any) -> Any:
+    def of(function: Callable[..., Any], *given: Any) -> Any:
         import matplotlib
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
         from drivesizer.output.report.figures.style import STYLE
 
-        kept: list[Any] = []
-        with monkeypatch.context() as patch:
-            patch.setattr(module, "drawn", lambda draw, height, form: kept.append((draw, height)))
-            function(*given)
         with matplotlib.rc_context(STYLE):
-            figure = Figure(figsize=(6.5, kept[0][1]))
+            figure = Figure(figsize=(6.5, 6.5))
             FigureCanvasAgg(figure)
-            kept[0][0](figure)
+            function(*given).draw(figure)
         return figure
 
     return of

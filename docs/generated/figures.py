@@ -21,9 +21,10 @@ from drivesizer.control.path_following.runs import FollowingRun
 from drivesizer.control.path_following.runs import drawn as drawn_runs
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.platform_budget import permitted_speeds
-from drivesizer.output.report.figures.all_figures import Drawing, report_drawings
+from drivesizer.output.report.figures.all_figures import report_drawings
+from drivesizer.output.report.figures.cycle import bench
 from drivesizer.output.report.figures.machine import path_and_errors, speed_by_direction
-from drivesizer.output.report.figures.prediction import bench
+from drivesizer.output.report.figures.style import Drawing
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.results.prediction import Conditions
 from drivesizer.search.uncertainty.options import sampling_of
@@ -83,28 +84,28 @@ def _conveyor() -> dict[str, Drawing]:
     return report_drawings(size(spec, top=1, sampling=sampling_of(spec)), None)
 
 
-def _permitted(form: str) -> bytes:
+def _permitted() -> Drawing:
     """Speeds by direction of the paper's drive, on its wheels."""
     spec = load_spec(ROOT / "examples" / "sps_platform.yaml")
     (drive,) = explain(spec, "118752", "406764")
     found = permitted_speeds(spec, drive)
     assert found is not None
-    return speed_by_direction(found, form)
+    return speed_by_direction(found)
 
 
-def _at_the_bench(form: str) -> bytes:
+def _at_the_bench() -> Drawing:
     """The figure of ``drivesizer predict --figure`` for the set of its page."""
     maxon, parts = load(["maxon"]), {"motors": "DCX22S01EBKL598", "gearheads": "GPX22HPKLSL44D0CPLW"}
     motor, gearhead = (Hit("maxon", maxon, name, maxon.table(name).rows[part]) for name, part in parts.items())
     given = Conditions(voltage=nan, ambient=298.15, load=0.4, hold=nan, inertia=0.0, duration=3600.0, warm=nan,
                        resistance=0.0)  # fmt: skip
-    return bench(predict(motor, gearhead, None, completed(given, motor, gearhead)), form)
+    return bench(predict(motor, gearhead, None, completed(given, motor, gearhead)))
 
 
-def _followed(form: str) -> bytes:
+def _followed() -> Drawing:
     """The simulated path with soft speed loops, and errors along the path."""
     runs = [FollowingRun(model, False, False, exact) for exact in (True, False) for model in ("kinematic", "dynamic")]
-    return path_and_errors(drawn_runs({", ".join(run.words): ran(run) for run in runs}), form)
+    return path_and_errors(drawn_runs({", ".join(run.words): ran(run) for run in runs}))
 
 
 FIGURES: dict[str, Callable[[], Drawing]] = {
@@ -117,9 +118,9 @@ FIGURES: dict[str, Callable[[], Drawing]] = {
     "cases": lambda: _vehicle()["field"],
     "front": lambda: _vehicle()["front"],
     "tornado": lambda: _conveyor()["tornado"],
-    "at_the_bench": lambda: _at_the_bench,
-    "followed": lambda: _followed,
-    "permitted": lambda: _permitted,
+    "at_the_bench": _at_the_bench,
+    "followed": _followed,
+    "permitted": _permitted,
 }  # fmt: skip
 
 

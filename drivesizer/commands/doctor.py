@@ -131,10 +131,10 @@ def _machine_code() -> Iterator[Finding]:
 
 def _report() -> Iterator[Finding]:
     """Whether a page can be set and a figure drawn."""
-    from drivesizer.output.report.figures.style import drawn
+    from drivesizer.output.report.figures.style import Drawing
     from drivesizer.output.report.pdf import fonts
 
-    figure = drawn(lambda figure: figure.add_subplot().plot([0.0, 1.0]), 1.0)
+    figure = Drawing(lambda figure: figure.add_subplot().plot([0.0, 1.0]))()
     yield Finding("figures", f"drawn by matplotlib ({len(figure)} bytes)", figure.startswith(b"<?xml"))
     import typst
 

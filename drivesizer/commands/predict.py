@@ -89,9 +89,9 @@ def _answered(found: Prediction, json: bool, drawn: dict[Path, bytes]) -> None:
 def _drawn(found: Prediction, figure: Path | None, form: Any) -> dict[Path, bytes]:
     if figure is None:
         return {}
-    from drivesizer.output.report.figures.prediction import bench
+    from drivesizer.output.report.figures.cycle import bench
 
-    return {figure: bench(found, form)}
+    return {figure: bench(found)(form)}
 
 
 def _say(found: Prediction, json: bool) -> None:

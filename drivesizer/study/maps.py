@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from functools import partial
 from itertools import product
 from math import ceil, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,8 +13,7 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.output.derivation import clean, short
-from drivesizer.output.report.figures.all_figures import Drawing
-from drivesizer.output.report.figures.style import COLOURS, Form, drawn, placed
+from drivesizer.output.report.figures.style import COLOURS, Drawing, figure, placed
 from drivesizer.study.columns import Row, columns_of
 from drivesizer.study.plan import Plan
 
@@ -386,9 +384,10 @@ _NO_SCALE = "#DDDDDD"  # colour of cells that all have one value
 _WORD = 0.058  # in, of a letter along an axis
 
 
+@figure
 def draw(
-    shown: Map, panels: Sequence[Panel], across: Dimension, up: Dimension | None, grid: bool, form: Form = "svg"
-) -> bytes:
+    figure: Figure, shown: Map, panels: Sequence[Panel], across: Dimension, up: Dimension | None, grid: bool
+) -> None:
     """Draw a map."""
     rows = [row for panel in panels for row in panel.rows]
     numbers = numbered(rows) if shown.name == "best_set" else {}
@@ -402,28 +401,25 @@ def draw(
     bottom = 0.45 + upright + LINE * (rows_of_list(numbers, others) + len(signs) + 0.5)
     height = 0.3 + (_SINGLE if len(panels) == 1 else lines * _HEIGHT) + bottom
 
-    def put(figure: Figure) -> None:
-        scene = Scene(shown, across, up, grid, None if numbers else _coloured(shown, rows), numbers)
-        places = placed(
-            figure, lines, count, left=left, right=right, top=0.3, bottom=bottom, gaps=(0.28, 0.12)
-        )  # fmt: skip
-        flat = [axes for line in places for axes in line]
-        for axes, panel in zip(flat, panels, strict=False):
-            panel_into(axes, scene, panel)
-            if upright:
-                axes.tick_params(axis="x", labelrotation=90.0)
-                down = axes.xaxis.label.get_position()[1] - upright / (axes.get_position().height * height)
-                axes.xaxis.set_label_coords(0.5, down)
-        for axes in flat[len(panels) :]:
-            axes.set_visible(False)
-        _labelled(figure, places, scene, len(panels))
-        if same is None and not numbers and up is not None:
-            _scaled(figure, places, scene)
-        listed(figure, numbers, others, 0.06 + LINE * len(signs), cells=grid and up is not None)
-        for n, line in enumerate(reversed(signs)):
-            figure.text(0.75 / _WIDTH, (0.06 + LINE * n) / height, line, va="bottom", fontsize=6.5)
-
-    return drawn(put, height, form)
+    scene = Scene(shown, across, up, grid, None if numbers else _coloured(shown, rows), numbers)
+    places = placed(
+        figure, height, lines, count, left=left, right=right, top=0.3, bottom=bottom, gaps=(0.28, 0.12)
+    )  # fmt: skip
+    flat = [axes for line in places for axes in line]
+    for axes, panel in zip(flat, panels, strict=False):
+        panel_into(axes, scene, panel)
+        if upright:
+            axes.tick_params(axis="x", labelrotation=90.0)
+            down = axes.xaxis.label.get_position()[1] - upright / (axes.get_position().height * height)
+            axes.xaxis.set_label_coords(0.5, down)
+    for axes in flat[len(panels) :]:
+        axes.set_visible(False)
+    _labelled(figure, places, scene, len(panels))
+    if same is None and not numbers and up is not None:
+        _scaled(figure, places, scene)
+    listed(figure, numbers, others, 0.06 + LINE * len(signs), cells=grid and up is not None)
+    for n, line in enumerate(reversed(signs)):
+        figure.text(0.75 / _WIDTH, (0.06 + LINE * n) / height, line, va="bottom", fontsize=6.5)
 
 
 def _left(up: Dimension | None) -> float:
@@ -604,7 +600,7 @@ def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str
     made: dict[str, Drawing] = {}
     for one in MAPS:
         if any(row.get(one.column) not in (None, "") for panel in shown for row in panel.rows):
-            made[one.name] = partial(draw, one, shown, over.across, over.up, over.grid)
+            made[one.name] = draw(one, shown, over.across, over.up, over.grid)
     return made, notes
 
 

@@ -83,7 +83,7 @@ def test_an_error_during_the_checks_is_a_finding(monkeypatch):
     def broken(*_):
         raise OSError("no fonts")
 
-    monkeypatch.setattr(style, "drawn", broken)
+    monkeypatch.setattr(style, "Drawing", broken)
     found = by_subject(doctor.examined())["report"]
     assert not found.works and "no fonts" in found.found
 

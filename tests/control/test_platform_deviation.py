@@ -125,10 +125,10 @@ def test_the_papers_drive_at_its_wheel(example):
 
 def test_the_figure():
     runs = {"kinematic": follow(CURVED, robot(), model="kinematic"), "dynamic": follow(CURVED, robot())}
-    drawing = path_and_errors(runs, "typeset")
-    assert drawing == path_and_errors(runs, "typeset")
+    drawing = path_and_errors(runs)("typeset")
+    assert drawing == path_and_errors(runs)("typeset")
     for word in ("desired", "kinematic", "dynamic", "heading (°)", "distance (m)", "way along the desired path (m)"):
         assert word in drawing.decode()
-    assert path_and_errors(runs, "png")[:4] == b"\x89PNG"
+    assert path_and_errors(runs)("png")[:4] == b"\x89PNG"
     with pytest.raises(InputError, match=r"^figure of a path: expected 1 to 4 runs, got 0$"):
         path_and_errors({})

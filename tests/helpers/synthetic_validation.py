@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from math import nan
+from typing import Any
 
 import numpy as np
 
@@ -63,6 +64,6 @@ def synthetic_validation(result: SizingResult, *, step: float = 0.02) -> Validat
     )
 
 
-def labels(svg: bytes) -> set[str]:
+def labels(drawn: Any) -> set[str]:
     """What is written in a figure: letters are outlines, but matplotlib keeps each label as a comment beside them."""
-    return {part for text in re.findall(r"<!-- (.*?) -->", svg.decode(), re.DOTALL) for part in text.split("\n")}
+    return {part for text in re.findall(r"<!-- (.*?) -->", drawn().decode(), re.DOTALL) for part in text.split("\n")}

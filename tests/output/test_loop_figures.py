@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import yaml
 from loops_by_hand import CASCADE, UNSTABLE, lag
-from matplotlib.figure import Figure
 from printed import blank_figures, text_of
 from rich.console import Console
 from synthetic_validation import labels, synthetic_validation
@@ -66,22 +65,6 @@ def test_the_loops_by_hand_are_those_of_the_analysis():
 # -- what is drawn
 
 
-@pytest.fixture
-def canvas(monkeypatch):
-    """What a function of ``loop_curves`` draws, as axes."""
-
-    def of(function, some):
-        kept = []
-        figure = Figure()
-        with monkeypatch.context() as patch:
-            patch.setattr(bode_and_step, "drawn", lambda draw, height, form: kept.append(draw))
-            function(some)
-        kept[0](figure)
-        return figure.axes
-
-    return of
-
-
 def marks(axes) -> dict[str, tuple[float, float]]:
     """Single points of a diagram by their colour."""
     return {
@@ -90,7 +73,7 @@ def marks(axes) -> dict[str, tuple[float, float]]:
 
 
 def test_crossover_margin_and_bandwidth_are_marked_where_the_closed_forms_have_them(canvas):
-    opened, phase, closed = canvas(bode_and_step.bode, CASCADE)
+    opened, phase, closed = canvas(bode_and_step.bode, CASCADE).axes
     for loop in CASCADE:
         colour = bode_and_step.COLOURS[bode_and_step.look_of(loop)[0]]
         assert marks(opened)[colour] == (loop.crossover, 0.0)
@@ -102,7 +85,7 @@ def test_crossover_margin_and_bandwidth_are_marked_where_the_closed_forms_have_t
 
 
 def test_no_curve_goes_beyond_its_nyquist_frequency_and_the_axis_to_the_highest(canvas):
-    axes = canvas(bode_and_step.bode, CASCADE)
+    axes = canvas(bode_and_step.bode, CASCADE).axes
     ends = sorted(float(line.get_xdata()[-1]) for line in axes[0].lines if len(line.get_xdata()) > 2)
     assert ends == pytest.approx(sorted(0.5 / loop.period for loop in CASCADE))
     left, right = axes[2].get_xlim()
@@ -130,18 +113,18 @@ def test_loops_differ_in_dashes_and_marks_and_not_in_colour_alone():
 
 
 def test_an_unstable_loop_is_drawn_without_marks_and_says_so(canvas):
-    opened, phase, closed = canvas(bode_and_step.bode, UNSTABLE)
+    opened, phase, closed = canvas(bode_and_step.bode, UNSTABLE).axes
     assert [len(marks(axes)) for axes in (opened, phase, closed)] == [1, 1, 1]  # those of the current loop
     assert len([line for line in opened.lines if len(line.get_xdata()) > 2]) == 2
     said = labels(bode_and_step.bode(UNSTABLE))
     assert "velocity, braking: unstable, largest pole 1.6" in said
-    steps = canvas(bode_and_step.step, UNSTABLE)
+    steps = canvas(bode_and_step.step, UNSTABLE).axes
     assert [len(axes.lines) > 0 for axes in steps] == [True, False]
     assert "largest pole 1.6" in steps[1].texts[0].get_text()
 
 
 def test_a_step_is_drawn_until_it_has_settled_with_a_mark_where(canvas):
-    for axes, loop in zip(canvas(bode_and_step.step, CASCADE), CASCADE, strict=True):
+    for axes, loop in zip(canvas(bode_and_step.step, CASCADE).axes, CASCADE, strict=True):
         curve, mark = axes.lines[:2]
         time = curve.get_xdata() * (1.0 if "(s)" in axes.get_xlabel() else 1e-3)
         assert time[-1] >= 2.0 * loop.settling_time or len(loop.step) == settled(loop)
@@ -154,8 +137,8 @@ def test_a_response_without_end_or_nothing_at_all_does_not_stop_the_drawing():
     bode = VELOCITY.bode
     odd = replace(bode, open_magnitude=np.where(bode.frequency > 100.0, 0.0, bode.open_magnitude),
                   closed_magnitude=np.where(bode.frequency > 500.0, np.inf, bode.closed_magnitude))  # fmt: skip
-    ElementTree.fromstring(bode_and_step.bode([replace(VELOCITY, bode=odd)]))
-    ElementTree.fromstring(bode_and_step.step([replace(VELOCITY, settling_time=nan, step=np.full(20_000, 0.3))]))
+    ElementTree.fromstring(bode_and_step.bode([replace(VELOCITY, bode=odd)])())
+    ElementTree.fromstring(bode_and_step.step([replace(VELOCITY, settling_time=nan, step=np.full(20_000, 0.3))])())
 
 
 def test_figures_of_loops_have_units():
@@ -203,10 +186,9 @@ def test_a_validation_without_records_of_its_loops_has_its_course_alone(result, 
     assert [path.name for path in paths] == ["closed_loop.svg", "closed_loop.png"]
 
 
-def test_a_folder_that_cannot_be_is_refused_in_a_line(proof, tmp_path, monkeypatch):
+def test_a_folder_that_cannot_be_is_refused_in_a_line(proof, tmp_path):
     taken = tmp_path / "taken"
     taken.write_text("older")
-    monkeypatch.setattr(cycle, "drawn", lambda *_: pytest.fail("drawn before the folder was looked at"))
     with pytest.raises(InputError, match=r"taken: is a file; expected a folder"):
         write_loop_figures(proof, taken)
     with pytest.raises(InputError, match="there is no folder"):
@@ -363,6 +345,6 @@ def test_the_block_diagram_names_what_is_in_the_loop(example, catalog, control, 
     data["control"] = control
     spec = load_spec(data)
     proof = validate(spec, explain(spec, "118752", "406764", catalog=catalog)[0])
-    text = block_diagram(proof, proof.linear, "typeset").decode()
+    text = block_diagram(proof, proof.linear)("typeset").decode()
     for word in said:
         assert f">{word}" in text, word

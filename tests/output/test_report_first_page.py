@@ -20,7 +20,7 @@ from drivesizer.output.part import _row
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.figures.cycle import Row, Trace, each_over_time
 from drivesizer.output.report.figures.field import TOGETHER, Panel, alone, leading, panels, torque_speed_panels
-from drivesizer.output.report.figures.style import Window
+from drivesizer.output.report.figures.style import Drawing, Window
 from drivesizer.output.report.html.candidate_plots import apart
 from drivesizer.output.report.html.page import both_schemes, report_html
 from drivesizer.output.report.pdf import report_pdf
@@ -188,8 +188,8 @@ def test_limits_are_named_once_above_small_diagrams(result):
     traces = [Trace(f"wheel {n}", cycle.time.ravel(), columns) for n in range(3)]
     top = float(abs(cycle.torque).max())
     sides = (Row("current", "current", "A", (("near", 1.5 * top), ("far", 9.0 * top))), Row("voltage", "voltage", "V"))
-    svg = each_over_time(traces, sides, [Window("", 0.0, cycle.total)])
-    named = [text.text or "" for text in ElementTree.fromstring(svg).iter() if "near" in (text.text or "")]
+    svg = Drawing(lambda figure: each_over_time(figure, traces, sides, [Window("", 0.0, cycle.total)]))
+    named = [text.text or "" for text in ElementTree.fromstring(svg()).iter() if "near" in (text.text or "")]
     assert len([said for said in labels(svg) if said.startswith("near ")]) == 1 and len(named) <= 1
     assert not [said for said in labels(svg) if said.startswith("far ")]  # out of sight
 

@@ -110,7 +110,7 @@ TRAPEZOID = "{speed: 1 m/s, acceleration_time: 2 s, cruise_time: 5 s}"
 
 def test_the_way_is_drawn_to_scale_with_its_headings_and_ends(canvas):
     spec = changed(PLACED)
-    (axes,) = canvas(machine, machine.plan_view, spec).axes
+    (axes,) = canvas(machine.plan_view, spec).axes
     box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
     assert (right - left) / box.width == pytest.approx((high - low) / box.height, rel=1e-3)
     way = trajectory_of(spec)
@@ -129,26 +129,26 @@ def test_the_way_is_drawn_to_scale_with_its_headings_and_ends(canvas):
 
 
 def test_a_passage_stands_where_it_is_and_is_as_wide_as_it_is(canvas):
-    (axes,) = canvas(machine, machine.plan_view, changed(PLACED)).axes
+    (axes,) = canvas(machine.plan_view, changed(PLACED)).axes
     walls = [patch.get_xy()[:4] for patch in axes.patches]
     assert len(walls) == 2
     inner = sorted(min(abs(wall[:, 0] - 26.0)) for wall in walls)
     assert inner == pytest.approx([0.2, 0.2])  # half of 400 mm to either side, across a way that goes up
     assert all(np.ptp(wall[:, 1]) == pytest.approx(0.1) and wall[:, 1].mean() == pytest.approx(11.0) for wall in walls)
-    (bare,) = canvas(machine, machine.plan_view, load_spec(EXAMPLE)).axes
+    (bare,) = canvas(machine.plan_view, load_spec(EXAMPLE)).axes
     assert not bare.patches  # without a place
 
 
 def test_a_way_that_ends_elsewhere_has_two_marks_and_the_same_way_is_drawn_once(canvas):
     spec = changed(("{trajectory: sps_way.csv}", "{waypoints: [{x: 0 m, y: 0 m}, {x: 4 m, y: 0 m}, {x: 4 m, y: 2 m}]}"))
-    (axes,) = canvas(machine, machine.plan_view, spec).axes
+    (axes,) = canvas(machine.plan_view, spec).axes
     assert [text.get_text() for text in axes.texts] == ["start", "end"]
     more = read_spec(YamlSource(TEXT + "cases: [{name: slope, load: {slope: 2 deg}}]\n", str(EXAMPLE)))
     assert len(machine.ways_of(more)) == 1
 
 
 def test_the_profile_of_a_platform_is_its_own_motion(canvas, result):
-    straight, turning = canvas(motion, motion.speed_profile, result.spec).axes
+    straight, turning = canvas(motion.speed_profile, result.spec).axes
     forwards, left = (line for line in straight.lines if len(line.get_xdata()) > 2)
     assert max(forwards.get_ydata()) == pytest.approx(1.5) and min(left.get_ydata()) < -0.5
     assert (straight.get_ylabel(), turning.get_ylabel()) == ("speed (m/s)", "turning (°/s)")
@@ -164,7 +164,7 @@ def test_the_profile_of_a_platform_is_its_own_motion(canvas, result):
 
 def test_each_wheel_has_a_row_of_its_torque_and_its_speed(canvas, result):
     cycles = [(case.name, case.cycle) for case in result.problem.cases]
-    axes = canvas(wheels, wheels.wheels_over_time, cycles).axes
+    axes = canvas(wheels.wheels_over_time, cycles).axes
     assert [a.get_title(loc="left") for a in axes] == [
         f"{name}: {what}" for name, _ in cycles for what in ("torque (N·m)", "speed (rpm)")
     ]
@@ -182,7 +182,7 @@ def test_a_wheel_that_rests_is_drawn_at_rest(canvas, result):
     still = [k for k in range(len(cycle.duration)) if cycle.duration[k] > 4.9 and not cycle.speed[k].any()]
     start, end = cycle.time[still[0]]
     assert end - start == pytest.approx(5.0) and not cycle.torque[still[0]].any()
-    line = canvas(wheels, wheels.wheels_over_time, [("a", cycle)]).axes[0].lines[0]
+    line = canvas(wheels.wheels_over_time, [("a", cycle)]).axes[0].lines[0]
     inside = np.linspace(start + 0.05, end - 0.05, 50)
     assert np.abs(np.interp(inside, *line.get_data())).max() < 1e-9
 
@@ -197,7 +197,7 @@ def test_thinning_keeps_both_ends_of_a_step_in_time_that_can_be_seen():
 def test_more_wheels_than_rows_leave_the_rest_to_other_reports(canvas, result):
     cycle = result.problem.cases[0].cycle
     most = wheels.MOST_WHEELS
-    axes = canvas(wheels, wheels.wheels_over_time, [(f"wheel {n}", cycle) for n in range(most + 3)]).axes
+    axes = canvas(wheels.wheels_over_time, [(f"wheel {n}", cycle) for n in range(most + 3)]).axes
     assert len(axes) == 2 * most
 
 
@@ -362,7 +362,7 @@ def test_the_speeds_by_direction_are_in_the_report(result, canvas):
     assert [row.cells[1].value for row in table.rows] == [found.at(degrees)[0][0] for degrees in range(0, 91, 15)]
     rows = [row for row in rows_of(PERMITTED, content).after(content) if row["name"] == "45_all_motors"]
     assert rows[0]["si_value"] == found.at(45)[0][0] < found.at(0)[0][0]
-    panels = canvas(machine, machine.speed_by_direction, found).axes
+    panels = canvas(machine.speed_by_direction, found).axes
     assert [axes.get_title("left") for axes in panels] == [f"without wheel {n}" for n in range(1, 5)]
     whole, without, asked = (np.hypot(*line.get_data()) for line in panels[0].lines)
     assert whole == pytest.approx(found.speed[0][[*range(72), 0]]) and asked == pytest.approx(np.full(73, 1.5))

@@ -13,24 +13,7 @@ from synthetic_validation import labels
 from drivesizer.machine.set_cycle import Warming, set_cycle, warm_up
 from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.parts import parts_list
-from drivesizer.output.report.figures import (
-    choice,
-)
-from drivesizer.output.report.figures import (
-    cycle as demand,
-)
-from drivesizer.output.report.figures import (
-    cycle as energy,
-)
-from drivesizer.output.report.figures import (
-    cycle as heat,
-)
-from drivesizer.output.report.figures import (
-    cycle as load_and_loop,
-)
-from drivesizer.output.report.figures import (
-    field as efficiency,
-)
+from drivesizer.output.report.figures import choice, cycle, field
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.sections.summary import parts_table
@@ -71,7 +54,7 @@ CHECKS = (
 
 
 def test_bars_are_the_used_share_of_each_limit_and_status_needs_no_colour(canvas):
-    (axes,) = canvas(choice, choice.margins, CHECKS).axes
+    (axes,) = canvas(choice.margins, CHECKS).axes
     bars = {axes.get_yticklabels()[round(bar.get_y() + bar.get_height() / 2)].get_text(): bar for bar in axes.patches}
     widths = [bars[c.title].get_width() for c in CHECKS]
     assert widths == pytest.approx([50.0, 80.0, 125.0, 125.0, 0.0, 125.0])
@@ -85,7 +68,7 @@ def test_bars_are_the_used_share_of_each_limit_and_status_needs_no_colour(canvas
 
 def test_the_margins_of_a_set_have_a_bar_for_each_check(canvas, result):
     best = result.sets[0]
-    (axes,) = canvas(choice, choice.margins, best.beside).axes
+    (axes,) = canvas(choice.margins, best.beside).axes
     for bar, one in zip(axes.patches, reversed(best.beside), strict=True):
         if not isnan(one.margin):
             assert bar.get_width() == pytest.approx(
@@ -100,7 +83,7 @@ FLOW = EnergyFlow(drawn=100.0, supply=2.0, controller=3.0, copper=15.0, friction
 
 
 def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
-    (axes,) = canvas(energy, energy.energy_bars, FLOW).axes
+    (axes,) = canvas(cycle.energy_bars, FLOW).axes
     whole, *parts = axes.patches
     assert (whole.get_x(), whole.get_width()) == (0.0, 100.0)
     left = 100.0
@@ -110,22 +93,22 @@ def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
         left -= value
     assert left == pytest.approx(0.0)
     assert len({*hatches(axes)}) == 3
-    said = labels(energy.energy_bars(FLOW))
+    said = labels(cycle.energy_bars(FLOW))
     assert {"energy of a cycle (J)", "2 J, 2 %", "work on the load", "regenerated, kept by the supply"} <= said
 
 
 def test_a_load_that_gives_goes_up_again_and_large_energies_have_larger_units(canvas):
     flow = EnergyFlow(*(1e3 * x for x in (40.0, 0.0, 0.0, 10.0, 5.0, 5.0, 0.0, -30.0, 0.0, 50.0, 50.0)))
-    (axes,) = canvas(energy, energy.energy_bars, flow).axes
+    (axes,) = canvas(cycle.energy_bars, flow).axes
     ends = [bar.get_x() + bar.get_width() for bar in axes.patches]
     assert ends == pytest.approx([40.0, 30.0, 25.0, 20.0, 50.0, 0.0])
-    said = labels(energy.energy_bars(flow))
+    said = labels(cycle.energy_bars(flow))
     assert "energy of a cycle (kJ)" in said and "−30 kJ, −75 %" in said and "belt" not in said
 
 
 def test_the_bars_of_a_result_sum_to_its_figures(hoist):
     does = Behaviour(hoist.problem, hoist.sets[0])
-    shown = {share.name: share.value for share in energy.shares(does.energy)}
+    shown = {share.name: share.value for share in cycle.shares(does.energy)}
     told = {figure.name: figure.value for figure in hoist.sets[0].figures}
     whole = shown.pop("drawn from the supply")
     assert sum(shown.values()) == pytest.approx(whole, rel=1e-9)
@@ -139,8 +122,8 @@ def test_the_bars_of_a_result_sum_to_its_figures(hoist):
 
 def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
     found = set_cycle(result.spec, result.sets[0])
-    field = efficiency.efficiency_field([("", found)], 18.9)
-    (axes,) = canvas(efficiency, efficiency.efficiency_map, field).axes
+    cases = [("", found)]
+    (axes,) = canvas(field.efficiency_map, cases, 18.9).axes
     motor, head = result.sets[0].motor, result.sets[0].gearhead
     R, k, I_0, i, e = (float(found.hot[0]), motor.torque_constant, motor.no_load_current, head.ratio, head.efficiency)
     seen = 0
@@ -158,27 +141,27 @@ def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
                 seen += 1
     assert seen > 30
     assert {"torque at the gearhead's output (N·m)", "speed there (rpm)", "load cycle", "18.9 V, winding warm",
-            "drives", "brakes", "60 %"} <= labels(efficiency.efficiency_map(field))  # fmt: skip
+            "drives", "brakes", "60 %"} <= labels(field.efficiency_map(cases, 18.9))  # fmt: skip
 
 
 def test_the_cycle_stands_in_the_map_with_its_torques_and_speeds(canvas, result):
     """By hand: 1.5 m/s on a wheel of 152.4 mm through a belt of 1.1 : 1, and the beside check's largest torque."""
     best = result.sets[0]
-    field = efficiency.efficiency_field([("", set_cycle(result.spec, best))], 18.9)
-    ((_, torque, speed),) = field.traces
+    shown = field.efficiency_field([("", set_cycle(result.spec, best))], 18.9)
+    ((_, torque, speed),) = shown.traces
     assert speed.max() == pytest.approx(1.5 / 0.0762 * 1.1)
     told = {c.name: c.demand for c in best.beside}
     assert np.abs(torque).max() == pytest.approx(told["gearhead_intermittent_torque"])
-    assert torque.min() < 0.0 and field.torque[0] < torque.min() and field.torque[-1] > torque.max()
+    assert torque.min() < 0.0 and shown.torque[0] < torque.min() and shown.torque[-1] > torque.max()
 
 
 def test_the_best_of_the_map_is_no_better_than_the_handbook_allows(result):
     """(1 - sqrt(I_0 / I_s))^2 times the gearhead's, at the usable voltage; the map comes near where it reaches."""
     found = set_cycle(result.spec, result.sets[0])
-    field = efficiency.efficiency_field([("", found)], 18.9)
-    motor, share = result.sets[0].motor, field.field.efficiency[:, field.torque > 0.0]
+    shown = field.efficiency_field([("", found)], 18.9)
+    motor, share = result.sets[0].motor, shown.field.efficiency[:, shown.torque > 0.0]
     limit = (1.0 - sqrt(motor.no_load_current * float(found.hot[0]) / 18.9)) ** 2
-    best = np.nanmax(np.where(field.field.voltage[:, field.torque > 0.0] <= 18.9, share, 0.0))
+    best = np.nanmax(np.where(shown.field.voltage[:, shown.torque > 0.0] <= 18.9, share, 0.0))
     assert 0.97 * limit < best / result.sets[0].gearhead.efficiency <= limit * (1.0 + 1e-9)
 
 
@@ -187,7 +170,7 @@ def test_the_best_of_the_map_is_no_better_than_the_handbook_allows(result):
 
 def test_current_and_voltage_are_drawn_with_the_limits_in_sight(canvas, result):
     does = Behaviour(result.problem, result.sets[0])
-    figure = canvas(load_and_loop, demand.current_and_voltage, does.cycles,
+    figure = canvas(cycle.current_and_voltage, does.cycles,
                     [("nominal", 1.16), ("peak", 15.0), ("no", nan), ("none", inf)], [("usable", 18.9)])  # fmt: skip
     told = {c.name: c.demand for c in result.sets[0].beside}
     currents, voltages = figure.axes[:1], figure.axes[1:]
@@ -199,7 +182,7 @@ def test_current_and_voltage_are_drawn_with_the_limits_in_sight(canvas, result):
     ) == (pytest.approx(told["supply_voltage"]))
     across = [{line.get_ydata()[0] for line in axes.lines if len(line.get_ydata()) == 2} for axes in figure.axes]
     assert all(1.16 in some and 15.0 not in some for some in across[:1]) and all(18.9 in some for some in across[1:])
-    said = labels(demand.current_and_voltage(does.cycles, [("nominal", 1.16), ("peak", 15.0)], [("usable", 18.9)]))
+    said = labels(cycle.current_and_voltage(does.cycles, [("nominal", 1.16), ("peak", 15.0)], [("usable", 18.9)]))
     assert {"nominal 1.16 A", "beyond: peak 15 A", "usable 18.9 V", "current (A)", "voltage (V)", "time (s)"} <= said
 
 
@@ -208,20 +191,20 @@ def test_current_and_voltage_are_drawn_with_the_limits_in_sight(canvas, result):
 
 def test_temperatures_are_drawn_with_their_limits(canvas):
     found = warm_up(BODIES, 298.15, Warming(np.array([5.0, 25.0]), np.array([9.0, 0.2]), np.array([0.1, 0.1])))
-    figure = canvas(heat, heat.temperatures, found, 298.15, 373.15)
-    way, cycle = figure.axes
-    for axes in (way, cycle):
+    figure = canvas(cycle.temperatures, found, 298.15, 373.15)
+    way, repeats = figure.axes
+    for axes in (way, repeats):
         across = {line.get_ydata()[0] for line in axes.lines if len(line.get_ydata()) == 2}
         assert {25.0, 100.0} <= {round(y, 9) for y in across}
-    (peak,) = [line for line in cycle.lines if line.get_marker() == "o"]
+    (peak,) = [line for line in repeats.lines if line.get_marker() == "o"]
     assert peak.get_ydata()[0] == pytest.approx(found.periodic.winding_peak - 273.15)
     assert peak.get_xdata()[0] == pytest.approx(5.0)  # the end of the pulse
     (housing,) = [line for line in way.lines if len(line.get_ydata()) > 2]
     assert housing.get_ydata()[0] == pytest.approx(25.0)
     assert housing.get_ydata()[-1] == pytest.approx(found.periodic.housing_mean - 273.15, abs=1.2)
-    said = labels(heat.temperatures(found, 298.15, 373.15))
+    said = labels(cycle.temperatures(found, 298.15, 373.15))
     assert {"temperature (°C)", "time in the cycle (s)", "permitted 100 °C", "ambient 25 °C", "from cold"} <= said
-    assert "permitted" not in " ".join(labels(heat.temperatures(found, 298.15, nan)))
+    assert "permitted" not in " ".join(labels(cycle.temperatures(found, 298.15, nan)))
 
 
 # -- front
@@ -233,7 +216,7 @@ def test_names_of_a_front_cover_neither_each_other_nor_a_mark(canvas, seed):
     x, y = np.sort(random.gamma(1.5, 100.0, 40)), np.sort(random.gamma(1.5, 60.0, 40))[::-1]
     numbers = [str(n) for n in range(1, 41)]
     names = [f"EC-i 40 48{n}669 + GP 32 HP 14:1" for n in range(40)]
-    figure = canvas(choice, choice.trade_off, numbers, names, x.tolist(), y.tolist(), ["mass (g)", "EUR"])
+    figure = canvas(choice.trade_off, numbers, names, x.tolist(), y.tolist(), ["mass (g)", "EUR"])
     axes = figure.axes[0]
     figure.canvas.draw()
     boxes = [text.get_window_extent() for text in axes.texts]
@@ -248,7 +231,7 @@ def test_names_of_a_front_cover_neither_each_other_nor_a_mark(canvas, seed):
 
 
 def test_the_front_of_a_result_is_drawn_with_its_parts(hoist):
-    said = labels(report_drawings(hoist, None)["front"]("svg"))
+    said = labels(report_drawings(hoist, None)["front"])
     assert {"mass (g)", "price (EUR)"} <= said
     assert any(hoist.front[0].motor.part[:8] in text for text in said)
 

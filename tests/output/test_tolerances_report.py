@@ -93,7 +93,7 @@ def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult) -> 
     assert 2 <= len(drawn) <= 10 and drawn[0].name == "load.rolling_resistance"
     widest = max(abs(one.high_margin - one.low_margin) for one in drawn)
     assert abs(drawn[0].high_margin - drawn[0].low_margin) == widest
-    assert tornado(best.reliability.drivers) == tornado(best.reliability.drivers)
+    assert tornado(best.reliability.drivers)() == tornado(best.reliability.drivers)()
     printed = [round(100.0 * one.share) for one in drawn]
     assert printed == sorted(printed, reverse=True)
     assert report_drawings(result, None)["tornado"]("png").startswith(b"\x89PNG")

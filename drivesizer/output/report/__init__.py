@@ -62,8 +62,7 @@ def write(
     """
     from drivesizer.output.report.sections.section import Content
 
-    both = {".pdf", ".html"} <= {path.suffix.lower() for path in paths}
-    content = Content(result, validation, both)  # one for all kinds: what takes time is computed once
+    content = Content(result, validation)  # one for all kinds: what takes time is computed once
     return written(OF_ONE, "render", (content,), paths, {"paper": paper, "date": date})
 
 
@@ -145,7 +144,7 @@ def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
     from drivesizer.output.report.figures.all_figures import figures_into
     from drivesizer.output.report.figures.machine import path_and_errors
 
-    return figures_into({"path": lambda form: path_and_errors(runs, form)}, folder)
+    return figures_into({"path": path_and_errors(runs)}, folder)
 
 
 def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:

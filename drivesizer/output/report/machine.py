@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from math import inf, isnan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,9 +26,9 @@ from drivesizer.output.parts import (
     totals_of_axes,
 )
 from drivesizer.output.report.csv import encoded, timeseries_csv
-from drivesizer.output.report.figures.all_figures import Drawing
 from drivesizer.output.report.figures.field import Panel, panels, torque_speed_panels
 from drivesizer.output.report.figures.machine import axes_power
+from drivesizer.output.report.figures.style import Drawing
 from drivesizer.output.report.lines.rows import (
     COLUMNS,
     Row,
@@ -212,7 +212,7 @@ class MachineContent:
         """Figures with the field of every axis, as many on each as a page has room for."""
         fields = [*self._fields()]
         parts = [fields[n : n + _FIELDS] for n in range(0, len(fields), _FIELDS)]
-        return {f"loads{n}": partial(torque_speed_panels, part) for n, part in enumerate(parts, 1)}
+        return {f"loads{n}": torque_speed_panels(part) for n, part in enumerate(parts, 1)}
 
     def _fields(self) -> Iterator[Panel]:
         """The field of each axis' drive with its first load case, under the name of the axis."""
@@ -228,7 +228,7 @@ class MachineContent:
         """The power of all axes over time, where it is known of any."""
         power = self.sizing.power
         known = power is not None and len(power.unknown) < len(power.axes)
-        return {"power": partial(axes_power, power)} if power is not None and known else {}
+        return {"power": axes_power(power)} if power is not None and known else {}
 
     @cached_property
     def drawings(self) -> dict[str, Drawing]:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, quoted
-from drivesizer.output.report.figures.all_figures import IN_TABLES, Drawing
+from drivesizer.output.report.figures.all_figures import IN_TABLES
+from drivesizer.output.report.figures.style import Drawing
 from drivesizer.output.report.machine import MachineContent, shown
 from drivesizer.output.report.machine import document as machine_document
 from drivesizer.output.report.sections import document

@@ -13,17 +13,8 @@ from numpy.typing import NDArray
 from drivesizer import equations as eq
 from drivesizer.machine.operating_field import OperatingField, Operation, field, hot_winding, operation, with_pull_out
 from drivesizer.machine.set_cycle import SetCycle
-from drivesizer.output.report.figures.style import (
-    CASES,
-    COLOURS,
-    Form,
-    drawn,
-    heading,
-    named,
-    outside,
-    placed,
-    torque_unit,
-)
+from drivesizer.output.report.figures import style
+from drivesizer.output.report.figures.style import CASES, COLOURS, figure, named, placed, reads, torque_unit
 from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.results.problem import Problem
@@ -42,6 +33,7 @@ __all__ = [
 # -- Panels of the motor's field: one for load cases that share its lines, and the paper's points.
 
 
+Array = NDArray[np.float64]
 TOGETHER = 2  # load cases that one diagram shows apart; more are drawn one by one
 _FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
 
@@ -108,7 +100,7 @@ def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> 
     )
 
 
-def signed(found: OperatingField) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def signed(found: OperatingField) -> tuple[Array, Array]:
     """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
     way = np.sign(found.cycle_speed.mean(1))[:, None]
     return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
@@ -126,22 +118,20 @@ def reach_of(panel: Panel) -> float:
     return max(*known, *required, *(p.torque for p in panel.points), 1e-6) if known else max(stall, *required)
 
 
-# -- The motor's torque-speed field as a figure: voltage lines hot and cold, what is allowed, and the load cases.
+# -- The motor's torque-speed field: voltage lines hot and cold, what is allowed, and the load cases.
 
 
-def torque_speed(panels: Sequence[Panel], form: Form = "svg") -> bytes:
-    """The motor's field, winding hot and cold, with the load cases in it."""
-    heights = [_height(panel) for panel in panels]
-
-    def draw(figure: Figure) -> None:
-        grid = placed(figure, len(panels), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), heights=heights, shared=False)
-        for (axes,), panel in zip(grid, panels, strict=True):
-            _field(axes, panel)
-            outside(axes)
-            if len(panels) > 1:
-                axes.set_title(conditions(panel))
-
-    return drawn(draw, sum(heights) + 0.6 * len(panels), form)
+MOST_FIELDS = 8
+_NAME = 88.0  # pt, of a name above a small diagram
+_ABREAST, _SMALL = 2, 1.75  # small diagrams beside each other, and the height of one [in]
+_LEGEND, _LOWEST = 2.05, 2.3  # in, of room beside a field, and of a field
+_LINES = 5  # of a motor that have a name
+_BESIDE = 0.45  # in, of a legend that may stand beside the axis below a field
+_ROOM = 1.12  # of an axis beyond what must be seen
+_HEADROOM = 1.06  # above the highest speed
+_SLOWEST = 0.1  # rad/s, highest speed of a diagram at least: a stepper that holds its load has none
+_MOST_SEGMENTS = 1500  # of a trace: finer than print
+_MARKERS = (("^", "vermillion"), ("s", "grey"), ("v", "purple"), ("D", "blue"))
 
 
 def conditions(panel: Panel) -> str:
@@ -150,175 +140,125 @@ def conditions(panel: Panel) -> str:
     return f"{show(lines.voltage, 'V', 'voltage')} usable, ambient {show(lines.ambient, 'degC', 'temperature')}"
 
 
-def _panel_title(panel: Panel) -> str:
-    """Usable voltage and ambient, without words."""
-    return conditions(panel).replace(" usable, ambient", ",")
+@figure
+def torque_speed(figure: Figure, panels: Sequence[Panel]) -> None:
+    """The motor's field, winding hot and cold, with the load cases in it; each panel as high as its legend."""
+    heights = []
+    for panel in panels:
+        cases = sum(number < len(CASES) for number, *_ in panel.cases)
+        names = 0.2 * _LINES + (0.66 if cases > 1 else 0.53) * cases + 0.33 * len(panel.points)
+        heights.append(max(_LOWEST, names - _BESIDE))
+    height = sum(heights) + 0.6 * len(panels)
+    grid = placed(
+        figure, height, len(panels), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), heights=heights, shared=False
+    )  # fmt: skip
+    for (axes,), panel in zip(grid, panels, strict=True):
+        _field(axes, panel)
+        style.outside(axes)
+        if len(panels) > 1:
+            axes.set_title(conditions(panel))
 
 
-MOST_FIELDS = 8
-_NAME = 88.0  # pt, of a name above a small diagram
-_ABREAST = 2  # small diagrams
-_SMALL = 1.75  # in, of a small diagram
-
-
-def torque_speed_panels(panels: Sequence[Panel], form: Form = "svg") -> bytes:
+@figure
+def torque_speed_panels(figure: Figure, panels: Sequence[Panel]) -> None:
     """The motor's field once for each load case, as small diagrams with one legend."""
     shown = panels[:MOST_FIELDS]
     rows = -(-len(shown) // _ABREAST)
     several = len({conditions(panel) for panel in shown}) > 1
-
-    def draw(figure: Figure) -> None:
-        grid = placed(figure, rows, _ABREAST, top=0.52, gaps=(0.62, 0.62), shared=False)
-        places = [axes for row in grid for axes in row]
-        for axes, panel in zip(places, shown, strict=False):
-            _field(axes, panel, plain=True)
-            name = named(panel.cases[0][1], _NAME).strip()
-            axes.set_title(f"{name}: {_panel_title(panel)}" if several else name)
-        for axes in places[len(shown) :]:
-            axes.set_visible(False)
-        heading(figure, *_names(places[: len(shown)]), 5)
-
-    return drawn(draw, (_SMALL + 0.62) * rows + 0.32, form)
-
-
-def _names(places: Sequence[Axes]) -> tuple[list[Any], list[str]]:
-    """Lines of all diagrams, those of a name once: a stepper has others than a motor."""
-    found: dict[str, Any] = {}
-    for axes in places:
-        for line, name in zip(*axes.get_legend_handles_labels(), strict=True):
-            found.setdefault(name, line)
-    return [*found.values()], [*found]
+    grid = placed(figure, (_SMALL + 0.62) * rows + 0.32, rows, _ABREAST, top=0.52, gaps=(0.62, 0.62), shared=False)
+    places = [axes for row in grid for axes in row]
+    lines: dict[str, Any] = {}  # those of a name once: a stepper has others than a motor
+    for axes, panel in zip(places, shown, strict=False):
+        _field(axes, panel, plain=True)
+        name = named(panel.cases[0][1], _NAME).strip()
+        axes.set_title(f"{name}: {conditions(panel).replace(' usable, ambient', ',')}" if several else name)
+        for line, said in zip(*axes.get_legend_handles_labels(), strict=True):
+            lines.setdefault(said, line)
+    for axes in places[len(shown) :]:
+        axes.set_visible(False)
+    style.heading(figure, [*lines.values()], [*lines], 5)
 
 
-_LEGEND = 2.05  # in, of room beside the field
-_LOWEST = 2.3  # in, of a field
-
-
-def _height(panel: Panel) -> float:
-    """Of a field [in]: its legend has a name and a dot of two lines each for a load case, and for a point."""
-    cases = sum(number < len(CASES) for number, *_ in panel.cases)
-    named_ones = 0.2 * _LINES + (0.66 if cases > 1 else 0.53) * cases + 0.33 * len(panel.points)
-    return max(_LOWEST, named_ones - _BESIDE)
-
-
-_LINES = 5  # of a motor that have a name
-_BESIDE = 0.45  # in, of a legend that may stand beside the axis below a field
-_ROOM = 1.12  # of an axis beyond what must be seen
-_HEADROOM = 1.06  # above the highest speed
-_SLOWEST = 0.1  # rad/s, highest speed of a diagram at least: a stepper that holds its load has none
+def _rpm(speed: Any) -> Any:
+    return from_si(speed, "rpm", "rotary_speed")
 
 
 def _field(axes: Axes, panel: Panel, *, plain: bool = False) -> None:
     """Limits of the motor and load cycles; plain: names without figures, for a legend that several diagrams share."""
-    first = panel.cases[0][-1]
-    reach = reach_of(panel)
+    first, reach = panel.cases[0][-1], reach_of(panel)
     unit = torque_unit(reach)
     _lines(axes, first, unit, reach, plain=plain)
+
+    def dot(name: str, torque: float, speed: float, **look: Any) -> None:
+        x, y = float(from_si(torque, unit, "torque")), float(_rpm(speed))
+        said = f"{name}\n{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
+        axes.plot(x, y, markersize=5.5, linestyle="none", label=name if plain else said, **look)
+
     for number, name, found in panel.cases:
-        if plain or number < len(CASES):
-            said = "load cycle" if plain or not name else f"load cycle,\n{named(name)}"
-            _trace(axes, found, unit, *CASES[0 if plain else number], said, plain=plain)
-    _mark(axes, panel, unit)
+        speed, torque = signed(found)
+        if np.isnan(torque).any() or not (plain or number < len(CASES)):
+            continue
+        colour, dashes = CASES[0 if plain else number]
+        extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
+        rows = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
+        said = "load cycle" if plain or not name else f"load cycle,\n{named(name)}"
+        axes.plot(from_si(torque[rows].ravel(), unit, "torque"), _rpm(speed[rows].ravel()), color=COLOURS[colour],
+                  linestyle=dashes, zorder=4, label=said)  # fmt: skip
+        if not np.isnan(found.rms_torque):  # of a motor of unknown friction the RMS current is unknown
+            dot("RMS current and speed", found.rms_torque, found.rms_speed, marker="o", color=COLOURS[colour], zorder=5)
+    # points with a shape each, named in the legend: labels beside them would overlap where points lie close
+    for point, (marker, colour) in zip(panel.points, _MARKERS, strict=False):
+        dot(f"paper: {point.name}", point.torque, point.speed, marker=marker, markerfacecolor="none",
+            markeredgewidth=1.2, color=COLOURS[colour], zorder=6)  # fmt: skip
     right = float(from_si(_ROOM * reach, unit, "torque"))
     left = min(0.0, *(np.nan_to_num(signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
     top = max(_SLOWEST, first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
     axes.set_xlim(_ROOM * float(from_si(left, unit, "torque")) - 0.03 * right, right)
-    axes.set_ylim(0, float(from_si(_HEADROOM * top, "rpm", "rotary_speed")))
+    axes.set_ylim(0, float(_rpm(_HEADROOM * top)))
     axes.axvline(0, color="black", linewidth=0.6)
-    axes.set(xlabel=f"torque at the motor's shaft ({label(unit)})", ylabel="motor speed (rpm)")
+    axes.set(xlabel=reads("torque at the motor's shaft", unit), ylabel="motor speed (rpm)")
 
 
 def _lines(axes: Axes, found: OperatingField, unit: str, reach: float, *, plain: bool) -> None:
-    """Limits of the motor: continuous, by voltage hot and cold, short-time, and by speed."""
+    """Limits of the motor: continuous by heat, voltage and speed, by voltage hot and cold, short-time, and by speed."""
 
-    def line(values: NDArray[np.float64], colour: str, dashes: Any, name: str) -> None:
+    def line(values: Array, colour: str, dashes: Any, name: str) -> None:
         if not np.isnan(values).all():
-            torque, rpm = from_si(values, unit, "torque"), from_si(found.speed, "rpm", "rotary_speed")
-            axes.plot(torque, rpm, color=COLOURS[colour], linestyle=dashes, label=name)
+            torque = from_si(values, unit, "torque")
+            axes.plot(torque, _rpm(found.speed), color=COLOURS[colour], linestyle=dashes, label=name)
 
     if found.pull_out is not None:
         line(found.pull_out, "blue", "solid", "pull-out torque" if plain else "pull-out torque, lowest supply")
         line(found.pull_out / found.factor, "blue", (0, (5, 2)), f"1/{found.factor:g} of it")
         return
-    _continuous(axes, found, unit)
-    hot, cold = (np.where(values < 0.0, np.nan, values) for values in (found.voltage_hot, found.voltage_cold))
+    if not np.isnan(found.continuous).any():
+        allowed = np.fmin(found.continuous, np.maximum(found.voltage_hot, 0.0))
+        if not np.isnan(found.permissible_speed):
+            allowed = np.where(found.speed > found.permissible_speed, 0.0, allowed)
+        name = "continuous" if found.thermal else "continuous, nominal torque"
+        axes.fill_betweenx(_rpm(found.speed), 0.0, from_si(allowed, unit, "torque"), color=COLOURS["blue"], alpha=0.12,
+                           linewidth=0, label=name)  # fmt: skip
     ambient = show(found.ambient, "degC", "temperature", 3)
-    for values, winding, dashes in ((hot, hot_winding(found), "solid"), (cold, ambient, (0, (5, 2)))):
-        said = (
-            f"winding {'hot' if dashes == 'solid' else 'cold'}"
-            if plain
-            else f"{found.voltage:.3g} V, winding {winding}"
-        )
-        line(values, "blue", dashes, said.replace("-", "−"))
+    for values, word, winding, dashes in ((found.voltage_hot, "hot", hot_winding(found), "solid"),
+                                          (found.voltage_cold, "cold", ambient, (0, (5, 2)))):  # fmt: skip
+        said = f"winding {word}" if plain else f"{found.voltage:.3g} V, winding {winding}"
+        line(np.where(values < 0.0, np.nan, values), "blue", dashes, said.replace("-", "−"))
     within = np.fmin(found.voltage_cold, _ROOM * reach)  # beyond that it limits nothing, or is not in sight
     intermittent = np.where(found.intermittent <= within, found.intermittent, np.nan)
     line(intermittent, "vermillion", (0, (6, 2, 1, 2)), "intermittent")
     if found.permissible_speed <= _HEADROOM * found.speed[-1]:
-        axes.axhline(float(from_si(found.permissible_speed, "rpm", "rotary_speed")), color=COLOURS["grey"],
-                     linestyle=(0, (1, 1.5)), label="permissible speed")  # fmt: skip
-
-
-def _continuous(axes: Axes, found: OperatingField, unit: str) -> None:
-    """The field that is allowed continuously, by heat, by the voltage of a hot winding, and by speed."""
-    if np.isnan(found.continuous).any():
-        return
-    allowed = np.fmin(found.continuous, np.maximum(found.voltage_hot, 0.0))
-    if not np.isnan(found.permissible_speed):
-        allowed = np.where(found.speed > found.permissible_speed, 0.0, allowed)
-    name = "continuous" if found.thermal else "continuous, nominal torque"
-    axes.fill_betweenx(from_si(found.speed, "rpm", "rotary_speed"), 0.0, from_si(allowed, unit, "torque"),
-                       color=COLOURS["blue"], alpha=0.12, linewidth=0, label=name)  # fmt: skip
-
-
-_MOST_SEGMENTS = 1500  # of a trace: finer than print
-
-
-def _trace(axes: Axes, found: OperatingField, unit: str, colour: str, dashes: Any, name: str, *, plain: bool) -> None:
-    speed, torque = signed(found)
-    if np.isnan(torque).any():
-        return
-    extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
-    rows = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
-    axes.plot(from_si(torque[rows].ravel(), unit, "torque"), from_si(speed[rows].ravel(), "rpm", "rotary_speed"),
-              color=COLOURS[colour], linestyle=dashes, zorder=4, label=name)  # fmt: skip
-    if np.isnan(found.rms_torque):  # a motor whose friction is unknown: the line is drawn, its RMS current is not known
-        return
-    rms = found.rms_torque, found.rms_speed, unit
-    axes.plot(*_point(*rms), marker="o", markersize=5.5, color=COLOURS[colour], linestyle="none", zorder=5,
-              label="RMS current and speed" if plain else _marked("RMS current and speed", *rms))  # fmt: skip
-
-
-def _point(torque: float, speed: float, unit: str) -> tuple[float, float]:
-    return float(from_si(torque, unit, "torque")), float(from_si(speed, "rpm", "rotary_speed"))
-
-
-def _marked(name: str, torque: float, speed: float, unit: str) -> str:
-    x, y = _point(torque, speed, unit)
-    return f"{name}\n{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
-
-
-_MARKERS = (("^", "vermillion"), ("s", "grey"), ("v", "purple"), ("D", "blue"))
-
-
-def _mark(axes: Axes, panel: Panel, unit: str) -> None:
-    """Points with a shape each, named in the legend: labels beside them would overlap where points lie close."""
-    for point, (marker, colour) in zip(panel.points, _MARKERS, strict=False):
-        axes.plot(*_point(point.torque, point.speed, unit), marker=marker, markersize=5.5, markerfacecolor="none",
-                  markeredgewidth=1.2, color=COLOURS[colour], linestyle="none", zorder=6,
-                  label=_marked(f"paper: {point.name}", point.torque, point.speed, unit))  # fmt: skip
+        axes.axhline(float(_rpm(found.permissible_speed)), color=COLOURS["grey"], linestyle=(0, (1, 1.5)),
+                     label="permissible speed")  # fmt: skip
 
 
 # -- Efficiency of a set over torque and speed at the gearhead's output, with the load cycle in it.
 
 
-Array = NDArray[np.float64]
 LEVELS = (30, 40, 50, 60, 65, 70, 75, 80, 83, 86, 88, 90, 92, 94, 96)  # %, of the lines that may be drawn
 _FINE = 48, 56  # points of the field in torque, each way, and in speed
 _CROWDED = 1.8  # power by which the torques crowd to 0, where the efficiency changes most
-_ROOM_OF_MAP = 1.12
 _FAR_BEYOND_CYCLE = 4.0  # times the cycle's torque; a gearhead that is rated for more would leave the cycle no room
 _SHADES = ("#FFFFFF", "#CFE3F1")
-_MOST = 1500  # segments of a trace: finer than print
 _MARKED = 200  # ends of segments that are marked each
 
 
@@ -334,66 +274,52 @@ class EfficiencyMap(NamedTuple):
 
 def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> EfficiencyMap:
     """The field around the load cycles of a set."""
-    traces = tuple((name, *_cycle_trace(found)) for name, found in cases)
+    traces = []
+    for name, found in cases:  # at the gearhead's output, one way as the other: what brakes is below 0
+        functions = found.cycle.functions
+        way = np.sign(functions[:, :, SPEED].mean(1))[:, None]
+        torque = functions[:, :, : AT_REST + 1].sum(axis=2)
+        torque = np.where(way == 0.0, np.abs(torque), way * torque)
+        extremes = [column.argmax(axis=0) for column in (torque, -torque, np.abs(functions[:, :, SPEED]))]
+        rows = np.unique(np.concatenate([np.arange(0, len(torque), -(-len(torque) // _MOST_SEGMENTS)), *extremes]))
+        traces.append((name, torque[rows].ravel(), np.abs(functions[rows, :, SPEED]).ravel()))
     demand = max(float(np.abs(torque).max()) for _, torque, _ in traces) or 1.0
     rated = float(cases[0][1].gearhead["continuous_torque"][0])
-    right = _ROOM_OF_MAP * max(demand, min(rated, _FAR_BEYOND_CYCLE * demand) if np.isfinite(rated) else 0.0)
+    right = _ROOM * max(demand, min(rated, _FAR_BEYOND_CYCLE * demand) if np.isfinite(rated) else 0.0)
     brakes = min(float(torque.min()) for _, torque, _ in traces)
-    left = min(0.0, _ROOM_OF_MAP * brakes, -0.35 * right if brakes < 0.0 else 0.0)
-    top = _ROOM_OF_MAP * (max(float(speed.max()) for *_, speed in traces) or 1.0)
+    left = min(0.0, _ROOM * brakes, -0.35 * right if brakes < 0.0 else 0.0)
+    top = _ROOM * (max(float(speed.max()) for *_, speed in traces) or 1.0)
     near = np.linspace(0.0, 1.0, _FINE[0]) ** _CROWDED
     torque = np.concatenate([left * near[:0:-1], right * near[1:]]) if left < 0.0 else right * near[1:]
     speed = np.linspace(top / _FINE[1], top, _FINE[1])
-    return EfficiencyMap(torque, speed, operation(cases[0][1], torque, speed[:, None]), voltage, traces)
+    return EfficiencyMap(torque, speed, operation(cases[0][1], torque, speed[:, None]), voltage, tuple(traces))
 
 
-def _cycle_trace(found: SetCycle) -> tuple[Array, Array]:
-    """Torque and speed at the gearhead's output, one way as the other: what brakes is below 0."""
-    functions = found.cycle.functions
-    way = np.sign(functions[:, :, SPEED].mean(1))[:, None]
-    torque = functions[:, :, : AT_REST + 1].sum(axis=2)
-    torque = np.where(way == 0.0, np.abs(torque), way * torque)
-    extremes = [column.argmax(axis=0) for column in (torque, -torque, np.abs(functions[:, :, SPEED]))]
-    rows = np.unique(np.concatenate([np.arange(0, len(torque), -(-len(torque) // _MOST)), *extremes]))
-    return torque[rows].ravel(), np.abs(functions[rows, :, SPEED]).ravel()
-
-
-def efficiency_map(found: EfficiencyMap, form: Form = "svg") -> bytes:
+@figure
+def efficiency_map(figure: Figure, cases: list[tuple[str, SetCycle]], voltage: float) -> None:
     """Lines of equal efficiency, as far as the voltage reaches, and the load cycles."""
+    found = efficiency_field(cases, voltage)
     unit = torque_unit(float(np.abs(found.torque).max()))
-
-    def draw(figure: Figure) -> None:
-        axes = placed(figure, right=2.05, top=0.22)[0][0]
-        _efficiency_lines(axes, found, unit)
-        for (name, torque, speed), (colour, dashes) in zip(found.traces, CASES, strict=False):
-            said = f"load cycle,\n{named(name)}" if name else "load cycle"
-            axes.plot(_shown(torque, unit), _rpm(speed), color=COLOURS[colour], linestyle=dashes, label=said, zorder=5,
-                      marker="o" if len(torque) <= _MARKED else "", markersize=2.2)  # fmt: skip
-        axes.axvline(0.0, color="black", linewidth=0.6)
-        axes.set(xlim=_shown(found.torque[[0, -1]], unit), ylim=(0.0, _rpm(found.speed[-1])))
-        axes.set(xlabel=f"torque at the gearhead's output ({label(unit)})", ylabel="speed there (rpm)")
-        for said, side, to in (("drives", 3, "left"), ("brakes", -3, "right")):
-            if said == "drives" or found.torque[0] < 0.0:
-                axes.annotate(said, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7,
-                              textcoords="offset points")  # fmt: skip
-        outside(axes)
-
-    return drawn(draw, 2.3, form)
-
-
-def _shown(torque: Array, unit: str) -> Array:
-    return np.asarray(from_si(torque, unit, "torque"))
-
-
-def _rpm(speed: Array) -> Array:
-    return np.asarray(from_si(speed, "rpm", "rotary_speed"))
+    ((axes,),) = placed(figure, 2.3, right=2.05, top=0.22)
+    _efficiency_lines(axes, found, unit)
+    for (name, torque, speed), (colour, dashes) in zip(found.traces, CASES, strict=False):
+        said = f"load cycle,\n{named(name)}" if name else "load cycle"
+        axes.plot(from_si(torque, unit, "torque"), _rpm(speed), color=COLOURS[colour], linestyle=dashes, label=said,
+                  zorder=5, marker="o" if len(torque) <= _MARKED else "", markersize=2.2)  # fmt: skip
+    axes.axvline(0.0, color="black", linewidth=0.6)
+    axes.set(xlim=from_si(found.torque[[0, -1]], unit, "torque"), ylim=(0.0, _rpm(found.speed[-1])))
+    axes.set(xlabel=reads("torque at the gearhead's output", unit), ylabel="speed there (rpm)")
+    for said, side, to in (("drives", 3, "left"), ("brakes", -3, "right")):
+        if said == "drives" or found.torque[0] < 0.0:
+            style.beside(axes, said, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7)
+    style.outside(axes)
 
 
 def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
     """Iso-lines with their percentage, each direction of power for itself, and the end of the voltage."""
     from matplotlib.colors import LinearSegmentedColormap
 
-    across, up = _shown(found.torque, unit), _rpm(found.speed)
+    across, up = from_si(found.torque, unit, "torque"), _rpm(found.speed)
     reached = ~(np.abs(found.field.voltage) > found.voltage)
     share = np.where(reached, 100.0 * found.field.efficiency, np.nan)
     shades = LinearSegmentedColormap.from_list("shades", _SHADES)
@@ -404,8 +330,8 @@ def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
         if side.sum() < 2 or not levels:
             continue
         axes.contourf(across[side], up, values, [0.0, *levels, 100.0], cmap=shades, zorder=0.5)
-        drawn_lines = axes.contour(across[side], up, values, levels, colors=COLOURS["grey"], linewidths=0.6)
-        axes.clabel(drawn_lines, fmt="%g %%", fontsize=6.2, inline_spacing=2)
+        lines = axes.contour(across[side], up, values, levels, colors=COLOURS["grey"], linewidths=0.6)
+        axes.clabel(lines, fmt="%g %%", fontsize=6.2, inline_spacing=2)
     if not reached.all():
         edge = axes.contour(across, up, np.abs(found.field.voltage), [found.voltage], colors=COLOURS["blue"],
                             linewidths=1.1)  # fmt: skip

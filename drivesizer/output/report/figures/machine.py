@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import ceil, isnan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,24 +15,24 @@ from drivesizer.load_cases.platform import trajectory_of
 from drivesizer.machine.energy_budget import charge_over_mission
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.output.platform import failed_motors_text
+from drivesizer.output.report.figures import style
 from drivesizer.output.report.figures.style import (
     CASES,
     COLOURS,
-    Form,
+    Drawing,
     Window,
-    drawn,
+    beside,
+    figure,
     heading,
-    limit,
     named,
     placed,
-    thinned,
 )
 from drivesizer.platform.envelope import Passage, Size
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.drive_set import EnergyBudget
 from drivesizer.results.machine import Course, MachinePower
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import from_si, label
+from drivesizer.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,105 +69,75 @@ def ways_of(spec: RobotSpec) -> list[Way]:
     found: list[Way] = []
     for name, case in spec.load_cases:
         way = trajectory_of(case)
-        if way is not None and not any(_close(way, other.trajectory) for other in found):
+        if way is not None and not any(
+            np.array_equal(way.duration, other.trajectory.duration)
+            and np.array_equal(way.posture, other.trajectory.posture)
+            for other in found
+        ):
             found.append(Way(name, way))
     return found
 
 
-def _close(a: Trajectory, b: Trajectory) -> bool:
-    return np.array_equal(a.duration, b.duration) and np.array_equal(a.posture, b.posture)
-
-
-def passages_of(spec: RobotSpec) -> list[Passage]:
-    """The passages that have a place in the world."""
-    platform = spec.platform
-    return [p.record for p in platform.passages if p.x is not None] if platform else []
-
-
-def plan_view(spec: RobotSpec, form: Form = "svg") -> bytes:
-    """The way to scale, seen from above."""
-    ways, passages = ways_of(spec)[: len(CASES)], passages_of(spec)
-    platform = spec.platform
+@figure
+def plan_view(figure: Figure, spec: RobotSpec) -> None:
+    """The way to scale, seen from above; of passages those that have a place in the world."""
+    platform, ways = spec.platform, ways_of(spec)[: len(CASES)]
+    passages = [p.record for p in platform.passages if p.x is not None] if platform else []
     size = platform.size.record if platform and platform.size else None
-    low, high = _extent(ways, passages, size)
+    points = [way.trajectory.posture[:2].reshape(2, -1) for way in ways]
+    points += [np.array([[p.x], [p.y]]) + p.width * np.array([[-1.0, 1.0]]) for p in passages]
+    every, body = np.concatenate(points, axis=1), size.reach if size else 0.0
+    low, high = every.min(axis=1) - body, every.max(axis=1) + body
+    room = max(_ROOM_OF_PLAN * float((high - low).max()), 0.05)
+    low, high = low - room, high + room
     across, up = high - low
     height = float(np.clip(_WIDTH * up / across, *_HEIGHTS))
     scale = max(across / _WIDTH, up / height)  # m to an inch
-    middle, half = (low + high) / 2.0, scale / 2.0 * np.array([_WIDTH, height])
+    (left, below), (right, above) = ((low + high) / 2.0 + sign * scale / 2.0 * np.array([_WIDTH, height])
+                                     for sign in (-1.0, 1.0))  # fmt: skip
     legend = 0.18 if len(ways) > 1 else 0.0
-
-    def draw(figure: Figure) -> None:
-        axes = placed(figure, top=0.1 + legend)[0][0]
-        (left, below), (right, above) = middle - half, middle + half
-        axes.set(xlim=(left, right), ylim=(below, above), xlabel="x (m)", ylabel="y (m)")
-        for passage in passages:
-            _doorway(axes, passage)
-        for number, way in enumerate(ways):
-            colour, dashes = ("blue", "solid") if len(ways) == 1 else CASES[number]
-            _path(axes, way, COLOURS[colour], dashes, size, scale)
-        if len(ways) > 1:
-            heading(figure, *axes.get_legend_handles_labels(), len(ways))
-
-    return drawn(draw, height + 0.52 + legend, form)
-
-
-def _extent(ways: Sequence[Way], passages: Sequence[Passage], size: Size | None) -> tuple[Array, Array]:
-    """The corners of what is to be seen [m], with room around."""
-    body = size.reach if size else 0.0
-    points = [way.trajectory.posture[:2].reshape(2, -1) for way in ways]
-    points += [np.array([[p.x], [p.y]]) + p.width * np.array([[-1.0, 1.0]]) for p in passages]
-    every = np.concatenate(points, axis=1)
-    low, high = every.min(axis=1) - body, every.max(axis=1) + body
-    room = max(_ROOM_OF_PLAN * float((high - low).max()), 0.05)
-    return low - room, high + room
+    ((axes,),) = placed(figure, height + 0.52 + legend, top=0.1 + legend)
+    axes.set(xlim=(left, right), ylim=(below, above), xlabel="x (m)", ylabel="y (m)")
+    for passage in passages:
+        _doorway(axes, passage)
+    for number, way in enumerate(ways):
+        colour, dashes = ("blue", "solid") if len(ways) == 1 else CASES[number]
+        _path(axes, way, COLOURS[colour], dashes, size, scale)
+    if len(ways) > 1:
+        heading(figure, *axes.get_legend_handles_labels(), len(ways))
 
 
 def _path(axes: Axes, way: Way, colour: str, dashes: Any, size: Size | None, scale: float) -> None:
     """The path, the robot's outline and heading along it, and its ends.
 
-    ``scale`` is metres to an inch.
+    ``scale`` is metres to an inch. Outlines have as much way between each other, turning counted in; the first and the
+    last place are among them.
     """
-    times = np.linspace(0.0, way.trajectory.total, _POINTS)
-    x, y, theta = way.trajectory.at(times)
+    from matplotlib.collections import PolyCollection
+
+    x, y, theta = way.trajectory.at(np.linspace(0.0, way.trajectory.total, _POINTS))
     axes.plot(x, y, color=colour, linestyle=dashes, linewidth=1.3, zorder=3, label=named(way.name))
-    at = _spread(x, y, theta)
+    gone = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)) + _PER_TURN * np.abs(np.diff(theta)))])
+    marks = np.linspace(0.0, gone[-1], _ARROWS_ALONG_WAY)
+    at = np.unique(np.searchsorted(gone, marks).clip(0, len(gone) - 1))
     if size and size.length > 0.05 * scale:  # else it is no more than a dot
-        _outlines(axes, size, np.stack([x, y, theta])[:, at], colour)
+        px, py = size.corners
+        shapes = [
+            np.stack([a + px * np.cos(t) - py * np.sin(t), b + px * np.sin(t) + py * np.cos(t)], axis=1)
+            for a, b, t in zip(x[at], y[at], theta[at], strict=True)
+        ]
+        outlines = PolyCollection(shapes, facecolor="none", edgecolor=colour, linewidth=0.6, alpha=0.8, zorder=2.5)
+        axes.add_collection(outlines)
     length = max(0.16 * scale, 0.75 * size.length if size else 0.0)
     dx, dy = length * np.cos(theta[at]), length * np.sin(theta[at])
     axes.quiver(x[at], y[at], dx, dy, color=colour, angles="xy", scale_units="xy", scale=1.0, width=0.0022,
                 headwidth=4.5, headlength=5.0, headaxislength=4.5, zorder=4)  # fmt: skip
-    _ends(axes, (x[0], y[0]), (x[-1], y[-1]), 0.1 * scale)
-
-
-def _spread(x: Array, y: Array, theta: Array) -> NDArray[np.int64]:
-    """Places with as much way between each other, turning counted in; the first and the last among them."""
-    gone = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)) + _PER_TURN * np.abs(np.diff(theta)))])
-    marks = np.linspace(0.0, gone[-1], _ARROWS_ALONG_WAY)
-    return np.unique(np.searchsorted(gone, marks).clip(0, len(gone) - 1))
-
-
-def _outlines(axes: Axes, size: Size, postures: Array, colour: str) -> None:
-    from matplotlib.collections import PolyCollection
-
-    px, py = size.corners
-    shapes = [
-        np.stack([x + px * np.cos(t) - py * np.sin(t), y + px * np.sin(t) + py * np.cos(t)], axis=1)
-        for x, y, t in postures.T
-    ]
-    axes.add_collection(
-        PolyCollection(shapes, facecolor="none", edgecolor=colour, linewidth=0.6, alpha=0.8, zorder=2.5)
-    )
-
-
-def _ends(axes: Axes, start: tuple[float, float], end: tuple[float, float], near: float) -> None:
-    """Start and end, by shape and word; as one where they are in one place."""
-    one = bool(np.hypot(end[0] - start[0], end[1] - start[1]) < near)
-    marks = ((start, "o", "start and end" if one else "start"), (end, "s", "end"))
-    for place, marker, name in marks[: 1 if one else 2]:
-        axes.plot(*place, marker=marker, markersize=5.5, markerfacecolor="white", markeredgewidth=1.2, color="black",
+    one = bool(np.hypot(x[-1] - x[0], y[-1] - y[0]) < 0.1 * scale)
+    ends = [(x[0], y[0], "o", "start and end" if one else "start"), (x[-1], y[-1], "s", "end")]
+    for a, b, marker, name in ends[: 1 if one else 2]:
+        axes.plot(a, b, marker=marker, markersize=5.5, markerfacecolor="white", markeredgewidth=1.2, color="black",
                   linestyle="none", zorder=5)  # fmt: skip
-        axes.annotate(name, place, (5, -5), textcoords="offset points", va="top", fontsize=7, zorder=6)
+        beside(axes, name, (a, b), (5, -5), va="top", fontsize=7, zorder=6)
 
 
 def _doorway(axes: Axes, passage: Passage) -> None:
@@ -183,8 +153,7 @@ def _doorway(axes: Axes, passage: Passage) -> None:
                    place + outer + half * along, place + outer - half * along]  # fmt: skip
         axes.add_patch(Polygon(corners, facecolor=COLOURS["grey"], edgecolor=COLOURS["grey"], linewidth=1.2, zorder=2))
     top = place + passage.width * (0.5 + _JAMB) * (aside if aside[1] >= 0.0 else -aside)
-    axes.annotate(named(passage.name), tuple(top), (0, 3), textcoords="offset points", ha="center", va="bottom",
-                  fontsize=6.8, zorder=6)  # fmt: skip
+    beside(axes, named(passage.name), tuple(top), (0, 3), ha="center", va="bottom", fontsize=6.8, zorder=6)
 
 
 # -- A platform in the plane: its path, desired and driven, with errors along the way; speeds that its drives permit.
@@ -200,102 +169,77 @@ _LEFT, _RIGHT, _TOP, _BELOW = 0.66, 0.2, 0.4, 0.42  # in, around the panels
 _GAP, _TITLE = 0.12, 0.25  # in, between them, and above each
 
 
-def path_and_errors(runs: Mapping[str, Followed], form: Form = "svg") -> bytes:
+def path_and_errors(runs: Mapping[str, Followed]) -> Drawing:
     """The desired path and what was driven, to scale; distance and heading error over the way."""
     if not 1 <= len(runs) <= len(_LOOKS):
         raise InputError(f"figure of a path: expected 1 to {len(_LOOKS)} runs, got {len(runs)}")
-
-    def draw(figure: Any) -> None:
-        grid = [row[0] for row in placed(figure, 3, top=0.42, gaps=(0.42, 0.1), heights=(3.4, 1.0, 1.0), shared=False)]
-        _plane(grid[0], runs)
-        _over_way(grid[1], runs, "position", "distance (m)")
-        _over_way(grid[2], runs, "heading", "heading (°)")
-        grid[1].tick_params(labelbottom=True)
-        grid[2].set_xlabel("way along the desired path (m)")
-        grid[0].set(xlabel="x (m)", ylabel="y (m)")
-        heading(figure, *grid[0].get_legend_handles_labels(), 3)
-
-    return drawn(draw, 6.4, form)
+    return _path_and_errors(runs)
 
 
-def _plane(axes: Axes, runs: Mapping[str, Followed]) -> None:
-    """Desired path with its headings, and what was driven."""
+@figure
+def _path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
+    def some(count: int, most: int) -> NDArray[np.int64]:  # places, the first and the last among them
+        return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+    (plane,), (distance,), (turned,) = placed(
+        figure, 6.4, 3, top=0.42, gaps=(0.42, 0.1), heights=(3.4, 1.0, 1.0), shared=False
+    )
     wanted = next(iter(runs.values())).planned.posture
-    x, y = wanted[:2, _every(wanted.shape[1], _POINTS)]
-    axes.plot(x, y, color=COLOURS["blue"], linewidth=1.6, label="desired")
-    for layer, ((name, run), (colour, dashes)) in enumerate(zip(runs.items(), _LOOKS, strict=False)):
-        x, y = run.posture[:2, _every(run.posture.shape[1], _POINTS)]
-        look = {"color": COLOURS[colour], "linestyle": dashes, "zorder": _above(layer)}
-        axes.plot(x, y, label=named(name), **look)
-    at = _every(wanted.shape[1], _ARROWS)
-    axes.quiver(*wanted[:2, at], np.cos(wanted[2, at]), np.sin(wanted[2, at]), color=COLOURS["blue"], width=0.0025,
-                scale=32.0, zorder=3)  # fmt: skip
-    axes.set_aspect("equal", adjustable="datalim")
+    plane.plot(*wanted[:2, some(wanted.shape[1], _POINTS)], color=COLOURS["blue"], linewidth=1.6, label="desired")
+    for (name, run), (colour, dashes) in zip(runs.items(), _LOOKS, strict=False):
+        # dashes lie on the unbroken line, where two runs are one to the eye
+        look: Any = {"color": COLOURS[colour], "linestyle": dashes, "zorder": 2.5 if dashes == "solid" else 3.0}
+        plane.plot(*run.posture[:2, some(run.posture.shape[1], _POINTS)], label=named(name), **look)
+        off = deviation(run)
+        whole = Window("", 0.0, float(off.travel[-1]))
+        for axes, values in ((distance, off.position), (turned, np.degrees(off.heading))):
+            rows = style.thinned(off.travel, values, whole)
+            axes.plot(off.travel[rows], values[rows], **look)
+            axes.set_xlim(0.0, whole.end or 1.0)
+    at = some(wanted.shape[1], _ARROWS)
+    plane.quiver(*wanted[:2, at], np.cos(wanted[2, at]), np.sin(wanted[2, at]), color=COLOURS["blue"], width=0.0025,
+                 scale=32.0, zorder=3)  # fmt: skip
+    plane.set_aspect("equal", adjustable="datalim")
+    plane.set(xlabel="x (m)", ylabel="y (m)")
+    for axes, title in ((distance, "distance (m)"), (turned, "heading (°)")):
+        axes.axhline(0.0, color="black", linewidth=0.6)
+        axes.set_ylabel(title)
+    turned.set_xlabel("way along the desired path (m)")
+    heading(figure, *plane.get_legend_handles_labels(), 3)
 
 
-def _above(layer: int) -> float:
-    """Dashes lie on the unbroken line, where two runs are one to the eye."""
-    return 3.0 if _LOOKS[layer][1] != "solid" else 2.5
-
-
-def _every(count: int, most: int) -> NDArray[np.int64]:
-    """Some of so many places, the first and the last among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
-
-
-def _over_way(axes: Axes, runs: Mapping[str, Followed], column: str, title: str) -> None:
-    """An error over the way."""
-    for layer, ((_, run), (colour, dashes)) in enumerate(zip(runs.items(), _LOOKS, strict=False)):
-        d = deviation(run)
-        values = np.degrees(d.heading) if column == "heading" else d.position
-        rows = thinned(d.travel, values, Window("", 0.0, float(d.travel[-1])))
-        axes.plot(d.travel[rows], values[rows], color=COLOURS[colour], linestyle=dashes, zorder=_above(layer))
-    axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.set(xlim=(0.0, float(d.travel[-1]) or 1.0), ylabel=title)
-
-
-def speed_by_direction(found: PermittedSpeeds, form: Form = "svg") -> bytes:
+@figure
+def speed_by_direction(figure: Figure, found: PermittedSpeeds) -> None:
     """Highest steady speed in each direction, with all motors and without each of the first few."""
     turn, required = np.radians(np.append(found.direction, 360)), found.required
     failed = [wheel for wheel in found.speed if wheel][:_MOST_PLACES] or [0]
     rows, columns = ceil(len(failed) / _ACROSS), min(len(failed), _ACROSS)
-
     fast = [speed[np.isfinite(speed)].max(initial=required or 0.0) for speed in found.speed.values()]
     most = 1.06 * max(fast) or 1.0
 
-    def line(axes: Any, speed: NDArray[np.float64], **look: Any) -> None:
+    def line(axes: Axes, speed: Array, **look: Any) -> None:
         known = np.where(np.isfinite(speed), speed, np.nan)
         marker = "" if np.isfinite(speed).all() else "."
         axes.plot(known * np.cos(turn), known * np.sin(turn), marker=marker, **look)
 
-    def draw(figure: Figure) -> None:
-        right = max(figure.get_size_inches()[0] - _LEFT - (_PANEL + _GAP) * columns + _GAP, _RIGHT)
-        grid = placed(figure, rows, columns, top=_TOP, right=right, gaps=(_TITLE, _GAP))
-        for axes, wheel in zip((axes for row in grid for axes in row), failed, strict=False):
-            line(
-                axes, found.speed[0][[*range(len(turn) - 1), 0]], color=COLOURS["blue"], label=failed_motors_text(found)
-            )
-            if wheel:
-                without = found.speed[wheel][[*range(len(turn) - 1), 0]]
-                line(
-                    axes,
-                    without,
-                    color=COLOURS["vermillion"],
-                    linestyle=(0, (5, 1.5)),
-                    label="without one more" if found.failed else "without one",
-                )
-                axes.set_title(f"without wheel {wheel}")
-            if required is not None:
-                line(axes, np.full(len(turn), required), color="black", linewidth=0.7, linestyle=(0, (1, 1.5)),
-                     label=f"{required:g} m/s, as in the spec")  # fmt: skip
-            axes.set(xlim=(-most, most), ylim=(-most, most))
-        for axes in grid[-1]:
-            axes.set_xlabel("ahead (m/s)")
-        for row in grid:
-            row[0].set_ylabel("to the left (m/s)")
-        heading(figure, *grid[0][0].get_legend_handles_labels(), 3)
-
-    return drawn(draw, _TOP + _BELOW + _PANEL * rows + _TITLE * (rows - 1), form)
+    right = max(figure.get_figwidth() - _LEFT - (_PANEL + _GAP) * columns + _GAP, _RIGHT)
+    height = _TOP + _BELOW + _PANEL * rows + _TITLE * (rows - 1)
+    grid = placed(figure, height, rows, columns, top=_TOP, right=right, gaps=(_TITLE, _GAP))
+    for axes, wheel in zip((axes for row in grid for axes in row), failed, strict=False):
+        line(axes, np.append(found.speed[0], found.speed[0][0]), color=COLOURS["blue"], label=failed_motors_text(found))
+        if wheel:
+            line(axes, np.append(found.speed[wheel], found.speed[wheel][0]), color=COLOURS["vermillion"],
+                 linestyle=(0, (5, 1.5)), label="without one more" if found.failed else "without one")  # fmt: skip
+            axes.set_title(f"without wheel {wheel}")
+        if required is not None:
+            line(axes, np.full(len(turn), required), color="black", linewidth=0.7, linestyle=(0, (1, 1.5)),
+                 label=f"{required:g} m/s, as in the spec")  # fmt: skip
+        axes.set(xlim=(-most, most), ylim=(-most, most))
+    for axes in grid[-1]:
+        axes.set_xlabel("ahead (m/s)")
+    for row in grid:
+        row[0].set_ylabel("to the left (m/s)")
+    heading(figure, *grid[0][0].get_legend_handles_labels(), 3)
 
 
 # -- Power of several axes on one supply over time: what each draws, stacked, and below zero what each returns.
@@ -303,6 +247,8 @@ def speed_by_direction(found: PermittedSpeeds, form: Form = "svg") -> bytes:
 
 _MOST_AXES = 6  # axes that have a layer of their own
 _PIECES = 1500  # finer than print
+_ABREAST = 5  # names of the legend
+_ROOM_OF_NAMES = 62.0  # pt, of a name in the legend
 LOOKS: tuple[tuple[str, str], ...] = (  # colour and hatch, so that a grey print distinguishes them too
     ("blue", ""), ("orange", "////"), ("green", "...."), ("purple", "\\\\\\\\"), ("sky", "xxxx"),
     ("vermillion", "----"), ("grey", "++++"),
@@ -334,49 +280,30 @@ def power_unit(largest: float) -> str:
     return "W" if largest < 10e3 else "kW"
 
 
-def axes_power(power: MachinePower, form: Form = "svg") -> bytes:
-    """Power of all axes over time."""
+@figure
+def axes_power(figure: Figure, power: MachinePower) -> None:
+    """Power of all axes over time: layers over each other, drawn upward, returned downward."""
+    from matplotlib.colors import to_rgb
+
     course = power.course(_PIECES)
     found = layers(power, course)
     unit = power_unit(max((float(one.drawn.max(initial=0.0)) for one in found), default=0.0))
-
-    def draw(figure: Figure) -> None:
-        axes = placed(figure, top=0.22 * -(-(len(found) + 1) // _ABREAST) + 0.06)[0][0]
-        _stack(axes, course, found, unit)
-        if not np.isnan(course.total).any():
-            axes.stairs(from_si(course.total, unit, "power"), course.time, baseline=None, color="black", linewidth=1.0,
-                        label="out of the source")  # fmt: skip
-        axes.axhline(0.0, color="black", linewidth=0.6)
-        axes.set(xlabel="time (s)", ylabel=f"power ({label(unit)})", xlim=(course.time[0], course.time[-1]))
-        heading(figure, *axes.get_legend_handles_labels(), _ABREAST)
-
-    return drawn(draw, 3.0, form)
-
-
-_ABREAST = 5  # names of the legend
-
-
-def _stack(axes: Axes, course: Course, found: list[Layer], unit: str) -> None:
-    """The layers over each other: drawn upward, returned downward."""
+    ((axes,),) = placed(figure, 3.0, top=0.22 * -(-(len(found) + 1) // _ABREAST) + 0.06)
     above, below = np.zeros(len(course.total)), np.zeros(len(course.total))
     for layer, (colour, hatch) in zip(found, LOOKS, strict=False):
-        look: dict[str, Any] = {"fill": True, "facecolor": _light(colour), "hatch": hatch,
-                                "edgecolor": COLOURS[colour], "linewidth": 0.4}  # fmt: skip
+        light = tuple(1.0 - 0.45 * (1.0 - part) for part in to_rgb(COLOURS[colour]))  # lines can be read on it
+        look: Any = {"fill": True, "facecolor": light, "hatch": hatch, "edgecolor": COLOURS[colour], "linewidth": 0.4}
         up, down = above + layer.drawn, below - layer.returned
         for low, high, name in ((above, up, named(layer.name, _ROOM_OF_NAMES)), (below, down, None)):
-            ends = (from_si(values, unit, "power") for values in (high, low))
-            axes.stairs(next(ends), course.time, baseline=next(ends), label=name, **look)
+            axes.stairs(from_si(high, unit, "power"), course.time, baseline=from_si(low, unit, "power"), label=name,
+                        **look)  # fmt: skip
         above, below = up, down
-
-
-_ROOM_OF_NAMES = 62.0  # pt, of a name in the legend
-
-
-def _light(colour: str) -> tuple[float, ...]:
-    """A colour that lines and letters can be read on."""
-    from matplotlib.colors import to_rgb
-
-    return tuple(1.0 - 0.45 * (1.0 - part) for part in to_rgb(COLOURS[colour]))
+    if not np.isnan(course.total).any():
+        axes.stairs(from_si(course.total, unit, "power"), course.time, baseline=None, color="black", linewidth=1.0,
+                    label="out of the source")  # fmt: skip
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    axes.set(xlabel="time (s)", ylabel=style.reads("power", unit), xlim=(course.time[0], course.time[-1]))
+    heading(figure, *axes.get_legend_handles_labels(), _ABREAST)
 
 
 # -- Powers drawn from the battery, and its charge over the mission.
@@ -397,48 +324,37 @@ def shown_until(budget: EnergyBudget) -> float:
     return _BEYOND * budget.autonomy if isnan(budget.required) else max(budget.required, budget.autonomy)
 
 
-def battery(budget: EnergyBudget, form: Form = "svg") -> bytes:
-    """Mean power of each consumer at the left, the charge that is left over time at the right."""
+@figure
+def battery(figure: Figure, budget: EnergyBudget) -> None:
+    """Mean power of each consumer at the left, the charge that is left over time at the right.
+
+    Of what is unknown that is said; the usable share is a limit.
+    """
     rows = [(one.name, one.mean) for one in budget.consumers if one.mean]
-
-    def draw(figure: Figure) -> None:
-        bars, course = placed(figure, 1, 2, left=1.75, gaps=(0.0, 0.75), shared=False)[0]
-        _consumers(bars, rows)
-        _charge(course, budget)
-
-    return drawn(draw, max(_LEAST, _ROW * len(rows) + 0.55), form)
-
-
-def _consumers(axes: Axes, rows: list[tuple[str, float]]) -> None:
-    """Mean powers as bars; of what is unknown that is said."""
+    height = max(_LEAST, _ROW * len(rows) + 0.55)
+    ((mean, course),) = placed(figure, height, 1, 2, left=1.75, gaps=(0.0, 0.75), shared=False)
     powers = [power for _, power in rows]
     colours = ["white" if power < 0.0 else COLOURS["sky"] for power in powers]
-    axes.barh(range(len(rows)), powers, height=0.7, color=colours, edgecolor=COLOURS["blue"], linewidth=0.6, zorder=3)
+    mean.barh(range(len(rows)), powers, height=0.7, color=colours, edgecolor=COLOURS["blue"], linewidth=0.6, zorder=3)
     for place, power in enumerate(powers):
         said = "unknown" if isnan(power) else f"{power:.3g}".replace("-", "−")
-        axes.annotate(said, (0.0 if isnan(power) else max(power, 0.0), place), xytext=(3, 0),
-                      textcoords="offset points", va="center", fontsize=6.8)  # fmt: skip
-    axes.set_yticks(range(len(rows)), [named(name) for name, _ in rows])
-    axes.tick_params(axis="y", length=0)
-    axes.grid(axis="y", visible=False)
-    axes.axvline(0.0, color="black", linewidth=0.6)
-    axes.set(ylim=(len(rows) - 0.4, -0.6), xlabel="mean power (W)")
-    axes.set_xlim(right=1.18 * max(0.0, np.nanmax(powers)) or 1.0)
+        beside(mean, said, (0.0 if isnan(power) else max(power, 0.0), place), (3, 0), va="center", fontsize=6.8)
+    style.bars(mean, [named(name) for name, _ in rows])
+    mean.axvline(0.0, color="black", linewidth=0.6)
+    mean.set_xlabel("mean power (W)")
+    mean.set_xlim(right=1.18 * max(0.0, np.nanmax(powers)) or 1.0)
 
-
-def _charge(axes: Axes, budget: EnergyBudget) -> None:
-    """Until the end of what is required or of what there is, whichever is later; the usable share as a limit."""
     lasts = shown_until(budget)
     time, charge = charge_over_mission(budget, lasts)
-    axes.plot(from_si(time, "h", "time"), 100.0 * charge, color=COLOURS["blue"], zorder=3)
+    last = float(from_si(lasts, "h", "time"))
+    course.plot(from_si(time, "h", "time"), 100.0 * charge, color=COLOURS["blue"], zorder=3)
     if budget.usable < 1.0:
-        limit(axes, 100.0 * (1.0 - budget.usable), "may not be used")
+        style.limit(course, 100.0 * (1.0 - budget.usable), "may not be used")
     if not isnan(budget.required):
         end = float(from_si(budget.required, "h", "time"))
-        axes.axvline(end, color="black", linewidth=0.7, linestyle=(0, (2, 1.5)), zorder=2)
-        early = end < 0.5 * float(from_si(lasts, "h", "time"))  # its name on the side that has room for it
-        axes.annotate("required", (end, 1.0), xycoords=("data", "axes fraction"), xytext=(2 if early else -2, -2),
-                      textcoords="offset points", ha="left" if early else "right", va="top", fontsize=6.5)  # fmt: skip
-    axes.set(xlim=(0.0, float(from_si(lasts, "h", "time")) * 1.02), ylim=(0.0, 103.0), xlabel="time (h)")
-    axes.set_ylabel("charge (%)")
-    axes.yaxis.set_label_coords(-0.2, 0.5)
+        course.axvline(end, color="black", linewidth=0.7, linestyle=(0, (2, 1.5)), zorder=2)
+        early = end < 0.5 * last  # its name on the side that has room for it
+        beside(course, "required", (end, 1.0), (2 if early else -2, -2), xycoords=("data", "axes fraction"),
+               ha="left" if early else "right", va="top")  # fmt: skip
+    course.set(xlim=(0.0, 1.02 * last), ylim=(0.0, 103.0), xlabel="time (h)", ylabel="charge (%)")
+    course.yaxis.set_label_coords(-0.2, 0.5)

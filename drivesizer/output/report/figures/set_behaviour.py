@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from math import fsum, isfinite, isnan, sqrt
 
@@ -21,9 +20,9 @@ from drivesizer.output.report.figures.cycle import (
     energy_unit,
     temperatures,
 )
-from drivesizer.output.report.figures.field import TOGETHER, efficiency_field, efficiency_map
+from drivesizer.output.report.figures.field import TOGETHER, efficiency_map
 from drivesizer.output.report.figures.machine import path_and_errors, speed_by_direction
-from drivesizer.output.report.figures.style import Form
+from drivesizer.output.report.figures.style import Drawing
 from drivesizer.output.report.lines.rows import first_wheel
 from drivesizer.physics.stepper import copper_loss, idle_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
@@ -38,15 +37,6 @@ __all__ = ["Behaviour"]
 
 _BODIES = ("winding_time_constant", "motor_time_constant", "thermal_resistance_winding", "thermal_resistance_housing",
            "resistance")  # fmt: skip
-
-
-def _summed(cycles: Sequence[tuple[str, SetCycle]]) -> EnergyFlow:
-    """The energy balance of all wheels of a machine's first load case, each as often as there are wheels alike."""
-    loads = [(found, found.spec.load) for _, found in cycles]
-    wheels = [(found, load) for found, load in loads if isinstance(load, WheelLoad)]
-    flows = [(load.alike / load.motors, energy_flow(found)) for found, load in wheels if load.of == wheels[0][1].of]
-    parts = zip(*([share * part for part in flow] for share, flow in flows), strict=True)
-    return EnergyFlow(*map(fsum, parts))
 
 
 class Behaviour:
@@ -67,8 +57,17 @@ class Behaviour:
 
     @cached_property
     def energy(self) -> EnergyFlow:
-        """The energy balance of the cycle as specified; of a platform on a path the sum over its wheels."""
-        return _summed(self.cycles) if first_wheel(self.problem) else energy_flow(self.specified)
+        """The energy balance of the cycle as specified; of a platform on a path the sum over its wheels.
+
+        That is over those of its first load case, each as often as there are wheels alike.
+        """
+        if not first_wheel(self.problem):
+            return energy_flow(self.specified)
+        loads = [(found, found.spec.load) for _, found in self.cycles]
+        wheels = [(found, load) for found, load in loads if isinstance(load, WheelLoad)]
+        flows = [(load.alike / load.motors, energy_flow(found)) for found, load in wheels if load.of == wheels[0][1].of]
+        parts = zip(*([share * part for part in flow] for share, flow in flows), strict=True)
+        return EnergyFlow(*map(fsum, parts))
 
     @cached_property
     def known(self) -> bool:
@@ -78,13 +77,14 @@ class Behaviour:
     @cached_property
     def hottest(self) -> tuple[str, WarmUp] | None:
         """The load case in which the winding gets warmest, and how; None where its course is unknown."""
-        found = [(name, self._warm(cycle)) for name, cycle in self.cycles]
-        known = [(name, one) for name, one in found if one is not None]
-        return max(known, key=lambda pair: pair[1].periodic.winding_peak) if len(known) == len(found) else None
-
-    def _warm(self, found: SetCycle) -> WarmUp | None:
-        bodies = two_bodies(found.motor.part)
-        return warm_up(bodies, found.spec.environment.ambient, warming(found)) if found.known else None
+        known = []
+        for name, found in self.cycles:
+            ambient = found.spec.environment.ambient
+            warm = warm_up(two_bodies(found.motor.part), ambient, warming(found)) if found.known else None
+            if warm is None:
+                return None
+            known.append((name, warm))
+        return max(known, key=lambda pair: pair[1].periodic.winding_peak)
 
     @cached_property
     def permitted(self) -> PermittedSpeeds | None:
@@ -113,48 +113,41 @@ class Behaviour:
 
     # -- figures
 
-    def course(self, form: Form) -> bytes:
-        """The path as it is followed."""
-        return path_and_errors(shown_runs(self.followed), form)
+    def drawings(self) -> dict[str, Drawing]:
+        """Its figures by name; those that depend on figures that the catalogue does not know are left out."""
+        made: dict[str, Drawing] = {}
+        controller = self.drive_set.controller
+        usable = float(self.spec.feed_of(controller).usable)
+        if self.known:  # the efficiency map has all load cycles, or the first where they would cover one another
+            shown = self.cycles if len(self.cycles) <= TOGETHER else self.cycles[:1]
+            voltage = usable if isfinite(usable) else self.spec.supply.lowest
+            made["efficiency"] = efficiency_map(shown, voltage)
+            made["demand"] = current_and_voltage(self.cycles, self._currents, [("usable", usable)])
+        if self.hottest:
+            name, found = self.hottest
+            ambient = next(case.spec for case in self.problem.cases if case.name == name).environment.ambient
+            made["heat"] = temperatures(found, ambient, self.drive_set.motor.max_winding_temperature)
+        if self.energy.known:
+            made["energy"] = energy_bars(self.energy)
+        if self.permitted:
+            made["permitted"] = speed_by_direction(self.permitted)
+        if self.followed:
+            made["followed"] = path_and_errors(shown_runs(self.followed))
+        return made
 
-    def speeds(self, form: Form) -> bytes:
-        """Those speeds over the direction."""
-        assert self.permitted is not None
-        return speed_by_direction(self.permitted, form)
-
-    def temperatures(self, form: Form) -> bytes:
-        """Winding and housing in the hottest case."""
-        assert self.hottest is not None
-        name, found = self.hottest
-        ambient = next(case.spec for case in self.problem.cases if case.name == name).environment.ambient
-        return temperatures(found, ambient, self.drive_set.motor.max_winding_temperature, form)
-
-    def demand(self, form: Form) -> bytes:
-        """Current and voltage; limits are those of the case as specified."""
-        motor, controller = self.drive_set.motor, self.drive_set.controller
+    @property
+    def _currents(self) -> list[tuple[str, float]]:
+        """Limits of the current in the case as specified [A]."""
+        motor, controller, environment = self.drive_set.motor, self.drive_set.controller, self.spec.environment
         derated = motor.nominal_current * current_derating(
-            self.spec.environment.ambient, motor.max_winding_temperature, rated_ambient(motor)
+            environment.ambient, motor.max_winding_temperature, rated_ambient(motor)
         )
-        left = rise_left(self.spec.environment)
+        left = rise_left(environment)
         currents = [("motor, nominal", float(derated) * sqrt(left))]
         if controller:
-            lasting = float(controller_current(controller, self.spec.environment.ambient))
-            currents += [("controller, continuous", lasting * left)]
-            currents += [("controller, peak", controller.peak_current)]
-        return current_and_voltage(
-            self.cycles, currents, [("usable", float(self.spec.feed_of(controller).usable))], form
-        )
-
-    def efficiency(self, form: Form) -> bytes:
-        """The efficiency map with the load cycles in it, or with the first where they would cover one another."""
-        usable = float(self.spec.feed_of(self.drive_set.controller).usable)
-        voltage = usable if isfinite(usable) else self.spec.supply.lowest
-        shown = self.cycles if len(self.cycles) <= TOGETHER else self.cycles[:1]
-        return efficiency_map(efficiency_field(shown, voltage), form)
-
-    def flow(self, form: Form) -> bytes:
-        """Flow of the energy."""
-        return energy_bars(self.energy, form)
+            lasting = float(controller_current(controller, environment.ambient))
+            currents += [("controller, continuous", lasting * left), ("controller, peak", controller.peak_current)]
+        return currents
 
     # -- texts
 

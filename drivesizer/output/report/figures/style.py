@@ -1,4 +1,11 @@
-"""One house style for all figures: colours, lines, units, layout, stretches of long records, drawings as SVG or PNG."""
+"""One house style for all figures: colours, lines, units, layout, stretches of long records, drawings as SVG or PNG.
+
+A figure is a function from a record to axes, ``@figure``: called with its record it is a ``Drawing``, laid out when it
+is first printed. Thin lines differ in dashes as well as in colour (Okabe-Ito), so that a grey print and a colour-blind
+reader lose nothing; a unit on every axis. Axes have fixed places, so that those of figures on a page line up and no
+figure is laid out by drawing it twice. Nothing here depends on the clock or on installed fonts. matplotlib is imported
+when a figure is drawn.
+"""
 
 from __future__ import annotations
 
@@ -6,76 +13,27 @@ import io
 import unicodedata
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from contextvars import ContextVar
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from functools import wraps
+from typing import TYPE_CHECKING, Any, Concatenate, Literal, NamedTuple, ParamSpec
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.output.derivation import clean, short
 from drivesizer.output.thinning import extremes
+from drivesizer.units import from_si, label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = [
-    "CASES", "COLOURS", "FILES", "STYLE", "Form", "Strip", "Window", "across", "drawn", "heading", "limit", "named",
-    "once", "outside", "placed", "strip", "thinned", "torque_unit", "width", "windows", "within",
+    "CASES", "COLOURS", "FILES", "STYLE", "Drawing", "Form", "Strip", "Window", "across", "bars", "beside", "figure",
+    "heading", "limit", "named", "outside", "placed", "plotted", "reads", "strip", "thinned", "torque_unit", "width",
+    "windows", "within",
 ]  # fmt: skip
 
-
-# -- matplotlib's figures, laid out once for several forms of the same drawing.
-
-
-_KEPT: ContextVar[list[Any] | None] = ContextVar("_KEPT", default=None)  # where figures are kept that are drawn once
-
-
-def once(draw: Callable[[Any], bytes]) -> Callable[[Any], bytes]:
-    """A drawing that is laid out when it is first printed as SVG, and let go when it is printed as such again."""
-    kept: list[Any] = []
-
-    def printed(form: Any) -> bytes:
-        before = _KEPT.set(None if form == "png" else kept)  # a picture has other letters
-        try:
-            return draw(form)
-        finally:
-            _KEPT.reset(before)
-
-    return printed
-
-
-def laid_out(draw: Callable[[Any], None], size: tuple[float, float], dots: int, canvas: Any) -> Any:
-    """A figure with its axes placed, that of before where a drawing is printed again."""
-    from matplotlib.figure import Figure
-
-    kept = _KEPT.get()
-    if kept:
-        return kept.pop()
-    figure = Figure(figsize=size, layout="constrained", dpi=dots)
-    canvas(figure)
-    draw(figure)
-    _place(figure)
-    if kept is not None:
-        kept.append(figure)
-    return figure
-
-
-def _place(figure: Any) -> None:
-    """Place the axes once: left to itself, matplotlib draws the whole figure for that before it draws it."""
-    if figure.get_layout_engine() is not None:
-        figure.get_layout_engine().execute(figure)
-        figure.set_layout_engine("none")
-
-
-# -- One house style for all figures: colours, lines, units, and a drawing as SVG or PNG.
-#
-# Thin lines that differ in dashes as well as in colour (Okabe-Ito), so that a grey print and a colour-blind reader
-# lose nothing; a unit on every axis. Axes have fixed places, so that those of figures on a page line up and no
-# figure is laid out by drawing it twice. Nothing here depends on the clock or on installed fonts. matplotlib is
-# imported when a figure is drawn.
-
-
+Array = NDArray[np.float64]
 Form = Literal["svg", "png", "typeset"]  # typeset: SVG whose letters are letters, for whoever has the font
 FILES: tuple[Form, ...] = ("svg", "png")  # those that are files of their own
 
@@ -117,24 +75,51 @@ _DOTS = 200  # per inch, of a PNG
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
 
 
-def drawn(draw: Any, height: float, form: Form = "svg") -> bytes:
-    """A figure in the house style."""
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
+# -- A figure: laid out once for several forms of the same drawing.
 
-    kind = "png" if form == "png" else "svg"
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()  # not what the user's matplotlibrc says
-        matplotlib.rcParams.update(STYLE | ({"svg.fonttype": "none"} if form == "typeset" else {}))
-        dots, canvas = (_DOTS, FigureCanvasAgg) if form == "png" else (72, FigureCanvasSVG)
+
+class Drawing:
+    """A figure of a record: laid out when it is first printed as SVG, and let go when it is printed as such again."""
+
+    def __init__(self, draw: Callable[[Figure], None]) -> None:
+        self.draw = draw
+        self._laid_out: Figure | None = None
+
+    def __call__(self, form: Form = "svg") -> bytes:
+        """The figure as SVG, or as PNG of 200 dots per inch."""
+        import matplotlib
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.backends.backend_svg import FigureCanvasSVG
+        from matplotlib.figure import Figure
+
+        kind, dots, canvas = ("png", _DOTS, FigureCanvasAgg) if form == "png" else ("svg", 72, FigureCanvasSVG)
         stream = io.BytesIO()
-        with warnings.catch_warnings():
+        with matplotlib.rc_context(), warnings.catch_warnings():
+            matplotlib.rcdefaults()  # not what the user's matplotlibrc says
+            matplotlib.rcParams.update(STYLE | ({"svg.fonttype": "none"} if form == "typeset" else {}))
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # a box stands in for a letter of far scripts
-            figure = laid_out(draw, (_WIDTH, height), dots, canvas)
+            kept, self._laid_out = (None, self._laid_out) if kind == "png" else (self._laid_out, None)
+            shown = kept or Figure(figsize=(_WIDTH, _WIDTH), dpi=dots)
+            if kept is None:
+                canvas(shown)
+                self.draw(shown)
+                self._laid_out = shown if kind == "svg" else self._laid_out
             # not savefig, which draws all of it twice: once to find the extent of what is drawn, which nothing needs
-            getattr(figure.canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
-    return stream.getvalue()
+            getattr(shown.canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
+        return stream.getvalue()
+
+
+_Record = ParamSpec("_Record")
+
+
+def figure(draw: Callable[Concatenate[Figure, _Record], None]) -> Callable[_Record, Drawing]:
+    """A function that draws a record on a figure, as one from the record to its drawing."""
+
+    @wraps(draw)
+    def drawing(*record: _Record.args, **options: _Record.kwargs) -> Drawing:
+        return Drawing(lambda shown: draw(shown, *record, **options))
+
+    return drawing
 
 
 _EDGE = 0.05  # in, from the figure's edge to the labels of its axes
@@ -144,6 +129,7 @@ _TICKS = 2.2  # per inch, at most
 
 def placed(
     figure: Figure,
+    height: float,
     rows: int = 1,
     columns: int = 1,
     *,
@@ -155,9 +141,9 @@ def placed(
     heights: Sequence[float] | None = None,
     shared: bool = True,
 ) -> list[list[Axes]]:
-    """Axes at fixed places: rows over each other, and their labels in line at the edges of the figure."""
-    figure.set_layout_engine("none")
-    width, height = figure.get_size_inches()
+    """Axes at fixed places in a figure of some height: rows over each other, their labels in line at its edges [in]."""
+    figure.set_figheight(height)
+    width = figure.get_figwidth()
     across = (width - left - right - gaps[1] * (columns - 1)) / columns
     up = (height - top - bottom - gaps[0] * (rows - 1)) / rows
     edges = {"left": left / width, "right": 1.0 - right / width, "bottom": bottom / height, "top": 1.0 - top / height}
@@ -173,8 +159,7 @@ def placed(
         axes.xaxis.set_label_coords(0.5, -_BELOW / (box.height * height))
         for axis, room in ((axes.xaxis, box.width * width), (axes.yaxis, box.height * height)):
             axis.get_major_locator().set_params(nbins=max(3, min(round(_TICKS * room), 9)))
-    found: list[list[Axes]] = [list(row) for row in grid]
-    return found
+    return [list(row) for row in grid]
 
 
 def outside(axes: Axes) -> None:
@@ -187,18 +172,34 @@ def heading(figure: Figure, handles: Any, names: Any, columns: int) -> None:
     figure.legend(handles, names, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
 
 
+def beside(axes: Axes, text: str, place: tuple[float, float], off: tuple[float, float], **look: Any) -> None:
+    """A word some points off a place, which is in data unless ``xycoords`` says otherwise."""
+    axes.annotate(text, place, xytext=off, textcoords="offset points", **{"fontsize": 6.5, **look})
+
+
+def bars(axes: Axes, names: Sequence[str], *, upwards: bool = False) -> None:
+    """Axes for horizontal bars, each with its name: the first one on top unless they go upwards."""
+    axes.set_yticks(range(len(names)), names)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(axis="y", visible=False)
+    ends = (-0.6, len(names) - 0.4)
+    axes.set_ylim(*(ends if upwards else ends[::-1]))
+
+
+def reads(name: str, unit: str) -> str:
+    """The label of an axis."""
+    return f"{name} ({label(unit)})"
+
+
 def limit(axes: Axes, value: float, name: str, look: int = 0, *, below: bool = False) -> None:
     """A limit as a line across, named at its right end, above it or below."""
-    axes.axhline(value, color="black", linewidth=0.7, linestyle=_LIMITS[look % len(_LIMITS)], zorder=2)
-    axes.annotate(name, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, -1.5 if below else 1.5),
-                  textcoords="offset points", ha="right", va="top" if below else "bottom", fontsize=6.5,
-                  annotation_clip=False, zorder=6, bbox=_CLEAR)  # fmt: skip
+    axes.axhline(value, color="black", linewidth=0.7, linestyle=LIMITS[look % len(LIMITS)], zorder=2)
+    beside(axes, name, (1.0, value), (-2, -1.5 if below else 1.5), xycoords=("axes fraction", "data"), ha="right",
+           va="top" if below else "bottom", annotation_clip=False, zorder=6,
+           bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6})  # fmt: skip
 
 
-_CLEAR = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}  # of lines below a word
-_LIMITS: tuple[Any, ...] = ((0, (6, 2)), (0, (2, 1.5)), (0, (6, 1.5, 1, 1.5)))
-
-
+LIMITS: tuple[Any, ...] = ((0, (6, 2)), (0, (2, 1.5)), (0, (6, 1.5, 1, 1.5)))  # dashes
 CASES: tuple[tuple[str, Any], ...] = (  # colour and dashes of each load case
     ("green", "solid"), ("purple", (0, (5, 2))), ("grey", (0, (1, 1.2))), ("orange", (0, (3, 1, 1, 1, 1, 1))),
 )  # fmt: skip
@@ -246,7 +247,7 @@ class Window(NamedTuple):
     end: float
 
 
-def windows(series: Mapping[str, NDArray[np.float64]]) -> list[Window]:
+def windows(series: Mapping[str, Array]) -> list[Window]:
     """The first and the last stretch in which the reference changes; all of it where it changes most of the time."""
     time, reference = series["time"], series["speed_reference"]
     whole = Window("whole cycle", float(time[0]), float(time[-1]))
@@ -266,7 +267,7 @@ def windows(series: Mapping[str, NDArray[np.float64]]) -> list[Window]:
     ]
 
 
-def thinned(time: NDArray[np.float64], values: NDArray[np.float64], window: Window) -> NDArray[np.int64]:
+def thinned(time: Array, values: Array, window: Window) -> NDArray[np.int64]:
     """Rows of a window to draw: all when they are few, else the extremes of equal bins, so that no peak is lost.
 
     The neighbours outside the window are among them, and both ends of every step in time that can be seen: where
@@ -287,7 +288,7 @@ class Strip(NamedTuple):
     starts: tuple[float, ...]
     end: float
 
-    def place(self, number: int, time: NDArray[np.float64]) -> NDArray[np.float64]:
+    def place(self, number: int, time: Array) -> Array:
         """Places of the times of a stretch."""
         return time - self.windows[number].start + self.starts[number]
 
@@ -305,9 +306,7 @@ def strip(windows: Sequence[Window]) -> Strip:
     return Strip(tuple(windows), tuple(starts), starts[-1] + lengths[-1])
 
 
-def within(
-    time: NDArray[np.float64], values: NDArray[np.float64], window: Window
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def within(time: Array, values: Array, window: Window) -> tuple[Array, Array]:
     """A record in a stretch, thinned, from its very start to its very end."""
     rows = thinned(time, values, window)
     t, v = time[rows], values[rows]
@@ -321,31 +320,34 @@ def within(
 
 def across(axes: Axes, shown: Strip, *, titled: bool = False) -> None:
     """Ticks of each stretch by its own times, a gap with marks between them, and their titles."""
+    from matplotlib.ticker import MaxNLocator
+
+    locator = MaxNLocator(_TICKS_OF_STRIP, steps=[1, 2, 5, 10])
     places: list[float] = []
     names: list[str] = []
-    for number, window in enumerate(shown.windows):
-        ticks = _ticks(window)
+    for number, (window, start) in enumerate(zip(shown.windows, shown.starts, strict=True)):
+        ticks, room = np.asarray(locator.tick_values(window.start, window.end)), 1e-9 * (window.end - window.start)
+        ticks = ticks[(ticks >= window.start - room) & (ticks <= window.end + room)]
         places += shown.place(number, ticks).tolist()
         names += [f"{tick:.6g}" for tick in ticks]
         if titled:
-            axes.annotate(window.title, (shown.starts[number], 1.0), (0, 4), xycoords=("data", "axes fraction"),
-                          textcoords="offset points")  # fmt: skip
+            beside(axes, window.title, (start, 1.0), (0, 4), xycoords=("data", "axes fraction"), fontsize=7.5)
         if number:
-            ends = shown.starts[number - 1] + shown.windows[number - 1].end - shown.windows[number - 1].start
-            _break(axes, ends, shown.starts[number])
+            before = shown.windows[number - 1]
+            end = shown.starts[number - 1] + before.end - before.start
+            axes.axvspan(end, start, facecolor="white", linewidth=0, zorder=3.5)
+            axes.plot([end, start], [0.0, 0.0], transform=axes.get_xaxis_transform(), linestyle="none", marker=_BREAK,
+                      markersize=5, color="black", clip_on=False, zorder=6)  # fmt: skip
     axes.set_xticks(places, names)
     axes.set_xlim(0.0, shown.end)
 
 
-def _ticks(window: Window) -> NDArray[np.float64]:
-    from matplotlib.ticker import MaxNLocator
-
-    ticks = np.asarray(MaxNLocator(_TICKS_OF_STRIP, steps=[1, 2, 5, 10]).tick_values(window.start, window.end))
-    room = 1e-9 * (window.end - window.start)
-    return ticks[(ticks >= window.start - room) & (ticks <= window.end + room)]
-
-
-def _break(axes: Axes, left: float, right: float) -> None:
-    axes.axvspan(left, right, facecolor="white", linewidth=0, zorder=3.5)
-    axes.plot([left, right], [0.0, 0.0], transform=axes.get_xaxis_transform(), linestyle="none", marker=_BREAK,
-              markersize=5, color="black", clip_on=False, zorder=6)  # fmt: skip
+def plotted(
+    axes: Axes, time: Array, values: Array, shown: Strip, kind: str, unit: str, name: str = "", **look: Any
+) -> None:
+    """A record over time in all stretches, in a unit of the trade."""
+    for number, window in enumerate(shown.windows):
+        start, end = max(window.start, float(time[0])), min(window.end, float(time[-1]))
+        if start < end:  # a record may be of a part only
+            t, v = within(time, values, window._replace(start=start, end=end))
+            axes.plot(shown.place(number, t), from_si(v, unit, kind), label="" if number else name, **look)

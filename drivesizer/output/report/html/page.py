@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from drivesizer.output.report.figures.all_figures import STILL, Drawing
+from drivesizer.output.report.figures.all_figures import STILL
 from drivesizer.output.report.figures.field import conditions, panels
-from drivesizer.output.report.figures.style import COLOURS
+from drivesizer.output.report.figures.style import COLOURS, Drawing
 from drivesizer.output.report.html.candidate_plots import choices_plot, front_plot, sets_plot, weights_section
 from drivesizer.output.report.html.curves import Plot
 from drivesizer.output.report.html.plots import (

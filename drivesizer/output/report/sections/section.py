@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.parts import PartLine, machine_parts
-from drivesizer.output.report.figures.all_figures import STILL, Drawing, report_drawings
+from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.figures.style import once
+from drivesizer.output.report.figures.style import Drawing
 from drivesizer.output.report.lines.rows import Row as FigureRow
 from drivesizer.output.report.lines.rows import every_list, first_wheel, outcome
 from drivesizer.physics.load_cycle import LoadCycle
@@ -320,7 +320,6 @@ class Content:
 
     result: SizingResult
     validation: Validation | None = None
-    both: bool = False  # whether there is to be a page beside a PDF, with figures that it shows alike
 
     @property
     def drive(self) -> DriveSet | None:
@@ -347,8 +346,7 @@ class Content:
     @cached_property
     def drawings(self) -> dict[str, Drawing]:
         """Every figure by name."""
-        every = report_drawings(self.result, self.validation, self.behaviour)
-        return every | {name: once(every[name]) for name in STILL if self.both and name in every}
+        return report_drawings(self.result, self.validation, self.behaviour)
 
     @cached_property
     def cycles(self) -> list[tuple[str, LoadCycle]]:
