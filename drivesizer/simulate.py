@@ -12,17 +12,17 @@ checks and figures. This module makes the record, with assumptions and warnings.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.control.closed_loop.checks import checks, figures, other_gains, rounded_ramps, series, series_units
+from drivesizer.control import remedies
+from drivesizer.control.closed_loop.checks import checks, figures, series, series_units
 from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.closed_loop.run import ClosedLoop, run
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
-from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Validation, controller_gains
+from drivesizer.control.validation import Cascade, Gains, Remedy, Validation, controller_gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on
@@ -77,19 +77,6 @@ _OF_THE_SHIFT = {
     "controller_continuous_current", "motor_nominal_current", "winding_temperature", "gearhead_continuous_torque",
     "gearhead_continuous_speed",
 }  # fmt: skip
-
-
-def _share_checks(found: tuple[Check, ...]) -> tuple[Check, ...]:
-    """Checks of a load case that has a share of the time: what lasts is informational."""
-    note = "of this load case alone, informational: it has a share of the time, and `size` checks the whole shift"
-    return tuple(
-        replace(c, advice=True, title=f"{c.title} (advice)", note=note)
-        if c.name in _OF_THE_SHIFT and not c.advice
-        else c
-        for c in found
-    )
-
-
 _MET_BY_THE_LOOP = {
     "gearhead_intermittent_torque", "motor_speed", "motor_nominal_current", "motor_peak_torque", "winding_temperature",
     "supply_voltage", "controller_peak_current", "controller_peak_time", "supply_current", "supply_power",
@@ -125,22 +112,44 @@ def validate(
         requires the impossible.
     """
     spec = for_drive(spec, drive_set.chosen_screw)
-    profile = None if profile == "spec" else profile
     cases = {name: case for _, name, case in load_cases(spec)}
     driven = next(iter(cases)) if load_case is None else load_case
-    shared = driven in _shift_cases(spec)
-    spec = cases[driven]
-    motion = _motion(spec, profile)
-    name = driven if len(cases) > 1 else ""
-    farther = () if profile is not None else starts_farther_on(name, spec)  # the spec's own motion repeats
-    more = (*_estimated(drive_set), *_case_note(len(cases) - 1, driven))
-    if drive_set.steps:
-        proof = _open_loop(spec, drive_set, motion, name)
+    shared, spec, name = driven in _shift_cases(spec), cases[driven], driven if len(cases) > 1 else ""
+    if profile is None or profile == "spec":
+        motion, farther = motion_of(spec), starts_farther_on(name, spec)  # the spec's own motion repeats
+    elif isinstance(spec.load, Recorded):
+        what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
+        raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
+    else:
+        motion, farther = named(spec, profile) if isinstance(profile, str) else profile, ()
+    more = []
+    if drive_set.estimated:
+        listed = ", ".join(f"{one.title} {one.text}" for one in drive_set.estimated)
+        more.append(f"estimated from peers, at the middle of the band: {listed}")
+    if others := len(cases) - 1:
+        left = "1 further case is" if others == 1 else f"{others} further cases are"
+        more.append(f"the load case {driven} is simulated; {left} not simulated")
+    if drive_set.steps:  # behind its pulses, on the lowest supply voltage
+        from drivesizer.control.open_loop import run as open_loop
+
+        lowest = spec.supply.lowest
+        ran = open_loop.run(spec, drive_set, motion, lambda speed: torque_of_drive(drive_set, speed, lowest))
+        proof = open_loop.record(ran, drive_set, name)
         assumptions, warnings = (*proof.assumptions, *more), (*proof.warnings, *farther)
         return replace(proof, assumptions=assumptions, warnings=warnings)
     case = run(spec, drive_set, motion)
-    found = _share_checks(checks(case)) if shared else checks(case)
-    own, lacking = _own_units(case)
+    found, controller = checks(case), drive_set.controller
+    if shared:
+        note = "of this load case alone, informational: it has a share of the time, and `size` checks the whole shift"
+        found = tuple(
+            replace(c, advice=True, title=f"{c.title} (advice)", note=note)
+            if c.name in _OF_THE_SHIFT and not c.advice
+            else c
+            for c in found
+        )
+    own, lacking = (), list[str]()
+    if controller is not None and isinstance(case.controller, Cascade):
+        own, lacking = controller_gains(case.controller, controller.family)
     return Validation(
         spec=spec,
         drive_set=drive_set,
@@ -160,51 +169,39 @@ def validate(
     )
 
 
-def _motion(spec: RobotSpec, profile: str | Profile | None) -> Profile:
-    """The motion to simulate: the load's own where none is given."""
-    if profile is not None and isinstance(spec.load, Recorded):
-        what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
-        raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
-    return motion_of(spec) if profile is None else named(spec, profile) if isinstance(profile, str) else profile
-
-
-def _open_loop(spec: RobotSpec, drive_set: DriveSet, motion: Profile, name: str) -> Validation:
-    """A stepper behind its pulses, on the lowest supply voltage."""
-    from drivesizer.control.open_loop import run
-    from drivesizer.control.open_loop import run as record
-
-    lowest = spec.supply.lowest
-    case = run.run(spec, drive_set, motion, lambda speed: torque_of_drive(drive_set, speed, lowest))
-    return record.record(case, drive_set, name)
-
-
 def with_remedies(
-    proof: Validation, spec: RobotSpec, others: Sequence[DriveSet], *, profile: str | Profile | None = None
+    proof: Validation,
+    spec: RobotSpec,
+    others: Sequence[DriveSet],
+    *,
+    profile: str | Profile | None = None,
+    axis: str = "",
 ) -> Validation:
-    """A simulation that fails with what helps: rounded ramps, another bandwidth, another drive."""
+    """A simulation that fails with what helps: finer steps, smoother ramps, another bandwidth, another drive.
+
+    Of each kind changes are tried until one passes; of an axis of a machine they are entered under it.
+    """
     if proof.status != "fail":
         return proof
-    own = profile is None or profile == "spec"
-    kinds = (
-        ((c.what, c.entry, c.spec, proof.drive_set) for c in (rounded_ramps(spec, proof) if own else ())),
-        ((c.what, c.entry, c.spec, proof.drive_set) for c in other_gains(spec, proof)),
-        (("another drive", f"--set {one.order_numbers}", spec, one) for one in _other_drives(proof, others)),
-    )
+    kinds: list[Iterable[remedies.Change]] = [remedies.finer_steps(spec, proof), remedies.other_gains(spec, proof)]
+    if profile is None or profile == "spec":
+        kinds.insert(1, remedies.rounded_ramps(spec, proof))
+        kinds += [remedies.slower_ramps(spec, proof)] * proof.drive_set.steps
+    drives = [one for one in others if one.label != proof.drive_set.label][:_OTHERS]
+    changes = [((c.what, c.entry, c.spec, proof.drive_set) for c in kind) for kind in kinds]
     tried: list[Remedy] = []
-    for kind in kinds:
+    option = f"--axis {axis} --set" if axis else "--set"
+    for kind in (*changes, [("another drive", f"{option} {one.order_numbers}", spec, one) for one in drives]):
         for what, entry, changed, one in kind:
             try:
                 found = validate(changed, one, profile=profile, load_case=proof.case or None)
             except InputError:  # as a bandwidth that the loop's delay does not allow
                 continue
-            tried.append(Remedy(what, entry, found.status, worst(found.checks)))
+            of_axis = f"axes.{axis}." if axis and one is proof.drive_set else ""
+            tried.append(Remedy(what, f"{of_axis}{entry}", found.status, worst(found.checks)))
             if found.status != "fail":
                 break
     return replace(proof, tried=tuple(tried))
-
-
-def _other_drives(proof: Validation, drives: Sequence[DriveSet]) -> list[DriveSet]:
-    return [one for one in drives if one.label != proof.drive_set.label][:_OTHERS]
 
 
 def validate_all(
@@ -244,34 +241,25 @@ def validate_all(
     return sorted(found, key=lambda proof: GRAVEST[::-1].index(proof.status)), errors
 
 
-def _own_units(case: ClosedLoop) -> tuple[tuple[ControllerGain, ...], list[str]]:
-    """The gains as the chosen controller takes them, where its units are known."""
-    controller = case.drive_set.controller
-    if controller is None or not isinstance(case.controller, Cascade):
-        return (), []
-    return controller_gains(case.controller, controller.family)
-
-
-def _estimated(drive_set: DriveSet) -> list[str]:
-    """Figures that no data sheet gives, as the drive has them."""
-    found = [f"{one.title} {one.text}" for one in drive_set.estimated]
-    return [f"estimated from peers, at the middle of the band: {', '.join(found)}"] if found else []
-
-
 def _assumptions(case: ClosedLoop) -> list[str]:
     """Assumptions of the model, as sentences."""
-    spec = case.spec
-    over = case.controller.counted_over
+    spec, controller, over = case.spec, case.controller, case.controller.counted_over
     periods = "each period" if over == 1 else f"{over} periods"
     measured = f"counted by the encoder, its speed over {periods} of the loop" if over else "measured exactly"
     turns = "the wheel turns at speed over radius; " if isinstance(spec.load, WheeledVehicle) else ""
+    late = [f"each loop responds to its sample of {COMPUTING:g} period before; a faster controller has more margin"]
+    if isinstance(controller, Gains):
+        late = [
+            f"the voltage responds to the measurement of {COMPUTING:g} control period before",
+            "the current limit is ideal: the controller's current loop is much faster than its velocity loop",
+        ]
     assumptions = [
         f"{turns}all drives share the load equally; one is simulated",
         "a gear's efficiency is the catalogue's maximum, at any torque and in either direction of power",
         "friction of a motor is as identified, else dry of a brushed one, dry and viscous of a brushless one; its "
         f"angle is {measured}",
         "currents are those of a DC motor between two terminals",
-        *_controller_notes(case),
+        *late,
         "the profile starts in equilibrium at its first speed and at the ambient temperature",
         *loss_assumptions(case.spec, case.drive_set.controller),
     ]
@@ -286,7 +274,6 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     simulated, lasts = case.figure("time_simulated"), case.figure("time")
     if simulated < (1.0 - _ALL) * lasts:
         assumptions.append(f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest repeats them and is added")
-    assumptions += _window_notes(case)
     if not case.profile.top_speed:
         assumptions.append(
             "nothing moves: the load is held at zero speed, and errors have no top speed to be a share of; while "
@@ -305,49 +292,31 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     return assumptions
 
 
-def _window_notes(case: ClosedLoop) -> list[str]:
-    """Windows in which a long motion was simulated in full, and the allowance elsewhere."""
-    c = case.controller
-    if not case.windows or not isinstance(c, Cascade):
-        return []
-    full, slow = (show(1.0 / period, "Hz", "frequency", 3) for period in (c.current_period, c.velocity_period))
-    more = max(case.allowed[0].values(), default=1.0) - 1.0
-    where = ", ".join(f"{a:.6g} to {b:.6g}" for a, b in case.windows)
-    return [
-        f"the whole motion is simulated with the current loop at the velocity loop's {slow}, and with its own {full} "
-        f"from {where} s: around the largest values and at even distances; there figures are up to {more:.1%} higher; "
-        "checks allow for that everywhere, figure by figure, and are unknown where it decides"
-    ]
-
-
-def _case_note(others: int, name: str) -> list[str]:
-    """The load case that is simulated, where there are several."""
-    if not others:
-        return []
-    left = "1 further case is" if others == 1 else f"{others} further cases are"
-    return [f"the load case {name} is simulated; {left} not simulated"]
-
-
-def _controller_notes(case: ClosedLoop) -> list[str]:
-    if isinstance(case.controller, Gains):
-        return [
-            f"the voltage responds to the measurement of {COMPUTING:g} control period before",
-            "the current limit is ideal: the controller's current loop is much faster than its velocity loop",
-        ]
-    return [f"each loop responds to its sample of {COMPUTING:g} period before; a faster controller has more margin"]
-
-
 def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
     """Warnings, each with its remedy where there is one."""
     warnings = loop_warnings(case.loops.all, case.profile)
     if case.train.flexible:
         warnings += resonance_warning(case.loops, case.train.stiffness)
-    warnings += [*_resolution(case), *_rest_current_note(case), *grip_warning(case.spec)]
+    encoder, controller, c = case.drive_set.encoder, case.drive_set.controller, case.controller
+    if encoder is not None:
+        time = c.velocity_period * max(c.counted_over, 1)
+        if isinstance(c, Gains):
+            limit = case.spec.supply.lowest if math.isnan(case.usable_voltage) else case.usable_voltage
+            warnings += resolution_warning(encoder.lines, time, c.kp, limit, "voltage")
+        else:
+            peak = controller.peak_current if controller else math.nan
+            warnings += resolution_warning(encoder.lines, time, c.velocity_kp, peak)
+    warnings += [*_rest_current_note(case), *grip_warning(case.spec)]
     failed = {check.name for check in found if check.status == "fail" and not check.advice}
     if "stability" in failed:
         warnings.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")
     if "tracking_error" in failed:
-        warnings.append(_does_not_follow(case))
+        error, top = case.figure("load_speed_error") * case.train.radius, case.profile.top_speed
+        kind, unit = SPEED[case.spec.load.axis]
+        share = f", {error / top:.0%} of its top speed" if top else ""
+        limits = {"time_at_voltage_limit": "voltage", "time_at_current_limit": "current"}
+        why = next((f": {what} limit reached" for name, what in limits.items() if case.figure(name)), "")
+        warnings.append(f"the drive does not follow the profile: error {show(error, unit, kind, 3)}{share}{why}")
     if math.isinf(next(check.demand for check in found if check.name == "winding_temperature")):
         warnings.append("thermal runaway of the winding at this current")
     unknown = [check.title for check in found if check.status == "unknown" and not check.advice]
@@ -356,26 +325,22 @@ def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
     return warnings
 
 
-def _resolution(case: ClosedLoop) -> list[str]:
-    encoder, controller = case.drive_set.encoder, case.drive_set.controller
-    if encoder is None:
-        return []
-    time = case.velocity_period * max(case.controller.counted_over, 1)
-    if isinstance(case.controller, Gains):
-        limit = case.spec.supply.lowest if math.isnan(case.usable_voltage) else case.usable_voltage
-        return resolution_warning(encoder.lines, time, case.controller.kp, limit, "voltage")
-    peak = controller.peak_current if controller else math.nan
-    return resolution_warning(encoder.lines, time, case.controller.velocity_kp, peak)
-
-
 def _rest_current_note(case: ClosedLoop) -> list[str]:
-    """Warning of a current that the loop's integral holds at rest, against friction."""
-    rows = series(case)
+    """Warning of a current that the loop's integral holds at rest, against friction.
+
+    Beyond that which holds the load, with its payload then and without friction.
+    """
+    rows, machine, task = series(case), case.train, case.task
     still = (rows["speed_reference"] == 0.0) & (rows["motor_speed"] == 0.0)
     still[:-1] &= still[1:]  # what begins with the next motion, as another payload, is no rest
     if not case.profile.top_speed or not still.any():
         return []
-    current, holding = np.abs(rows["current"][still]), _holding(case, rows["time"][still])
+    moments = rows["time"][still]
+    more = np.zeros(len(moments))
+    if len(task.load_time):
+        more = np.interp(moments % case.profile.duration, task.load_time, task.load_torque)
+    current = np.abs(rows["current"][still])
+    holding = np.abs(machine.rest_torque + more) / machine.ratio / machine.torque_constant
     worst = int(np.argmax(current - holding))
     kept, needed = float(current[worst]), float(holding[worst])
     if not kept > needed + _KEPT * case.figure("rms_current"):
@@ -387,23 +352,3 @@ def _rest_current_note(case: ClosedLoop) -> list[str]:
         f"at rest the integral of the loop holds up to {show(kept, 'A', 'current', 3)} against friction, where holding "
         f"the load needs {show(needed, 'A', 'current', 3)}: {cure}"
     ]
-
-
-def _holding(case: ClosedLoop, moments: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Current that holds the load at rest at some moments [s], with its payload then and without friction [A]."""
-    machine, task = case.train, case.task
-    more = np.zeros(len(moments))
-    if len(task.load_time):
-        more = np.interp(moments % case.profile.duration, task.load_time, task.load_torque)
-    held: NDArray[np.float64] = np.abs(machine.rest_torque + more) / machine.ratio / machine.torque_constant
-    return held
-
-
-def _does_not_follow(case: ClosedLoop) -> str:
-    """Tracking error of a drive that does not follow, and the limit that causes it, if one does."""
-    error = case.figure("load_speed_error") * case.train.radius
-    kind, unit = SPEED[case.spec.load.axis]
-    share = f", {error / case.profile.top_speed:.0%} of its top speed" if case.profile.top_speed else ""
-    limits = {"time_at_voltage_limit": "voltage", "time_at_current_limit": "current"}
-    why = next((f": {what} limit reached" for name, what in limits.items() if case.figure(name)), "")
-    return f"the drive does not follow the profile: error {show(error, unit, kind, 3)}{share}{why}"

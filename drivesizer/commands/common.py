@@ -419,6 +419,7 @@ def proven(result: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]
         As ``validate``, of several axes with the name of the axis.
     """
     from drivesizer.simulate import hardest_case, validate, with_remedies
+    from drivesizer.sizing import size
 
     axes, proofs = [], {}
     for axis in result.axes:
@@ -430,7 +431,11 @@ def proven(result: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]
         with simulating(f"simulating {axis.name if several else 'the drive'} in closed loop"):
             try:
                 proof = validate(one.spec, best, profile=profile, load_case=hardest_case(one.spec, best))
-                proofs[axis.name] = with_remedies(proof, one.spec, one.sets, profile=profile)
+                others = one.sets[1:]
+                if proof.status == "fail" and not others:
+                    others = size(one.problem.machine, top=3).sets
+                under = axis.name if several else ""
+                proofs[axis.name] = with_remedies(proof, one.spec, others, profile=profile, axis=under)
             except NoLoopError as error:
                 reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
                 print_notes((f"{axis.name}: {reason}" if several else str(error),))

@@ -76,7 +76,7 @@ def _proofs(axes: list[tuple[str, Any, Any]], case: str | None, profile: str | N
             try:
                 proof = validate(spec, found, profile=profile, load_case=own)
                 if proof.status == "fail":
-                    proof = with_remedies(proof, spec, size(spec, top=3).sets, profile=profile)
+                    proof = with_remedies(proof, spec, size(spec, top=3).sets, profile=profile, axis=name)
                 proofs[name] = proof
             except NoLoopError as error:
                 if not name:

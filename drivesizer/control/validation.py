@@ -226,6 +226,11 @@ class Gains:
     rule: str  # "given in the spec", or the design rule's name
     source: str  # the rule's citation
 
+    @property
+    def velocity_period(self) -> float:
+        """Period of the one loop [s], by the name of a cascade's."""
+        return self.period
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stepping:

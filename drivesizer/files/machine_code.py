@@ -16,6 +16,7 @@ import sysconfig
 import tempfile
 import warnings
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
@@ -75,6 +76,7 @@ def defined_in(modules: Sequence[ModuleType]) -> tuple[FunctionType, ...]:
     )
 
 
+@cache
 def machine_code(kernel: Kernel) -> Callable[..., int]:
     """The last function of a kernel as machine code, which runs without the interpreter's lock."""
     try:

@@ -10,6 +10,7 @@ import pytest
 from engine_tasks import FAR, MOTOR, PERIOD, SERVO, figure, gains, machine, open_drive, saturated_by_solver
 from scipy.integrate import solve_ivp
 
+from drivesizer.control import engine
 from drivesizer.control.drive_train import Regime, columns, discretised, drive_train, generators, modes
 from drivesizer.control.engine import (
     CurrentLimit,
@@ -18,7 +19,6 @@ from drivesizer.control.engine import (
     Resolution,
     Supply,
     Task,
-    batch,
     laps,
     sample_loop,
     simulate,
@@ -119,32 +119,6 @@ def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
     settled = steady_state(MOTOR, 298.15, 0.02 / 0.0234, 1e-3 * 20.0 * 9.1)
     assert State(figure(run, "winding"), figure(run, "housing")) == pytest.approx(settled, abs=1e-2)
     assert figure(run, "steps") < 2e6
-
-
-def test_brief_temperatures_are_those_in_full():
-    """Of repeated laps too, which the derivatives extend; of a quick winding they are computed in full."""
-    task = Task(time=(0.0, 0.2, 0.5, 0.7, 1.0), speed=(0.0, 40.0, 40.0, 0.0, 0.0), cycles=400)
-
-    def both(bodies):
-        heat = MotorHeat(bodies=bodies, ambient=298.15, loss_torque=1e-3)
-        drive = Drive(train=machine(friction=0.02), controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0))
-        return [simulate(replace(drive, heat=replace(heat, brief=brief)), task, rows=0) for brief in (False, True)]
-
-    full, brief = both(MOTOR)
-    for name in (
-        "winding",
-        "winding_highest",
-        "housing",
-        "copper_heat",
-        "rms_current",
-        "voltage_demand",
-        "speed_error",
-    ):
-        assert figure(brief, name) == pytest.approx(figure(full, name), rel=1e-8)
-    assert figure(brief, "winding") > 303.0
-    assert figure(brief, "winding") != figure(full, "winding")
-    full, brief = both(replace(MOTOR, tau_w=1.0))
-    assert figure(brief, "winding") == figure(full, "winding")
 
 
 # --- against other programs
@@ -296,7 +270,7 @@ def test_plain_python_gives_the_same(monkeypatch):
     drive = Drive(train=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
     task = Task(time=(0.0, 0.1, 0.2), speed=(0.0, 40.0, 0.0))
     fast = simulate(drive, task)
-    monkeypatch.setattr(batch, "compiled", lambda: sample_loop.simulate_one)
+    monkeypatch.setattr(engine, "machine_code", lambda _: sample_loop.simulate_one)
     slow = simulate(drive, task)
     for name, column in fast.figures.items():
         assert column == pytest.approx(slow.figures[name], rel=1e-6, abs=1e-9, nan_ok=True)
@@ -331,9 +305,7 @@ def test_unstable_gains_come_to_an_end():
 
 @pytest.mark.parametrize(("change", "message"), [
     ({"train": machine(resistance=math.nan)}, "resistance"),
-    ({"controller": replace(SERVO, velocity_period=5e-5)}, "whole multiple"),
     ({"supply": Supply(voltage=0.5, voltage_drop=1.0)}, "supply"),
-    ({"heat": MotorHeat(bodies=replace(MOTOR, tau_w=math.nan), ambient=300.0)}, "unknown"),
 ])  # fmt: skip
 def test_what_cannot_be_computed_is_one_line(change, message):
     with pytest.raises(InputError, match=message):

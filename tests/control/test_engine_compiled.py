@@ -60,7 +60,7 @@ def test_every_function_that_is_called_is_in_a_file_that_is_compiled(kernel):
 
 
 def test_no_compiler_is_loaded_to_run_it():
-    code = "import sys; from drivesizer.control.engine.kernel import compiled; compiled(); print(*sys.modules)"
+    code = "import sys; from drivesizer.control import engine; engine.machine_code(engine.KERNEL); print(*sys.modules)"
     loaded = subprocess.check_output([sys.executable, "-c", code], text=True).split()
     assert not {"numba", "llvmlite"} & set(loaded)
 
@@ -70,8 +70,8 @@ def test_without_machine_code_it_is_the_same_and_said_to_be_slow(monkeypatch):
     monkeypatch.setattr(machine_code.Kernel, "kept", False)
     monkeypatch.setitem(sys.modules, "numba", None)
     with pytest.warns(SlowWarning, match="a stepper runs some hundred times slower, for there is no machine code"):
-        plain = machine_code.machine_code(stepper.KERNEL)
-    monkeypatch.setattr(run, "compiled", lambda: plain)
+        plain = machine_code.machine_code.__wrapped__(stepper.KERNEL)
+    monkeypatch.setattr(run, "machine_code", lambda _: plain)
     assert moved() == pytest.approx(by_machine_code, rel=1e-9)
 
 
@@ -80,9 +80,9 @@ def test_what_has_changed_is_translated_anew(tmp_path, monkeypatch):
     (tmp_path / f"{last}-of-before.so").write_text("")
     library = tmp_path / f"{last}-of-now.so"
     monkeypatch.setattr(machine_code.Kernel, "library", library)
-    by_machine_code, anew = moved(), machine_code.machine_code(stepper.KERNEL)
+    by_machine_code, anew = moved(), machine_code.machine_code.__wrapped__(stepper.KERNEL)
     assert list(tmp_path.iterdir()) == [library]
-    monkeypatch.setattr(run, "compiled", lambda: anew)
+    monkeypatch.setattr(run, "machine_code", lambda _: anew)
     assert moved() == by_machine_code
 
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from engine_tasks import MOTOR, SERVO, figure, machine
-from scipy.integrate import solve_ivp
 
 from drivesizer.control.engine import (
     CurrentLimit,
@@ -18,9 +17,6 @@ from drivesizer.control.engine import (
     Task,
     laps,
     simulate,
-)
-from drivesizer.control.engine import (
-    task as task_pieces,
 )
 from drivesizer.physics.heat_step import State, steady_state
 
@@ -110,7 +106,7 @@ def test_a_mission_with_long_stretches(encoder):
 def test_a_stretch_is_as_if_it_were_simulated(monkeypatch):
     task = Task(time=(0.0, 0.2, 12.2, 12.4, 13.0), speed=(0.0, 31.7, 31.7, 0.0, 0.0))
     added = simulate(COUNTED, task)
-    monkeypatch.setattr(task_pieces, "_LAPS", 1e9)  # nothing is long
+    monkeypatch.setattr(laps, "_LAPS", 1e9)  # nothing is long
     simulated = simulate(COUNTED, task)
     assert figure(added, "steps") < 0.8 * figure(simulated, "steps")
     for name in (*MET, "energy_in"):
@@ -135,57 +131,3 @@ def test_a_lag_that_grows_goes_on_growing(monkeypatch):
     assert figure(simulated, "angle_error") > 100.0
     assert figure(added, "angle_error") == pytest.approx(figure(simulated, "angle_error"), rel=0.01)
     assert figure(added, "angle_error_square") == pytest.approx(figure(simulated, "angle_error_square"), rel=0.02)
-
-
-THERE_AND_BACK = (0.0, 0.3, 6.1, 6.6, 9.0, 9.5, 15.0, 15.7, 20.0), (0.0, 30.0, 30.0, 0.0, 0.0, -20.0, -20.0, 0.0, 0.0)
-FASTER_SLOWER = (0.0, 0.5, 6.0, 6.5, 20.0), (15.0, 30.0, 30.0, 15.0, 15.0)
-
-
-def written_out(stroke, times, since=5.0):
-    """A stroke again and again, after another motion, its times to the microsecond as a file has them."""
-    time, speed = [0.0, 1.0, 3.0], [0.0, 12.0, stroke[1][0]]
-    for n in range(times):
-        time += [round(t + since + 20.0 * n, 6) for t in stroke[0][:-1]]
-        speed += stroke[1][:-1]
-    return Task(time=(*time, since + 20.0 * times), speed=(*speed, stroke[1][-1]))
-
-
-@pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
-def test_a_motion_that_is_written_out_is_found_to_repeat(encoder, monkeypatch):
-    drive = replace(COUNTED, encoder=encoder)
-    added = simulate(drive, written_out(THERE_AND_BACK, 16))
-    monkeypatch.setattr(task_pieces, "blocks", lambda *_: [])
-    simulated = simulate(drive, written_out(THERE_AND_BACK, 16))
-    assert figure(added, "steps") < 0.8 * figure(simulated, "steps")
-    assert figure(added, "time_simulated") < 0.8 * figure(simulated, "time_simulated") == pytest.approx(0.8 * 325.0)
-    for name in (*MET, "energy_in", "speed_error", "current"):
-        assert figure(added, name) == pytest.approx(figure(simulated, name), rel=5e-3), name
-    for name in ("winding", "winding_highest", "housing"):
-        assert figure(added, name) - 298.15 == pytest.approx(figure(simulated, name) - 298.15, rel=5e-3)
-    assert figure(added, "angle") == pytest.approx(figure(simulated, "angle"), abs=0.5)
-
-
-def test_ten_hours_written_out_warm_as_a_solver_has_it():
-    """Currents by hand: i = (J_M a + F + (T + J_L a/K)/(K e))/k, the gears driving all the time; heat by SciPy."""
-    m = replace(SET, load_inertia=1e-5, forward_torque=0.15, backward_torque=-0.15)
-    drive = replace(COUNTED, train=m, encoder=Resolution(), heat=replace(HEAT, loss_torque=0.0, loss_viscous=0.0))
-    run = simulate(drive, written_out(FASTER_SLOWER, 1800))
-    assert figure(run, "time") == pytest.approx(36005.0, rel=1e-6)
-    assert figure(run, "time_simulated") < 2000.0
-    mean = 0.0
-    for t0, t1, v0, v1 in zip(*(x[k:] for x in FASTER_SLOWER for k in (0, 1)), strict=False):
-        a = (v1 - v0) / (t1 - t0) * m.ratio
-        T = 0.15 + m.load_inertia * a / m.ratio
-        assert T > 0.0
-        i = (m.motor_inertia * a + 1e-3 + T / (m.ratio * m.efficiency)) / m.torque_constant
-        mean += (t1 - t0) / 20.0 * i * i
-
-    def rate(_, x):
-        across = (x[0] - x[1]) / MOTOR.R_th1
-        copper = MOTOR.R_25 * (1 + 0.0039 * x[0]) * mean
-        return (copper - across) / MOTOR.capacity_w, (across - x[1] / MOTOR.R_th2) / MOTOR.capacity_h
-
-    found = solve_ivp(rate, (0.0, 36000.0), (0.0, 0.0), "LSODA", rtol=1e-8, atol=1e-8)
-    assert figure(run, "rms_current") ** 2 == pytest.approx(mean, rel=0.02)
-    assert figure(run, "housing") - 298.15 == pytest.approx(found.y[1, -1], rel=0.02)
-    assert found.y[1, -1] > 5.0

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 import yaml
 
-from drivesizer.control.closed_loop.checks import rounded_ramps
+from drivesizer.control.remedies import rounded_ramps
 from drivesizer.control.validation import Validation
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.output.report.sections.section import Content, text_of

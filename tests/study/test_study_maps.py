@@ -87,7 +87,7 @@ def test_no_two_sets_look_alike_however_many_there_are(sets):
     assert len(set(with_number)) == len(numbers) == min(sets, 56)
     assert {looks[name] for name in set(looks) - set(numbers)} <= {(OTHERS.face, OTHERS.hatch)} - set(with_number)
     assert len({(look_of(n).face, look_of(n).marker) for n in numbers.values()}) == len(numbers)
-    seen = texts(draw(MAPS[0], [Panel("", rows)], across, up, True, "typeset"))
+    seen = texts(draw(MAPS[0], [Panel("", rows)], across, up, True)("typeset"))
     assert all(f"{number}  {name}" in seen for name, number in numbers.items())
     assert (f"…  {sets - 56} other drives" in seen) == (sets > 56)
 
@@ -112,11 +112,11 @@ def test_the_colour_blind_distinguish_the_colours_of_drives():
 
 def test_one_value_has_no_scale_of_colours():
     across, up, rows = many(3)
-    seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True, "typeset"))
+    seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True)("typeset"))
     assert "123.4 wherever it is known: one value, so no colour scale" in seen
     assert not {"100", "120", "140"} & set(seen)  # marks of a scale
     rows[7]["machine_price_EUR"] = 150.0
-    seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True, "typeset"))
+    seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True)("typeset"))
     assert "130" in seen and not any("one value" in text for text in seen)
 
 

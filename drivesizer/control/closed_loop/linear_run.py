@@ -79,7 +79,7 @@ class _Course(NamedTuple):
 
 def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
     """The whole motion or stretches of it, and what is left out, as a sentence."""
-    task, h = case.task, case.velocity_period
+    task, h = case.task, case.controller.velocity_period
     start = task.time[0]
     corners = np.unique(np.concatenate([task.time, [t for t in task.load_time if start < t < task.time[-1]]]))
     speed = np.interp(corners, task.time, task.speed)
@@ -160,12 +160,12 @@ def _simulated(case: ClosedLoop, course: _Course) -> dict[str, Array]:
     speed, load = course.speed[:-1], course.load
     fed = _feedforward(c, speed, course.slope)
     steps = c.velocity_steps if isinstance(c, Cascade) and c.position_kp else 0
-    loop, period = _loop(case, mode), case.velocity_period * max(steps, 1)
+    loop, period = _loop(case, mode), case.controller.velocity_period * max(steps, 1)
     inputs = np.stack([speed, fed, load])
     if steps:
         angle = np.concatenate([[0.0], np.cumsum(0.5 * (course.speed[1:] + course.speed[:-1]))[:-1]])
         inputs = np.vstack([
-            angle[::steps] * case.velocity_period,
+            angle[::steps] * case.controller.velocity_period,
             inputs.T.reshape(-1, 3 * steps).T,
         ])  # fmt: skip
     rising = np.zeros(len(inputs))
@@ -181,7 +181,7 @@ def _simulated(case: ClosedLoop, course: _Course) -> dict[str, Array]:
         loop, period * np.arange(inputs.shape[1] + 1), np.hstack([inputs, inputs[:, -1:]]), begins, squeeze=False
     ).outputs[:, :-1]
     columns = _over_time(found, c, steps)
-    n, fine = _fine_steps(c), case.velocity_period / _fine_steps(c)
+    n, fine = _fine_steps(c), case.controller.velocity_period / _fine_steps(c)
     time = (course.time[:-1, None] + fine * np.arange(n)).ravel()
     share = np.arange(n) / n
     reference = (speed[:, None] + share * np.diff(course.speed)[:, None]).ravel() / case.train.motor_per_speed

@@ -1,4 +1,8 @@
-"""Repeated cycles, long constant stretches and repeated motions: laps that are alike are added, not simulated."""
+"""Repeated cycles and long constant stretches: laps that are alike are added, not simulated.
+
+Laps are simulated 1, 1, 2, 4, 8 ... at a time until one ends as it began, or its sums are those of the one before. So
+missions of hours are as cheap as some cycles: the rows of missions in ``benchmarks/closed_loop.py`` measure it.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +16,8 @@ import numpy as np
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.layout import ROW, STATE, TALLY, Array
+from drivesizer.control.engine.sample_loop import available_voltage
 from drivesizer.control.engine.start import STILL, STILL_WARM, Run, tally
-from drivesizer.control.engine.steps import available_voltage
-from drivesizer.control.engine.task import Part
 
 __all__ = ["PEAKS", "all_cycles"]
 
@@ -25,6 +28,7 @@ __all__ = ["PEAKS", "all_cycles"]
 PEAKS = [n for n, name in enumerate(TALLY) if f"T_{name}" in TALLY]
 SUMS = slice(TALLY.index("SQUARE"), TALLY.index("I2T"))
 _HIGHEST = [int(n) for n in (at.G_I2T, at.G_WINDING, at.G_HOUSING, at.G_V_HIGH)]
+_NONE = np.zeros((0, len(ROW)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,24 +44,16 @@ class Lap:
 
 
 def simulated(loop: Any, run: Run, pieces: Array, series: tuple[Any, ...]) -> Lap:
-    """Simulate a drive along some pieces."""
-    s, g = run.s, tally()
+    """Simulate a drive along some pieces; for its current the temperatures are affine in those at the start."""
+    s, g, A = run.s, tally(), np.eye(4)
     before = s.copy()
     s[at.WW : at.HQ + 1] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
     run.status = int(loop(run.p, s, g, run.M, *run.scratch, pieces, run.ring, *series))
-    time = float(pieces[-1, 1] - pieces[0, 0]) * run.p[at.H]
+    time, copper = float(pieces[-1, 1] - pieces[0, 0]) * run.p[at.H], float(s[at.Q] - before[at.Q])
     run.simulated += time
-    return Lap(g, _affine(s, before), float(s[at.Q] - before[at.Q]), time, float(s[at.STEPS] - before[at.STEPS]))
-
-
-def _affine(s: Array, before: Array) -> Array:
-    """Map of winding, housing and copper heat over a lap: for its current affine in the temperatures."""
-    found = np.eye(4)
-    found[:3, 0] = s[at.WW], s[at.WH], s[at.WQ]
-    found[:3, 1] = s[at.HW], s[at.HH], s[at.HQ]
-    start, end = before[[at.T_W, at.T_H]], np.array([s[at.T_W], s[at.T_H], s[at.Q] - before[at.Q]])
-    found[:3, 3] = end - found[:3, :2] @ start
-    return found
+    A[:3, 0], A[:3, 1] = s[at.WW : at.WQ + 1], s[at.HW : at.HQ + 1]
+    A[:3, 3] = (s[at.T_W], s[at.T_H], copper) - A[:3, :2] @ before[[at.T_W, at.T_H]]
+    return Lap(g, A, copper, time, float(s[at.STEPS] - before[at.STEPS]))
 
 
 def joined(first: Lap | None, then: Lap, later: float = 0.0) -> Lap:
@@ -135,18 +131,17 @@ def _repeats(run: Run, before: Array, turned: float) -> bool:
     p, s = run.p, run.s
     share = _PERIODIC_WARM / STILL_WARM if p[at.HEAT] else _PERIODIC / STILL
     demand = p[at.TOL_I] if p[at.CASCADE] else p[at.TOL_U]
+
+    def compared(state: Array) -> Array:  # voltages without the copper's drop, which varies with the temperature
+        free = state.copy()
+        free[voltages(p)] -= state[at.RES] * state[at.I]
+        return free[_COMPARED]
+
     limits = np.array([p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], demand,
                        p[at.TOL_U], p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W]])  # fmt: skip
-    if np.any(np.abs(_compared(p, s) - _compared(p, before)) > share * limits):
+    if np.any(np.abs(compared(s) - compared(before)) > share * limits):
         return False
     return not p[at.PKP] or bool(abs(s[at.X] - before[at.X] - turned) <= share * p[at.TOL_X])
-
-
-def _compared(p: Array, s: Array) -> Array:
-    """State that has to repeat; voltages without the copper's drop, which varies with the temperature."""
-    free = s.copy()
-    free[voltages(p)] -= s[at.RES] * s[at.I]
-    return free[_COMPARED]
 
 
 def _same_sums(p: Array, lap: Lap, earlier: Sequence[Lap]) -> bool:
@@ -194,60 +189,47 @@ def _until_full(run: Run, before: Array, lap: Lap, share: float) -> float:
 
 
 def _until_warm(run: Run, before: Array, lap: Lap, left: int) -> float:
-    """Laps until the winding's resistance has changed the current."""
-    p = run.p
-    integral = p[at.CKI] if p[at.CASCADE] else p[at.KI]
-    if not p[at.HEAT]:
-        return math.inf
-    near = float(_CLOSE / max(abs(run.s[at.T_W] - before[at.T_W]), 1e-300))
-    return max(_until_cut(run, lap, left), near) if integral and lap.g[at.G_SATURATED] == 0.0 else near
+    """Laps until the winding's resistance has changed the current, found by halving.
 
-
-def _until_cut(run: Run, lap: Lap, left: int) -> int:
-    """Laps like one until the warmer winding needs more voltage than the bus has, found by halving.
-
-    The voltage rises by the resistance times the largest current; the bus has least under that current.
+    With an integral the current stays until the warmer winding needs more voltage than the bus has: that rises by the
+    resistance times the largest current, under which the bus has least.
     """
     p, s, current = run.p, run.s, float(lap.g[at.G_I])
+    if not p[at.HEAT]:
+        return math.inf
+    near = float(_CLOSE / max(abs(s[at.T_W] - before[at.T_W]), 1e-300))
+    if not (p[at.CKI] if p[at.CASCADE] else p[at.KI]) or lap.g[at.G_SATURATED] != 0.0:
+        return near
     room = available_voltage(p, current, 1.0) - lap.g[at.G_U_DEMAND]
-
-    def kept(laps: int) -> bool:
-        winding = (np.linalg.matrix_power(lap.A, laps) @ (s[at.T_W], s[at.T_H], 0.0, 1.0))[0]
-        return bool(p[at.ALPHA] * (winding - s[at.T_W]) * current <= room)
-
-    n = left
-    while n and not kept(n):
+    start, n = (s[at.T_W], s[at.T_H], 0.0, 1.0), left
+    while n and p[at.ALPHA] * ((np.linalg.matrix_power(lap.A, n) @ start)[0] - s[at.T_W]) * current > room:
         n //= 2
-    return n
+    return max(n, near)
 
 
-# -- Repeated cycles, long constant stretches and repeated motions: laps that are alike are added, not simulated.
-#
-# Laps are simulated 1, 1, 2, 4, 8 ... at a time until one ends as it began, or its sums are those of the one before.
-# With ``laps`` and ``repeats`` this makes missions of hours as cheap as some cycles: the rows of missions in
-# ``benchmarks/closed_loop.py`` measure it.
+# -- Cycles and stretches by laps.
 
 
 _COUNTS = 8  # counts of the encoder by which a lag varies without growing
 _LAGS = 0.2  # of the lag, growth in a lap beyond which the position loop does not keep up
-_NONE = np.zeros((0, len(ROW)))
+_LAP, _LAPS = 4096, 64  # periods of a lap of a stretch at one speed and load, at least, and laps of which it is long
 
 
 def all_cycles(loop: Any, run: Run, cycles: int, series: tuple[Any, ...]) -> Run:
     """Simulate a drive through all cycles of its task."""
-    if _least_steps(run) > run.p[at.MOST]:
+    p, pieces, unrecorded = run.p, run.pieces, (_NONE, *series[1:])
+    if float((pieces[:, 1] - pieces[:, 0]) @ (pieces[:, 4] != 0.0)) > p[at.MOST]:  # at a changing speed nothing repeats
         run.status = at.TOO_LONG
         return run
-    if run.unseen:
-        return _watched(loop, run, series)
-    turned = _turned(run.pieces, run.p)
-    length = float(run.pieces[-1, 1]) * run.p[at.H]
+    last, length = pieces[-1], float(pieces[-1, 1]) * p[at.H]
+    since = last[1] * p[at.H] - last[2]
+    turned = float(last[5] + (last[3] + 0.5 * last[4] * since) * since - pieces[0, 5])  # rad of the reference
 
     def lap(done: int, many: int) -> Lap:
         found: Lap | None = None
         for n in range(done, done + many):
             run.s[at.TURN] = n * turned
-            found = joined(found, _cycle(loop, run, series if n == 0 else (_NONE, *series[1:])), n * length)
+            found = joined(found, _cycle(loop, run, unrecorded if n else series), n * length)
             run.cycles = n + 1
             if run.status:
                 break
@@ -256,79 +238,35 @@ def all_cycles(loop: Any, run: Run, cycles: int, series: tuple[Any, ...]) -> Run
 
     whole = _repeated(run, lap, cycles, turned)
     run.g[:] = whole.g
-    if run.p[at.HEAT] and run.p[at.SENSE]:
+    if p[at.HEAT]:
         run.slopes = whole.A[:2, :2]
     run.time = (run.cycles if run.status else cycles) * length
     return run
 
 
-def _least_steps(run: Run) -> float:
-    """Steps that must be simulated: those of a changing speed that the task does not repeat."""
-    once = [run.pieces[part.first : part.end] for part in run.parts if not part.rows]
-    return sum(float((pieces[:, 1] - pieces[:, 0]) @ (pieces[:, 4] != 0.0)) for pieces in once)
-
-
-def _watched(loop: Any, run: Run, series: tuple[Any, ...]) -> Run:
-    """Simulate a drive up to where it is recorded, and on."""
-    simulated(loop, run, run.pieces[: run.unseen], (_NONE, *series[1:]))
-    if not run.status:
-        found = simulated(loop, run, run.pieces[run.unseen :], series)
-        run.g[:], run.time = found.g, found.time
-    return run
-
-
-def _turned(pieces: Array, p: Array) -> float:
-    """Angle of the reference over some pieces [rad]."""
-    last = pieces[-1]
-    since = last[1] * p[at.H] - last[2]
-    return float(last[5] + (last[3] + 0.5 * last[4] * since) * since - pieces[0, 5])
-
-
 def _cycle(loop: Any, run: Run, series: tuple[Any, ...]) -> Lap:
-    """One cycle, its repeated motions each by laps."""
+    """One cycle, its long stretches at one speed and load each by laps."""
+    pieces, p = run.pieces, run.p
+    whole = float(p[at.N_V] * max(p[at.N_P], 1.0))  # periods after which all loops are at the same sample again
+    length = int(math.ceil(_LAP / whole) * whole)
+    long = (pieces[:, 4] == 0.0) & (pieces[:, 7] == 0.0) & (pieces[:, 1] - pieces[:, 0] >= _LAPS * length)
     found: Lap | None = None
-    for part in run.parts:
-        if part.rows:
-            found = joined(found, _block(loop, run, part, series))
-        else:
-            found = joined(found, _through(loop, run, part.first, part.end, series))
+    for a, b in pairwise(
+        sorted({0, len(pieces), *np.flatnonzero(long).tolist(), *(np.flatnonzero(long) + 1).tolist()})
+    ):
+        part = pieces[a:b]
+        found = joined(
+            found, _stretch(loop, run, part[0], length, series) if long[a] else simulated(loop, run, part, series)
+        )
         if run.status:
             break
     assert found is not None
     return replace(found, count=1)
 
 
-def _block(loop: Any, run: Run, part: Part, series: tuple[Any, ...]) -> Lap:
-    """A motion that is written out repeatedly, lap by lap."""
-
-    def lap(done: int, many: int) -> Lap:
-        a = part.first + done * part.rows
-        return replace(_through(loop, run, a, a + many * part.rows, series), count=many)
-
-    turned = _turned(run.pieces[part.first : part.first + part.rows], run.p)
-    return _repeated(run, lap, (part.end - part.first) // part.rows, turned)
-
-
-def _through(loop: Any, run: Run, first: int, end: int, series: tuple[Any, ...]) -> Lap:
-    """Pieces in their order, the long constant ones each by laps."""
-    found: Lap | None = None
-    cuts = {first, end}
-    for n in (np.flatnonzero(run.long[first:end]) + first).tolist():
-        cuts |= {n, n + 1}
-    for a, b in pairwise(sorted(cuts)):
-        part = run.pieces[a:b]
-        found = joined(
-            found, _stretch(loop, run, part[0], series) if run.long[a] else simulated(loop, run, part, series)
-        )
-        if run.status:
-            break
-    assert found is not None
-    return found
-
-
-def _stretch(loop: Any, run: Run, piece: Array, series: tuple[Any, ...]) -> Lap:
+def _stretch(loop: Any, run: Run, piece: Array, length: int, series: tuple[Any, ...]) -> Lap:
     """A long stretch at one speed and load, lap by lap."""
-    first, end, length = int(piece[0]), int(piece[1]), run.lap
+    first, end = int(piece[0]), int(piece[1])
     laps = (end - first) // length
 
     def between(a: int, b: int) -> Lap:
@@ -375,42 +313,31 @@ def _repeated(run: Run, simulate_laps: Callable[[int, int], Lap], laps: int, tur
 
 
 def _added(run: Run, before: Array, lap: Lap, times: int, turned: float) -> Callable[[Lap | None], Lap]:
-    """Advance by laps like one; what they add is known with the lap after them."""
-    s, budget, heat = run.s, float(run.p[at.BUDGET]), _warmed(run, lap, times)
-    grows = float(s[at.I2T] - before[at.I2T])
-    s[at.I2T] = min(max(0.0, s[at.I2T] + times * grows), budget)
-    lags = _lags(run, before, lap, turned)
-    s[at.Y] += _turn(run, times * (turned - lags)) / run.p[at.RATIO]  # a lap ends with the twist that it began with
-    highest = min(lap.g[at.G_I2T] + times * max(grows, 0.0), budget)
-    return lambda then: grown(lap, then, times, heat, highest, lags, float(run.p[at.RATIO]))
+    """Advance by laps like one; what they add is known with the lap after them.
 
-
-def _warmed(run: Run, lap: Lap, times: int) -> float:
-    """Warm a drive by laps like one, the controller's voltages following the winding; heat of the copper [J]."""
-    s, heat = run.s, times * lap.heat
-    if run.p[at.HEAT]:
+    The winding warms, the controller's voltages following it; the position error grows where no position loop keeps it
+    within some counts.
+    """
+    p, s, budget, heat = run.p, run.s, float(run.p[at.BUDGET]), times * lap.heat
+    if p[at.HEAT]:
+        places = voltages(p)
         s[at.T_W], s[at.T_H], heat, _ = np.linalg.matrix_power(lap.A, times) @ (s[at.T_W], s[at.T_H], 0.0, 1.0)
-        places = voltages(run.p)
         s[places] -= s[at.RES] * s[at.I]
-        s[at.RES] = run.p[at.R_A] + run.p[at.ALPHA] * s[at.T_W]
+        s[at.RES] = p[at.R_A] + p[at.ALPHA] * s[at.T_W]
         s[places] += s[at.RES] * s[at.I]
     s[at.Q] += heat
-    return float(heat)
-
-
-def _lags(run: Run, before: Array, lap: Lap, turned: float) -> float:
-    """Growth of the position error in a lap [rad]; 0 where a position loop keeps it within some counts."""
-    found = float(turned - (run.s[at.X] - before[at.X]))
-    counts = _COUNTS * 2.0 * math.pi / run.p[at.EDGES] if run.p[at.EDGES] else 0.0
-    kept = max(counts, _LAGS * math.sqrt(lap.g[at.G_E2_X] / lap.time))
-    return 0.0 if run.p[at.PKP] and abs(found) < kept else found
-
-
-def _turn(run: Run, angle: float) -> float:
-    """Turn the motor by an angle, with counts a whole number of them; the angle [rad]."""
-    if run.p[at.EDGES]:
-        counts = round(angle * run.p[at.EDGES] / (2.0 * math.pi))
-        angle = counts * 2.0 * math.pi / run.p[at.EDGES]
+    grows = float(s[at.I2T] - before[at.I2T])
+    s[at.I2T] = min(max(0.0, s[at.I2T] + times * grows), budget)
+    count = 2.0 * math.pi / p[at.EDGES] if p[at.EDGES] else 0.0
+    lags = float(turned - (s[at.X] - before[at.X]))
+    if p[at.PKP] and abs(lags) < max(_COUNTS * count, _LAGS * math.sqrt(lap.g[at.G_E2_X] / lap.time)):
+        lags = 0.0
+    angle = times * (turned - lags)
+    if count:  # a whole number of them
+        counts = round(angle / count)
+        angle = counts * count
         run.ring += counts
-    run.s[at.X] += angle
-    return angle
+    s[at.X] += angle
+    s[at.Y] += angle / p[at.RATIO]  # a lap ends with the twist that it began with
+    highest = min(lap.g[at.G_I2T] + times * max(grows, 0.0), budget)
+    return lambda then: grown(lap, then, times, float(heat), highest, lags, float(p[at.RATIO]))

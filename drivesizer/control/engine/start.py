@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.drive_train import columns, discretised
 from drivesizer.control.engine.layout import PARAMETERS, STATE, TALLY, Array
-from drivesizer.control.engine.sample_loop import feedforward_current
-from drivesizer.control.engine.steps import holding_torque, load_torque, mode_of
-from drivesizer.control.engine.task import Drive, Flags, MotorHeat, Part, Task, multiples, pieces_of, stretches
+from drivesizer.control.engine.sample_loop import feedforward_current, holding_torque, load_torque, mode_of
+from drivesizer.control.engine.task import Drive, MotorHeat, Task, pieces_of
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
@@ -27,34 +25,19 @@ __all__ = ["STILL", "STILL_WARM", "Run", "ready", "tally"]
 
 STILL, STILL_WARM = 1e-12, 1e-9  # change over a sample that is neglected, of full scale; while the resistance changes
 _RESTS = 1e-4  # of full speed, below which a motor counts as at rest: what is left is a loop settling
-_EVERY, _SLOW = 16.0, 1e4  # periods, and their number in a winding's time constant: steps are met to 2e-9 of a rise
+_EVERY, _SLOW = 16.0, 1e4  # periods after which derivatives of slow temperatures follow; periods in a time constant
 _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes are met to 4e-6 of themselves
 
 
 def table(drive: Drive, top: float, most: int) -> list[float]:
     """A drive as parameters of the simulation."""
-    named = parameters(drive, top, most) | controller(drive) | thermal(drive.heat)
-    scale = named.get("PKP", 0.0)
-    named["TOL_X"] = named["TOL_W"] / scale if scale else math.inf
-    named["EVERY"] = _periods(drive.heat, named["H"] * named["N_V"])
-    return [named.get(name, 0.0) for name in PARAMETERS]
-
-
-def _periods(heat: MotorHeat | None, period: float) -> float:
-    """Periods after which derivatives of the temperatures follow; one where each is computed in full."""
-    brief = heat is not None and heat.brief and heat.bodies.tau_w > _SLOW * period
-    return _EVERY if brief else 1.0
-
-
-def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
-    """Drive train, supply and limits by the names of ``layout``."""
-    m, supply, limit = drive.train, drive.supply, drive.current
+    m, c, supply, limit = drive.train, drive.controller, drive.supply, drive.current
     volts = supply.voltage if supply.voltage < math.inf else 2.0 * m.back_emf_constant * m.ratio * max(top, 1.0)
     full_i, full_w = volts / m.resistance, volts / m.back_emf_constant
     tight = STILL if drive.heat is None else STILL_WARM
     square = limit.continuous**2
     budget = (limit.peak**2 - square) * limit.peak_time if math.isfinite(square) else math.inf
-    return {
+    named = {
         "R25": m.resistance, "K_T": m.torque_constant, "K_E": m.back_emf_constant,
         "J_M": m.motor_inertia, "F_M": m.friction, "F_S": max(m.friction, m.stiction), "B_M": m.viscous,
         "RATIO": m.ratio, "DRIVE": 1.0 / (m.ratio * m.efficiency), "BRAKE": m.efficiency / m.ratio,
@@ -69,48 +52,38 @@ def parameters(drive: Drive, top: float, most: int) -> dict[str, float]:
         "BUDGET": max(budget, 0.0) if not math.isnan(budget) else math.inf, "MOST": most,
         "TOL_I": tight * full_i, "TOL_W": tight * full_w, "TOL_U": tight * volts, "RESTS": _RESTS * full_w,
         "TOL_F": tight * m.ratio * m.torque_constant * full_i / m.stiffness if m.flexible else math.inf,
+        "TOL_X": math.inf, "AMBIENT": DATA_TEMPERATURE, "EVERY": 1.0,
     }  # fmt: skip
-
-
-def controller(drive: Drive) -> dict[str, float]:
-    """A controller by the names of ``layout``: gains per sample."""
-    c = drive.controller
     if isinstance(c, Gains):
-        filtered = c.filter_time + c.period
-        return {"H": c.period, "N_V": 1.0, "KP": c.kp, "KI": c.ki * c.period, "KD": c.kd / filtered,
-                "KEEP": c.filter_time / filtered, "KEPT": math.exp(-c.period / drive.drain_time)}  # fmt: skip
-    n_v, n_p = multiples(c)
-    filtered = c.filter_time + c.velocity_period
-    return {
-        "CASCADE": 1.0, "H": c.current_period, "N_V": n_v, "N_P": n_p, "KP": c.velocity_kp,
-        "KI": c.velocity_ki * c.velocity_period, "KD": c.velocity_kd / filtered, "KEEP": c.filter_time / filtered,
-        "CKP": c.current_kp, "CKI": c.current_ki * c.current_period, "PKP": c.position_kp if n_p else 0.0,
-        "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
-        "DELAY": float(drive.delay), "PROMPT": float(drive.prompt),
-        "KEPT": math.exp(-c.velocity_period / drive.drain_time),
-    }  # fmt: skip
-
-
-def thermal(heat: MotorHeat | None) -> dict[str, float]:
-    """Winding and housing by the names of ``layout``."""
-    if heat is None:
-        return {"AMBIENT": DATA_TEMPERATURE}
-    b: Any = heat.bodies
-    low = min(heat.ambient, *(x for x in (heat.winding, heat.housing) if not math.isnan(x)), heat.ambient)
-    return {
-        "HEAT": 1.0, "R_1": b.R_th1, "R_2": b.R_th2, "C_W": b.capacity_w, "C_H": b.capacity_h,
-        "R_A": b.R_25 * (1.0 + COPPER * (heat.ambient - DATA_TEMPERATURE)), "ALPHA": COPPER * b.R_25,
-        "AMBIENT": heat.ambient, "P_0": heat.loss, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
-        "G_1": 1.0 / b.R_th1, "G_2": 1.0 / b.R_th2, "BY_W": 1.0 / b.capacity_w, "BY_H": 1.0 / b.capacity_h,
-        "NODE_0": low - heat.ambient - _NODE, "NODE_D": _NODE, "NODES": _NODES,
-    }  # fmt: skip
-
-
-def resistances(p: Array) -> Array:
-    """The winding at the nodes of temperature [ohm]; a single one where it does not warm."""
-    if not p[at.HEAT]:
-        return np.array([p[at.R25]])
-    return np.asarray(p[at.R_A] + p[at.ALPHA] * (p[at.NODE_0] + p[at.NODE_D] * np.arange(_NODES)))
+        velocity, kp, ki, kd = c.period, c.kp, c.ki, c.kd
+        named |= {"H": c.period, "N_V": 1.0}
+    else:
+        velocity, kp, ki, kd = c.velocity_period, c.velocity_kp, c.velocity_ki, c.velocity_kd
+        position = c.position_kp if c.velocity_steps else 0.0
+        named |= {
+            "CASCADE": 1.0, "H": c.current_period, "N_V": c.current_steps, "N_P": c.velocity_steps,
+            "CKP": c.current_kp, "CKI": c.current_ki * c.current_period, "PKP": position,
+            "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
+            "DELAY": float(drive.delay), "PROMPT": float(drive.prompt),
+            "TOL_X": named["TOL_W"] / position if position else math.inf,
+        }  # fmt: skip
+    filtered = c.filter_time + velocity
+    named |= {"KP": kp, "KI": ki * velocity, "KD": kd / filtered, "KEEP": c.filter_time / filtered,
+              "KEPT": math.exp(-velocity / drive.drain_time)}  # fmt: skip
+    if (heat := drive.heat) is not None:
+        b = heat.bodies
+        low = min(heat.ambient, *(x for x in (heat.winding, heat.housing) if not math.isnan(x)), heat.ambient)
+        to_w, to_h = 1.0 / (b.R_th1 * b.capacity_w), 1.0 / (b.R_th1 * b.capacity_h)
+        at_ambient = b.R_25 * (1.0 + COPPER * (heat.ambient - DATA_TEMPERATURE))
+        named |= {
+            "HEAT": 1.0, "R_A": at_ambient, "ALPHA": COPPER * b.R_25, "AMBIENT": heat.ambient,
+            "FEEDBACK": COPPER * b.R_25 / b.capacity_w, "A_WW": -to_w, "A_WH": to_w, "A_HW": to_h,
+            "A_HH": -to_h - 1.0 / (b.R_th2 * b.capacity_h), "BY_SQUARE": at_ambient / b.capacity_w,
+            "BY_LOSS": 1.0 / b.capacity_h, "P_0": heat.loss, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
+            "NODE_0": low - heat.ambient - _NODE, "NODE_D": _NODE, "NODES": _NODES,
+            "EVERY": _EVERY if b.tau_w > _SLOW * velocity else 1.0,
+        }  # fmt: skip
+    return [float(named.get(name, 0.0)) for name in PARAMETERS]
 
 
 # -- Drives at their start: in equilibrium at the first speed, their matrices computed together.
@@ -119,7 +92,7 @@ def resistances(p: Array) -> Array:
 def _start(p: Array, pieces: Array, heat: MotorHeat | None, ki: tuple[bool, bool]) -> Array:
     """The state in equilibrium at the first speed; ki: whether the outer and the inner loop have an integral."""
     s = np.zeros(len(STATE))
-    w, l = pieces[0, 3], pieces[0, 6]
+    w, l = float(pieces[0, 3]), float(pieces[0, 6])
     i, T = _equilibrium(p, w, l)
     s[at.I], s[at.W], s[at.V] = i, w, w / p[at.RATIO]
     if p[at.TWO]:
@@ -155,13 +128,6 @@ def _equilibrium(p: Array, w: float, l: float) -> tuple[float, float]:
     return float(T / (p[at.RATIO] * k)), float(T)
 
 
-def _ring(p: Array, w: float) -> Array:
-    """Counts of the periods before the start."""
-    window = int(p[at.WINDOW])
-    back = p[at.H] * p[at.N_V] * np.arange(-window, 0)
-    return np.asarray(np.floor(w * back * p[at.EDGES] / (2.0 * math.pi)))
-
-
 @dataclass(slots=True)
 class Run:
     """One drive during its simulation."""
@@ -172,10 +138,6 @@ class Run:
     M: Array  # matrices
     scratch: tuple[Array, Array, Array, Array]  # matrices in use, their temperatures, a step, what is steady
     pieces: Array
-    parts: list[Part]  # consecutive ranges of the pieces
-    long: Flags  # which pieces are long and constant
-    unseen: int  # pieces that are simulated and not recorded
-    lap: int  # periods of a lap of these
     ring: Array  # counts
     status: int = 0
     cycles: int = 0
@@ -194,7 +156,10 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
         here = [n for n, p in enumerate(P) if (p[at.HEAT] != 0.0) == warm]
         if not here:
             continue
-        resistance = np.array([resistances(P[n]) for n in here])
+        resistance = P[here, at.R25][:, None]  # at each node of temperature
+        if warm:
+            nodes = P[here, at.NODE_0][:, None] + _NODE * np.arange(_NODES)
+            resistance = P[here, at.R_A][:, None] + P[here, at.ALPHA][:, None] * nodes
         with np.errstate(all="ignore"):
             M = discretised(columns([drives[n].train for n in here]), resistance, P[here, at.H])
         if not np.isfinite(M).all():
@@ -203,23 +168,20 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
             same = tuple(P[n, [at.H, at.RATIO, at.N_V, at.N_P]].tolist())
             if same not in known:
                 known[same] = pieces_of(task, P[n])
-            found[n] = _begun(P[n], M[m], drives[n], task, known[same], task.cycles > 1 or len(drives) == 1)
+            found[n] = _begun(P[n], M[m], drives[n], known[same])
     return [found[n] for n in range(len(drives))]
 
 
-def _begun(p: Array, M: Array, drive: Drive, task: Task, pieces: Array, followed: bool) -> Run:
-    """One drive at its start; followed: whether derivatives by the starting temperatures are computed."""
+def _begun(p: Array, M: Array, drive: Drive, pieces: Array) -> Run:
+    """One drive at its start."""
     c = drive.controller
     ki = (c.velocity_ki != 0.0, c.current_ki != 0.0) if isinstance(c, Cascade) else (c.ki != 0.0, False)
     if not len(pieces):
         raise InputError("task: it lies between two samples of the controller")
-    parts, long, lap = stretches(pieces, p)
-    p[at.SENSE] = followed or bool(long.any()) or any(part.rows for part in parts)
-    unseen = 0 if task.since is None else int(np.searchsorted(pieces[:, 2], task.since - task.time[0]))
-    work = M[0].copy() if p[at.HEAT] else M[0]
-    scratch = work, np.full(M.shape[1:3], math.nan), np.zeros(16), np.zeros(at.STEADY)
-    ring = _ring(p, float(pieces[0, 3]))
-    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, scratch, pieces, parts, long, unseen, lap, ring)
+    scratch = M[0].copy() if p[at.HEAT] else M[0], np.full(M.shape[1:3], math.nan), np.zeros(16), np.zeros(at.STEADY)
+    before = p[at.H] * p[at.N_V] * np.arange(-int(p[at.WINDOW]), 0)  # counts of the periods before the start
+    ring = np.floor(float(pieces[0, 3]) * before * p[at.EDGES] / (2.0 * math.pi))
+    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, scratch, pieces, np.asarray(ring))
 
 
 def tally() -> Array:

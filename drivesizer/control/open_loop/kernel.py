@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-
 from drivesizer.control.open_loop import layout, rotor
-from drivesizer.files.machine_code import Kernel, defined_in, machine_code
+from drivesizer.files.machine_code import Kernel, defined_in
 
-__all__ = ["KERNEL", "compiled"]
+__all__ = ["KERNEL"]
 
 KERNEL = Kernel(
     functions=defined_in((rotor,)),
@@ -17,9 +14,3 @@ KERNEL = Kernel(
     slow="the simulation of a stepper runs some hundred times slower",
     arguments="d1 d1 d2 d1 d2 d0 d0 d0",
 )
-
-
-@cache
-def compiled() -> Callable[..., int]:
-    """``rotor.turn_rotor`` as machine code."""
-    return machine_code(KERNEL)

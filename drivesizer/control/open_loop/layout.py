@@ -27,14 +27,16 @@ def _places(names: list[str]) -> Iterable[int]:
 
 # inertia of motor and load; ratio and efficiency of the gears; friction at the motor; load forward, backward, at rest;
 # teeth; damping, and speed at which it has faded, per root of the torque; a microstep; speed from which pulses are a
-# ramp; longest step; step of the speed in the table; share of the pull-out torque; whether anything rubs; lag at which
-# it ends; interval of the rows
+# ramp; longest step; step of the speed in the table; share of the pull-out torque, of that at rest, and present share;
+# whether anything rubs; lag at which it ends; interval of the rows
 _PARAMETERS = """
-    J_M J_L RATIO EFF FRICTION T_F T_B T_0 TEETH DAMP FADES MICRO RAMP H V_STEP SHARE RUBS ENDS EVERY
+    J_M J_L RATIO EFF FRICTION T_F T_B T_0 TEETH DAMP FADES MICRO RAMP H V_STEP SHARE IDLE NOW
+    RUBS ENDS EVERY
 """
 PARAMETERS = _PARAMETERS.split()
 (
-    J_M, J_L, RATIO, EFF, FRICTION, T_F, T_B, T_0, TEETH, DAMP, FADES, MICRO, RAMP, H, V_STEP, SHARE, RUBS, ENDS, EVERY,
+    J_M, J_L, RATIO, EFF, FRICTION, T_F, T_B, T_0, TEETH, DAMP, FADES, MICRO, RAMP, H, V_STEP, SHARE, IDLE, NOW,
+    RUBS, ENDS, EVERY,
 ) = _places(PARAMETERS)  # fmt: skip
 
 # largest magnitudes with their times: lag of the rotor behind the field (electrical), distance from the profile,

@@ -7,7 +7,8 @@ With :math:`\theta_c` the angle that the pulses command, w_c the speed of the pr
     + 2 \zeta \sqrt{p\, T_p(w_c)\, J}\, (w_c - w) \max\!\left(1 - \frac{|w_c - w|}{2 w_n / p},\ 0\right)
 
 and rotor and load turn as one body. Swings are damped, a rotor that slips is not dragged along: no swing about a
-moving field is faster than :math:`2 w_n / p`, with :math:`w_n = \sqrt{p\, T_p / J}`. Gears take their loss by the
+moving field is faster than :math:`2 w_n / p`, with :math:`w_n = \sqrt{p\, T_p / J}`. At rest the driver gives its idle
+current, and the torque is in proportion. Gears take their loss by the
 direction of power. Between pulses the classical Runge-Kutta method of fourth order steps; where friction brings the
 rotor to rest, the step ends there.
 
@@ -30,7 +31,7 @@ def torque_of(p: Array, table: Array, lag: float, v: float, w: float) -> float:
     """Torque of the motor [N*m] at a lag behind the field, its speed v and the rotor's w."""
     place = abs(v) / p[at.V_STEP]
     k = min(int(place), table.shape[0] - 2)
-    pull_out = p[at.SHARE] * (table[k] + (place - k) * (table[k + 1] - table[k]))
+    pull_out = p[at.NOW] * (table[k] + (place - k) * (table[k + 1] - table[k]))
     root, slip = math.sqrt(max(pull_out, 0.0)), v - w
     fades = max(1.0 - abs(slip) / (p[at.FADES] * root), 0.0) if root > 0.0 else 0.0
     found: float = pull_out * math.sin(p[at.TEETH] * lag) + p[at.DAMP] * root * slip * fades
@@ -79,21 +80,6 @@ def stepped(
     return x + h * (w + 2.0 * w2 + 2.0 * w3 + w4) / 6.0, w + h * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
 
 
-def rest_within(
-    p: Array, table: Array, x: float, w: float, sign: float, field: tuple[float, ...], h: float
-) -> tuple[float, float]:
-    """Part of a step after which the rotor rests, and its angle then."""
-    low, high, place = 0.0, h, x
-    for _ in range(at.HALVINGS):
-        middle = 0.5 * (low + high)
-        place, speed = stepped(p, table, x, w, sign, field, middle)
-        if speed * sign > 0.0:
-            low = middle
-        else:
-            high = middle
-    return high, place
-
-
 def crossing(gap: float, speed: float, gain: float, none: float) -> float:
     """Time until a gap is covered at a speed and its gain [s]; infinite if it never is, 0 for a gap below ``none``."""
     if gap <= none:
@@ -129,8 +115,15 @@ def advanced(
         return x1, w1, h
     if w == 0.0:  # it would turn back at once: it rests
         return x, w, h
-    early, place = rest_within(p, table, x, w, sign, field, h)
-    return place, 0.0, early
+    low, high, place = 0.0, h, x
+    for _ in range(at.HALVINGS):
+        middle = 0.5 * (low + high)
+        place, speed = stepped(p, table, x, w, sign, field, middle)
+        if speed * sign > 0.0:
+            low = middle
+        else:
+            high = middle
+    return place, 0.0, high
 
 
 def load_torque(p: Array, torque: float, load: float, sign: float) -> float:
@@ -142,19 +135,12 @@ def load_torque(p: Array, torque: float, load: float, sign: float) -> float:
     return found
 
 
-def tally(g: Array, place: int, value: float, t: float) -> None:
-    """Keep the largest magnitude and its time."""
-    if abs(value) > g[place]:
-        g[place], g[place + 1] = abs(value), t
-
-
 def noted(p: Array, g: Array, rows: Array, now: tuple[float, ...]) -> None:
     """Tallies and a row at a moment: time, speed of the profile, rotor's speed, error, lag, torque, load's torque."""
     t, _, w, error, lag, _, gear = now
-    tally(g, at.G_LAG, lag, t)
-    tally(g, at.G_ERROR, error, t)
-    tally(g, at.G_GEAR, gear, t)
-    tally(g, at.G_SPEED, w, t)
+    for place, value in ((at.G_LAG, lag), (at.G_ERROR, error), (at.G_GEAR, gear), (at.G_SPEED, w)):
+        if abs(value) > g[place]:
+            g[place], g[place + 1] = abs(value), t
     if abs(lag) > math.pi and g[at.G_SLIPPED] < 0.0:
         g[at.G_SLIPPED] = t
     g[at.G_END_LAG], g[at.G_END_ERROR], g[at.G_TIME] = lag, error, t
@@ -170,6 +156,7 @@ def turn_rotor(p: Array, table: Array, pieces: Array, g: Array, rows: Array, x: 
     start, turned, count = 0.0, 0.0, 0.0  # time and angle of the profile at the start of a piece; microsteps
     for n in range(pieces.shape[0]):
         lasts, v0, dv, l0, dl = pieces[n, 0], pieces[n, 1], pieces[n, 2], pieces[n, 3], pieces[n, 4]
+        p[at.NOW] = p[at.SHARE] * (p[at.IDLE] if v0 == 0.0 and dv == 0.0 else 1.0)
         t = 0.0
         while True:
             v, load, angle = v0 + dv * t, l0 + dl * t, turned + (v0 + 0.5 * dv * t) * t

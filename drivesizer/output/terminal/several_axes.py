@@ -216,3 +216,6 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
         found = Text(MARK[proof.status], style=STYLE[proof.status])
         table.add_row(axis, Text(proof.drive_set.label), title, margin, found)
     console.print(table)
+    for axis, proof in proofs.items():
+        if proof.tried:
+            console.print(tables.tried(proof, f"{axis}: "))

@@ -550,7 +550,7 @@ def _changes(console: Console, found: DriveSet) -> None:
 
 def validation(proof: Validation) -> None:
     """Print a validation, in closed loop or of a stepper."""
-    from drivesizer.output.loop_table import NO_LINEAR, left_out, remedies  # with what a sizing need not load
+    from drivesizer.output.loop_table import NO_LINEAR, left_out  # with what a sizing need not load
 
     console = tables.console()
     tables.heading(console, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
@@ -558,11 +558,7 @@ def validation(proof: Validation) -> None:
     console.print(tables.gains(proof))
     console.print(tables.checks(proof.checks, f"Checks in {proof.loop}"))
     if proof.tried:
-        title, rows = remedies(proof)
-        table = tables.bare(("change", "left"), ("entered as", "left"), ("tightest", "left"), ("", "left"), title=title)
-        for *cells, status in rows:
-            table.add_row(*map(Text, cells), Text(MARK[status], style=STYLE[status]))
-        console.print(table)
+        console.print(tables.tried(proof))
     console.print(tables.loose(proof.figures, f"Figures of the {proof.loop}"))
     if proof.loops:
         console.print(loops(proof.loops, console.width))

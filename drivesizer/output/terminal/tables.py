@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MARK", "STYLE", "Axis", "Series", "bare", "chart", "checks", "console", "dots", "gains", "heading", "loose",
-    "missing", "objective", "parts", "percent", "plain", "required", "requirements", "ticks", "width_of",
+    "missing", "objective", "parts", "percent", "plain", "required", "requirements", "ticks", "tried",
+    "width_of",
 ]  # fmt: skip
 
 
@@ -50,6 +51,18 @@ def console() -> Console:
     if shown.width < 1:  # COLUMNS=0, which rich takes as it is: the width is unknown
         shown.width = _WIDTH
     return shown
+
+
+def tried(proof: Validation, of: str = "") -> Table:
+    """Changes that were simulated on a drive that fails in its loop."""
+    from drivesizer.output.loop_table import remedies  # with what a sizing need not load
+
+    title, rows = remedies(proof)
+    heads = ("change", "left"), ("entered as", "left"), ("tightest", "left"), ("", "left")
+    table = bare(*heads, title=f"{of}{title}")
+    for *cells, status in rows:
+        table.add_row(*map(Text, cells), Text(MARK[status], style=STYLE[status]))
+    return table
 
 
 def bare(*columns: tuple[str, str], title: str = "", headed: bool = True, edged: bool = True) -> Table:

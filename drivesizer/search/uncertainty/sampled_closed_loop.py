@@ -112,17 +112,8 @@ def _weakest(found: Sequence[tuple[Check, ...]]) -> str:
 def _from_cold(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]]) -> list[_Sample]:
     """Each machine simulated from the ambient's temperature."""
     profiles = [_motion(nominal, spec) for spec, _ in machines]
-    made = [
-        _brief(prepared(*machine, motion, nominal.controller))
-        for machine, motion in zip(machines, profiles, strict=True)
-    ]
+    made = [prepared(*machine, motion, nominal.controller) for machine, motion in zip(machines, profiles, strict=True)]
     return [_Sample(*each) for each in zip(machines, profiles, made, _simulated(made), strict=True)]
-
-
-def _brief(one: Prepared) -> Prepared:
-    """The same with temperatures in fewer operations: they do it for samples, which are counted and not printed."""
-    heat = one.drive.heat
-    return one._replace(drive=replace(one.drive, heat=replace(heat, brief=True))) if heat else one
 
 
 def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulation, ...]]:

@@ -289,7 +289,7 @@ def bode(figure: Figure, loops: Sequence[Loop]) -> None:
 
 
 def _legend(loop: Loop) -> str:
-    """What the legend says of a loop."""
+    """Figures of a loop for the legend."""
     if not loop.stable:
         return f"{loop_name(loop)}: unstable, largest pole {loop.pole_radius:.4g}"
     said = {figure.name: cell(figure) for figure in loop_figures(loop)}
