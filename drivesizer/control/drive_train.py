@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from math import inf, isfinite, isnan
+from math import inf, isfinite, isnan, nan
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,8 @@ from drivesizer.results.ratings import unstated_temperature
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "DriveTrain", "Mode", "Regime", "columns", "discretised", "drive_train", "elastic", "generators", "matrices",
-    "modes", "require", "within_reach",
+    "DriveTrain", "Mode", "Regime", "columns", "discretised", "drive_train", "elastic", "generators", "modes",
+    "require", "within_reach",
 ]  # fmt: skip
 
 
@@ -107,37 +108,22 @@ class DriveTrain:
         return self.stiffness < inf
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mode:
+class Mode(NamedTuple):
     """A regime in numbers: J dw/dt = k_t i - b w - drag."""
 
-    regime: Regime
     inertia: float  # kg*m^2 at the motor, infinite at rest
     drag: float  # N*m at the motor: friction and resistance
 
 
 def modes(train: DriveTrain) -> tuple[Mode, ...]:
     """The five modes of a rigid drive train in the order of :class:`Regime`; at rest, friction balances the motor."""
-    at_rest = Mode(regime=Regime.AT_REST, inertia=inf, drag=0.0)
-    return (at_rest, *(_moving(train, regime) for regime in list(Regime)[1:]))
-
-
-def _moving(train: DriveTrain, regime: Regime) -> Mode:
-    forward = regime in (Regime.FORWARD_DRIVING, Regime.FORWARD_BRAKING)
-    driving = regime in (Regime.FORWARD_DRIVING, Regime.BACKWARD_DRIVING)
-    resistance = train.forward_torque if forward else train.backward_torque
-    to_load, back = through_gears(train.ratio, train.efficiency)
-    share = to_load if driving else back
-    inertia = train.motor_inertia + train.load_inertia * share / train.ratio
-    drag = (train.friction if forward else -train.friction) + resistance * share
-    return Mode(regime=regime, inertia=inertia, drag=drag)
-
-
-def matrices(train: DriveTrain, mode: Mode) -> tuple[np.ndarray, np.ndarray]:
-    """State matrices of a mode: states current and motor speed, input voltage."""
-    R, L, J = train.resistance, train.inductance, mode.inertia
-    A = [[-R / L, -train.back_emf_constant / L], [train.torque_constant / J, -train.viscous / J]]
-    return np.array(A), np.array([[1 / L], [0.0]])
+    shares = through_gears(train.ratio, train.efficiency)  # driving and braking
+    found = [Mode(inf, 0.0)]
+    for friction, resistance in ((train.friction, train.forward_torque), (-train.friction, train.backward_torque)):
+        for share in shares:
+            inertia = train.motor_inertia + train.load_inertia * share / train.ratio
+            found.append(Mode(inertia, friction + resistance * share))
+    return tuple(found)
 
 
 def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[DriveTrain, list[str]]:
@@ -148,20 +134,27 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
     require(drive_set, _NEEDED, "no closed loop without")
     said = list(unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
     own, shaft = drive_set.at_motor, at_shaft(spec)
-    said += [_taken_as_0(f"inertia of the {of}") for of in drive_set.unknown_inertias]
+
+    def known(value: float, what: str) -> float:  # a figure of small influence
+        if isnan(value):
+            said.append(f"the {what} is unknown and taken as 0")
+        return 0.0 if isnan(value) else value
+
+    for of in drive_set.unknown_inertias:
+        known(nan, f"inertia of the {of}")
     train = DriveTrain(
         resistance=float(resistance_25(drive_set.motor)),
         inductance=drive_set.motor.inductance,
         torque_constant=own.k_t,
         back_emf_constant=own.k_e,
-        friction=_figure_or_zero(own.coulomb, "friction of the motor", said) + own.idle,
-        viscous=_figure_or_zero(own.viscous, "viscous friction of the motor", said),
+        friction=known(own.coulomb, "friction of the motor") + own.idle,
+        viscous=known(own.viscous, "viscous friction of the motor"),
         motor_inertia=drive_set.inertia(unknown=0.0),
         gear_ratio=own.ratio,
         gear_efficiency=own.efficiency,
         belt_ratio=drive_set.belt_ratio,
         belt_efficiency=drive_set.belt_efficiency,
-        load_inertia=_figure_or_zero(shaft.inertia, "inertia of the load", said),
+        load_inertia=known(shaft.inertia, "inertia of the load"),
         radius=shaft.radius,
         forward_torque=shaft.forward_torque,
         backward_torque=shaft.backward_torque,
@@ -189,18 +182,6 @@ def within_reach(train: DriveTrain, profile: Profile) -> None:
     if not profile.top_speed * train.motor_per_speed <= _FASTEST:
         at_motor = profile.top_speed * train.motor_per_speed
         raise InputError(f"profile {profile.name}: {at_motor:.3g} rad/s is no speed that a motor can be turned to")
-
-
-def _figure_or_zero(value: float, what: str, said: list[str]) -> float:
-    """A figure of small influence; 0, reported as an assumption, where the catalogue lacks it."""
-    if isnan(value):
-        said.append(_taken_as_0(what))
-        return 0.0
-    return value
-
-
-def _taken_as_0(what: str) -> str:
-    return f"the {what} is unknown and taken as 0"
 
 
 def require(drive_set: DriveParts, needed: Mapping[str, Sequence[str]], consequence: str) -> None:
@@ -243,55 +224,36 @@ def columns(trains: Sequence[DriveTrain]) -> dict[str, Array]:
 
 def generators(machine: dict[str, Array], resistance: Array) -> Array:
     """Matrices G of dx/dt = G x in each mode, the inputs among the states (u, m constant, l a ramp)."""
-    return _flexible(machine, resistance) if machine["stiffness"][0] < inf else _rigid(machine, resistance)
-
-
-def _shares(machine: dict[str, Array]) -> tuple[Array, Array]:
-    """Share of the driven shaft's torque that the motor feels, driving and braking."""
-    return 1.0 / (machine["ratio"] * machine["efficiency"]), machine["efficiency"] / machine["ratio"]
-
-
-def _winding(G: Array, machine: dict[str, Array], resistance: Array, u: int) -> None:
-    """Fill the rows that all modes have: current, charge, angle, and the ramp of the load."""
-    L = machine["inductance"][:, None]
-    q = u - 2
-    G[..., 0, 0] = (-resistance / L)[..., None]
+    two = machine["stiffness"][0] < inf
+    K, k, driven, zero = machine["ratio"], machine["torque_constant"], machine["load_inertia"], 0.0 * machine["ratio"]
+    shares, L = through_gears(K, machine["efficiency"]), machine["inductance"][:, None]  # driving and braking
+    count, u = (12, 6) if two else (3, 4)
+    G = np.zeros((*resistance.shape, count, u + 4, u + 4))
+    G[..., 0, 0] = (-resistance / L)[..., None]  # what all modes have: current, charge, angle, and the load's ramp
     G[..., 0, 1] = (-machine["back_emf_constant"][:, None] / L)[..., None]
     G[..., 0, u] = (1.0 / L)[..., None]
-    G[..., q, 0] = G[..., q + 1, 1] = G[..., u + 2, u + 3] = 1.0
-
-
-def _rigid(machine: dict[str, Array], resistance: Array) -> Array:
-    K, driven = machine["ratio"], machine["load_inertia"]
-    G = np.zeros((*resistance.shape, 3, 8, 8))
-    _winding(G, machine, resistance, 4)
-    for mode, share in enumerate(_shares(machine), 1):
-        J = machine["motor_inertia"] + driven * share / K
-        drag = machine["viscous"] + share * machine["load_viscous"] / K
-        row = (machine["torque_constant"], -drag, 0 * J, 0 * J, 0 * J, 1 + 0 * J, -share, 0 * J)
-        G[:, :, mode, 1, :] = (np.array(row) / J).T[:, None, :]
-    return G
-
-
-def _flexible(machine: dict[str, Array], resistance: Array) -> Array:
-    G = np.zeros((*resistance.shape, 12, 10, 10))
-    _winding(G, machine, resistance, 6)
-    K, zero = machine["ratio"], 0.0 * machine["ratio"]
+    G[..., u - 2, 0] = G[..., u - 1, 1] = G[..., u + 2, u + 3] = 1.0
+    if not two:
+        for mode, share in enumerate(shares, 1):
+            J = machine["motor_inertia"] + driven * share / K
+            drag = machine["viscous"] + share * machine["load_viscous"] / K
+            row = (k, -drag, zero, zero, zero, 1.0 + zero, -share, zero)
+            G[:, :, mode, 1, :] = (np.array(row) / J).T[:, None, :]
+        return G
     twist = np.array([zero, 1.0 / K, zero, zero - 1.0])  # of i, w, twist, v: the twist's rate
     G[..., 2, :4] = twist.T[:, None, None, :]
     shaft = machine["damping"] * twist + np.array([zero, zero, machine["stiffness"], zero])
-    k, J_m, J_l = machine["torque_constant"], machine["motor_inertia"], machine["load_inertia"]
-    for mode in range(12):
-        contact, share = mode // 4, _shares(machine)[mode // 8]
-        torque = shaft * (contact > 0)
+    J_m = machine["motor_inertia"]
+    for mode in range(count):
+        torque = shaft * (mode // 4 > 0)  # in contact
         if mode & 1:
-            own = np.array([k, -machine["viscous"], zero, zero]) - share * torque
+            own = np.array([k, -machine["viscous"], zero, zero]) - shares[mode // 8] * torque
             G[:, :, mode, 1, :4] = (own / J_m).T[:, None, :]
             G[:, :, mode, 1, 7] = (1.0 / J_m)[:, None]
         if mode & 2:
             own = torque - np.array([zero, zero, zero, machine["load_viscous"]])
-            G[:, :, mode, 3, :4] = (own / J_l).T[:, None, :]
-            G[:, :, mode, 3, 8] = (-1.0 / J_l)[:, None]
+            G[:, :, mode, 3, :4] = (own / driven).T[:, None, :]
+            G[:, :, mode, 3, 8] = (-1.0 / driven)[:, None]
     return G
 
 
@@ -309,8 +271,22 @@ def discretised(machine: dict[str, Array], resistance: Array, period: Array) -> 
     G = generators(machine, resistance)
     states = G.shape[-1] - 6
     small = np.ldexp(period, 1 - LEVELS)[:, None, None, None, None]
-    squarings = _squarings(machine, G[..., :states, :states] * small)
-    F = _expm1(G * (small / 2.0**squarings), squarings)
+    # halvings of a step after which the series converges fast, in states scaled to equal energy
+    J, driven = machine["motor_inertia"], machine["load_inertia"]
+    scale = np.sqrt([machine["inductance"], J, machine["stiffness"], driven][:states])
+    if states == 2:
+        scale[1] = np.sqrt(J + driven * machine["efficiency"] / machine["ratio"] ** 2)
+    scaled = np.abs(G[..., :states, :states] * small)
+    scaled *= scale.T[:, None, None, :, None] / scale.T[:, None, None, None, :]
+    norm = float(scaled.sum(axis=-1).max())
+    squarings = max(0, int(np.ceil(np.log2(norm / _NORM)))) if 0.0 < norm < inf else 0
+    A, one = G * (small / 2.0**squarings), np.eye(states + 6)
+    P = one + A / _ORDER
+    for k in range(_ORDER - 1, 1, -1):
+        P = one + A @ P / k
+    F: Array = A @ P
+    for _ in range(squarings):
+        F = 2.0 * F + F @ F
     found = np.empty((*G.shape[:3], LEVELS, states + 2, states + 4))
     kept = [*range(states), *range(states + 2, states + 6)]
     for level in range(LEVELS):
@@ -319,30 +295,3 @@ def discretised(machine: dict[str, Array], resistance: Array, period: Array) -> 
             found[..., level, state, state] += 1.0
         F = 2.0 * F + F @ F
     return found
-
-
-def _squarings(machine: dict[str, Array], A: Array) -> int:
-    """Halvings of a step after which the series converges fast, in states scaled to equal energy."""
-    L, J, K = machine["inductance"], machine["motor_inertia"], machine["ratio"]
-    scale = np.array([np.sqrt(L), np.sqrt(J), *_load_scales(machine)][: A.shape[-1]])
-    if A.shape[-1] == 2:
-        scale[1] = np.sqrt(J + machine["load_inertia"] * machine["efficiency"] / K**2)
-    scaled = np.abs(A) * scale.T[:, None, None, :, None] / scale.T[:, None, None, None, :]
-    norm = float(scaled.sum(axis=-1).max())
-    return max(0, int(np.ceil(np.log2(norm / _NORM)))) if 0.0 < norm < inf else 0
-
-
-def _load_scales(machine: dict[str, Array]) -> tuple[Array, Array]:
-    return np.sqrt(machine["stiffness"]), np.sqrt(machine["load_inertia"])
-
-
-def _expm1(A: Array, squarings: int) -> Array:
-    """Exponential of matrices, less one: a series, then squared."""
-    one = np.eye(A.shape[-1])
-    P = one + A / _ORDER
-    for k in range(_ORDER - 1, 1, -1):
-        P = one + A @ P / k
-    F: Array = A @ P
-    for _ in range(squarings):
-        F = 2.0 * F + F @ F
-    return F

@@ -42,7 +42,7 @@ SOURCE = "S. Skogestad, J. Process Control 13 (2003) 291-309"
 GIVEN = "given in the spec"
 COMPUTING = 1.0  # control periods between a measurement and the voltage that answers it
 _HOLDING = 0.5  # control periods by which a held voltage is late on average
-_FILTER = 10.0  # derivative time over its filter's, 8 to 20 by [2]
+_FILTER = 10.0  # derivative time over its filter's, 8 to 20 by [2], and by [5] of the cascade
 _LARGEST_GAIN = 1e9  # V per unit: with it, rounding errors of the speed would be volts
 
 
@@ -149,7 +149,6 @@ def _given_gains(spec: RobotSpec, kp: float, period: float, counts: Counts | Non
 
 LATE = COMPUTING + 0.5  # periods: computing, and the half by which a held value is late on average
 SPREAD = 2.0  # a of the symmetrical optimum [2]: phase margin 36.9 deg
-FILTER = 10.0  # derivative time over its filter's, 8 to 20 by [5]
 SOURCES = {
     "magnitude optimum": "C. Kessler, Regelungstechnik 3 (1955) 40-49",
     "symmetrical optimum": "C. Kessler, Regelungstechnik 6 (1958) 395-400",
@@ -295,7 +294,9 @@ def design_cascade(
     velocity, velocity_rule = _velocity(train, lag * slower, wanted, where)
     outer, outer_rule = _position(train, lag + LATE * every.position, velocity, wanted)
     rules = [rule for rule in (current_rule, velocity_rule, outer_rule) if rule]
-    kd = wanted.velocity_kd or 0.0
+    kd, kp, filter_time = wanted.velocity_kd or 0.0, velocity[0], wanted.filter_time
+    if filter_time is None:  # a tenth of the derivative time, a period at least
+        filter_time = max(every.velocity, kd / kp / _FILTER) if kp else every.velocity
     fed = dict(zip(("acceleration", "velocity", "friction"), feedforward(train), strict=True))
     given = {f"feedforward_{name}": getattr(wanted, f"feedforward_{name}") for name in fed}
     found = Cascade(
@@ -304,7 +305,7 @@ def design_cascade(
         velocity_kp=velocity[0],
         velocity_ki=velocity[1],
         velocity_kd=kd,
-        filter_time=_filter_time(wanted, velocity[0], every.velocity) if kd else 0.0,
+        filter_time=filter_time if kd else 0.0,
         position_kp=outer,
         **{name: fed[name.removeprefix("feedforward_")] if gain is None else gain for name, gain in given.items()},
         current_period=every.current,
@@ -374,7 +375,7 @@ def _late(
     if counts is None or counts.periods:
         return int(periods[0]), float(every[0])
     most = most_gain(counts, periods, period)
-    if _pair(wanted) != (None, None):
+    if wanted.velocity_kp is not None or wanted.velocity_ki is not None:
         return 1, float(every[0])
     inertia = modes(train)[Regime.FORWARD_DRIVING].inertia
     if wanted.bandwidth is not None:
@@ -395,66 +396,51 @@ def _late(
 def _velocity(
     train: DriveTrain, lag: float, wanted: CascadeRequirements, where: Callable[[str], str]
 ) -> tuple[tuple[float, float], str]:
-    """Gains of the velocity loop and their rule."""
-    kp, ki = wanted.velocity_kp, wanted.velocity_ki
+    """Gains of the velocity loop and their rule; in each, one gain that is given sets the other."""
+    kp, ki, k_t, every = wanted.velocity_kp, wanted.velocity_ki, train.torque_constant, modes(train)
+    J = every[Regime.FORWARD_DRIVING].inertia
     if kp is not None and ki is not None:
         return (kp, ki), "velocity: given"
     if wanted.bandwidth is None and wanted.damping is None:
-        return _symmetrical(train, lag, wanted, where)
-    every, k_t = modes(train), train.torque_constant
-    J, damping = every[Regime.FORWARD_DRIVING].inertia, wanted.damping or _DAMPING
-    if kp is not None:
-        w = (k_t * kp + train.viscous) / (2.0 * damping * J)
-    elif ki is not None:
-        w = math.sqrt(k_t * ki / J)
+        if kp == 0.0 or ki == 0.0:  # P or I alone is what was meant
+            return (kp or 0.0, ki or 0.0), "velocity: given"
+        a = SPREAD if wanted.phase_margin is None else spread_of(wanted.phase_margin)
+        if kp is not None:
+            a = J / (k_t * kp * lag)
+        elif ki is not None:
+            a = math.cbrt(J / (k_t * ki * lag * lag))
+        if a <= 1.0:
+            name, most = ("velocity_kp", J / (k_t * lag)) if kp else ("velocity_ki", J / (k_t * lag * lag))
+            raise InputError(
+                f"{where(name)}: with {getattr(wanted, name):.4g} no reset time makes the loop stable; expected less "
+                f"than {most:.4g}, or velocity_kp and velocity_ki together"
+            )
+        designed, rule = symmetrical_optimum(J, k_t, lag, a), f"velocity: symmetrical optimum, a = {a:.3g}"
     else:
-        assert wanted.bandwidth is not None
-        most = most_bandwidth(lag, damping, every[Regime.FORWARD_BRAKING].inertia / J)
-        _reachable(wanted.bandwidth, most, damping, where)
-        w = natural_frequency(wanted.bandwidth, damping)
-    placed = pole_placement(J, k_t, w, damping, train.viscous)
-    if placed[0] < 0.0:
-        raise InputError(f"{where('bandwidth')}: the friction alone makes the drive faster than that; expected more")
-    gains = (placed[0] if kp is None else kp, placed[1] if ki is None else ki)
-    return gains, f"velocity: pole placement, {show(w, 'rad/s', 'rotary_speed', 3)}, damping {damping:.3g}"
-
-
-def _reachable(bandwidth: float, most: float, damping: float, where: Callable[[str], str]) -> None:
-    """Refuse a bandwidth or damping that the delay of the loop does not allow."""
-    if math.isnan(most):
-        raise InputError(f"{where('damping')}: {damping:.3g} leaves a phase margin below 30° at any bandwidth")
-    if bandwidth > most:
-        raise InputError(
-            f"{where('bandwidth')}: {show(bandwidth, 'Hz', 'frequency')} is faster than the delay of the loop allows "
-            f"at 30° of phase margin; expected at most {show(math.floor(most * 10) / 10, 'Hz', 'frequency')}"
-        )
-
-
-def _symmetrical(
-    train: DriveTrain, lag: float, wanted: CascadeRequirements, where: Callable[[str], str]
-) -> tuple[tuple[float, float], str]:
-    """The symmetrical optimum; one gain that is given sets the spread, and with it the other."""
-    J, k_t, kp, ki = modes(train)[Regime.FORWARD_DRIVING].inertia, train.torque_constant, *_pair(wanted)
-    if kp == 0.0 or ki == 0.0:  # P or I alone is what was meant
-        return (kp or 0.0, ki or 0.0), "velocity: given"
-    a = SPREAD if wanted.phase_margin is None else spread_of(wanted.phase_margin)
-    if kp is not None:
-        a = J / (k_t * kp * lag)
-    elif ki is not None:
-        a = math.cbrt(J / (k_t * ki * lag * lag))
-    if a <= 1.0:
-        name, most = ("velocity_kp", J / (k_t * lag)) if kp else ("velocity_ki", J / (k_t * lag * lag))
-        raise InputError(
-            f"{where(name)}: with {getattr(wanted, name):.4g} no reset time makes the loop stable; expected less than "
-            f"{most:.4g}, or velocity_kp and velocity_ki together"
-        )
-    designed = symmetrical_optimum(J, k_t, lag, a)
-    gains = (designed[0] if kp is None else kp, designed[1] if ki is None else ki)
-    return gains, f"velocity: symmetrical optimum, a = {a:.3g}"
-
-
-def _pair(wanted: CascadeRequirements) -> tuple[float | None, float | None]:
-    return wanted.velocity_kp, wanted.velocity_ki
+        damping = wanted.damping or _DAMPING
+        if kp is not None:
+            w = (k_t * kp + train.viscous) / (2.0 * damping * J)
+        elif ki is not None:
+            w = math.sqrt(k_t * ki / J)
+        else:
+            assert wanted.bandwidth is not None
+            most = most_bandwidth(lag, damping, every[Regime.FORWARD_BRAKING].inertia / J)
+            if math.isnan(most):
+                raise InputError(f"{where('damping')}: {damping:.3g} leaves a phase margin below 30° at any bandwidth")
+            if wanted.bandwidth > most:
+                raise InputError(
+                    f"{where('bandwidth')}: {show(wanted.bandwidth, 'Hz', 'frequency')} is faster than the delay of "
+                    "the loop allows at 30° of phase margin; expected at most "
+                    f"{show(math.floor(most * 10) / 10, 'Hz', 'frequency')}"
+                )
+            w = natural_frequency(wanted.bandwidth, damping)
+        designed = pole_placement(J, k_t, w, damping, train.viscous)
+        if designed[0] < 0.0:
+            raise InputError(
+                f"{where('bandwidth')}: the friction alone makes the drive faster than that; expected more"
+            )
+        rule = f"velocity: pole placement, {show(w, 'rad/s', 'rotary_speed', 3)}, damping {damping:.3g}"
+    return (designed[0] if kp is None else kp, designed[1] if ki is None else ki), rule
 
 
 def _position(
@@ -471,14 +457,6 @@ def _position(
     return position_gain(late + lag), "position: aperiodic"
 
 
-def _filter_time(wanted: CascadeRequirements, kp: float, period: float) -> float:
-    """Filter of the derivative [s]: as given, else a tenth of the derivative time, a period at least."""
-    if wanted.filter_time is not None:
-        return wanted.filter_time
-    assert wanted.velocity_kd is not None
-    return max(period, wanted.velocity_kd / kp / FILTER) if kp else period
-
-
 # -- Warnings about a loop in words, each with the figure that would be right.
 #
 # .. [1] K. J. Åström, T. Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA 1995, ch. 4: margins.
@@ -487,10 +465,6 @@ def _filter_time(wanted: CascadeRequirements, kp: float, period: float) -> float
 
 RESONANCE_SHARE = 0.2  # a bandwidth above a fifth of the resonance is near it [2]
 _RISE = math.log(9.0) / (2.0 * math.pi)  # bandwidth times rise time (10-90 %) of a first-order lag, 0.35
-
-
-def _hertz(figure: float) -> str:
-    return show(figure, "Hz", "frequency", 3)
 
 
 def loop_warnings(loops: Iterable[Loop], profile: Profile | None = None) -> list[str]:
@@ -505,9 +479,10 @@ def loop_warnings(loops: Iterable[Loop], profile: Profile | None = None) -> list
             margin, least = (f"{math.degrees(figure):.3g}°" for figure in (loop.phase_margin, LEAST_PHASE_MARGIN))
             said.append(f"{where} rings: phase margin {margin}, expected {least} at least")
         if loop.stable and loop.bandwidth < _RISE / ramp:
+            has, needs = (show(f, "Hz", "frequency", 3) for f in (loop.bandwidth, _RISE / ramp))
             said.append(
-                f"the {loop.name} loop is slower than the profile: bandwidth {_hertz(loop.bandwidth)}, and the "
-                f"shortest ramp, {show(ramp, 's', 'time', 3)}, needs {_hertz(_RISE / ramp)}"
+                f"the {loop.name} loop is slower than the profile: bandwidth {has}, and the "
+                f"shortest ramp, {show(ramp, 's', 'time', 3)}, needs {needs}"
             )
     return said
 
@@ -535,10 +510,13 @@ def resonance_warning(loops: Loops, stiffness: float) -> list[str]:
         return []
     inside = "within" if wanted >= loops.anti_resonance else "near"
     stiffer = stiffness * (wanted / most) ** 2  # a frequency goes with the root of the stiffness
+    bandwidth, low, high, share = (
+        show(figure, "Hz", "frequency", 3) for figure in (wanted, loops.anti_resonance, loops.resonance, most)
+    )
     return [
-        f"the load swings against the motor {inside} the bandwidth of {_hertz(wanted)} that the velocity loop has with "
-        f"a stiff shaft: anti-resonance at {_hertz(loops.anti_resonance)}, resonance at {_hertz(loops.resonance)}; "
-        f"expected a bandwidth below a fifth of that, {_hertz(most)}, or a stiffness above {stiffer:.3g} N·m/rad"
+        f"the load swings against the motor {inside} the bandwidth of {bandwidth} that the velocity loop has with "
+        f"a stiff shaft: anti-resonance at {low}, resonance at {high}; "
+        f"expected a bandwidth below a fifth of that, {share}, or a stiffness above {stiffer:.3g} N·m/rad"
     ]
 
 

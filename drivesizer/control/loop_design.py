@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeVar
+from typing import Any
 
 import control
 import numpy as np
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from scipy.linalg import schur
 
 from drivesizer.catalog import EDGES
-from drivesizer.catalog import Controller as ControllerPart
 from drivesizer.control.drive_train import DriveTrain, Mode, Regime, drive_train, elastic, modes
 from drivesizer.control.gains import RESONANCE_SHARE, SPREAD, CascadeRequirements, design, design_cascade, margin_of
 from drivesizer.control.loop_models import (
@@ -26,7 +25,7 @@ from drivesizer.control.loop_models import (
     velocity_open_loop,
     voltage_open_loop,
 )
-from drivesizer.control.validation import LEAST_PHASE_MARGIN, Bode, Cascade, Gains, Loop, Loops, rates
+from drivesizer.control.validation import LEAST_PHASE_MARGIN, Bode, Cascade, Gains, Loop, Loops, Rates, rates
 from drivesizer.errors import InputError
 from drivesizer.physics.counted_speed import MOST_PERIODS, Counts, answer
 from drivesizer.results.drive_set import DriveParts
@@ -50,7 +49,6 @@ __all__ = ["analyse", "designed", "edges_of", "frequency_response", "loop_of", "
 
 Array = NDArray[np.float64]
 _Values = NDArray[np.complex128]
-_Response = Callable[[Array], _Values]  # of angular frequencies [rad/s]
 _POINTS = 1500
 _DECADES = 6.0  # below the Nyquist frequency
 _MOST_SAMPLES = 20_000  # of a step response
@@ -73,17 +71,16 @@ def analyse(train: DriveTrain, controller: Cascade | Gains) -> Loops:
         From the inside out.
     """
     loops = {name: _worse(name, opened) for name, opened in opened_loops(train, controller).items()}
+    if not train.flexible:
+        return Loops(**loops, rigid_bandwidth=loops["velocity"].bandwidth)
     # braking, the load's inertia counts less: that resonance is the lower one
-    found = resonance(train, modes(train)[Regime.FORWARD_BRAKING]) if train.flexible else (math.nan, math.nan)
-    rigid = loops["velocity"]
-    if train.flexible:
-        rigid = _worse("velocity", opened_loops(replace(train, stiffness=math.inf), controller)["velocity"])
-    return Loops(**loops, anti_resonance=found[0], resonance=found[1], rigid_bandwidth=rigid.bandwidth)
+    low, high = resonance(train, modes(train)[Regime.FORWARD_BRAKING])
+    rigid = _worse("velocity", opened_loops(replace(train, stiffness=math.inf), controller)["velocity"])
+    return Loops(**loops, anti_resonance=low, resonance=high, rigid_bandwidth=rigid.bandwidth)
 
 
 def opened_loops(train: DriveTrain, controller: Cascade | Gains) -> dict[str, dict[str, System]]:
     """The open loops of a controller by name and direction of power."""
-
     every = modes(train)
 
     def both(opened: Callable[..., System], answer: str = "speed") -> dict[str, System]:
@@ -104,66 +101,134 @@ def _worse(name: str, opened: Mapping[str, System]) -> Loop:
     if unstable:  # it has no margins, whatever the other direction's are
         return max(unstable, key=lambda loop: loop.pole_radius)
     worst = max(found, key=lambda loop: loop.sensitivity)
-    return replace(
-        worst,
-        gain_margin=_least(loop.gain_margin for loop in found),
-        phase_margin=_least(loop.phase_margin for loop in found),
-        bandwidth=_least(loop.bandwidth for loop in found),
-    )
+    least = {
+        figure: min((f for loop in found if math.isfinite(f := getattr(loop, figure))), default=math.nan)
+        for figure in ("gain_margin", "phase_margin", "bandwidth")
+    }
+    return replace(worst, **least)
+
+
+class _Response:
+    """A loop with unit feedback: the closed one's poles, and both responses on a grid and between its points."""
+
+    def __init__(self, opened: System) -> None:
+        last = [*[0.0] * (opened.noutputs - 1), 1.0]
+        self.whole = closed(opened[:, 0], last)[0, 0]  # from the reference to the first output
+        self.poles = tuple(complex(p) for p in self.whole.poles())
+        self.radius = max((abs(p) for p in self.poles), default=0.0)
+        self.final = float(np.real(self.whole.dcgain(warn_infinite=False)))
+        self.values = frequency_response(opened)
+        # up to the Nyquist frequency [rad/s], finer around the poles that ring, and not on the pole itself
+        nyquist = math.pi / opened.dt
+        even, around = np.geomspace(nyquist * 10.0**-_DECADES, nyquist, _POINTS), np.geomspace(1e-7, 0.1, 40)
+        rings = [abs(np.angle(p)) / opened.dt for p in (*self.poles, *opened.poles()) if p.imag > 0.0 and abs(p) > 0.5]
+        every = np.unique(np.concatenate([even, *(w * (1.0 + sign * around) for w in rings for sign in (-1.0, 1.0))]))
+        self.w = every[(every >= even[0]) & (every <= nyquist)]
+
+    def opening(self, w: Array) -> _Values:
+        """The open loop."""
+        return self.values(w)[-1]
+
+    def closing(self, w: Array) -> _Values:
+        """The closed one."""
+        found = self.values(w)
+        return np.asarray(found[0] / (1.0 + found[-1]))
+
+    def crossings(
+        self, response: Callable[[Array], _Values], figure: Callable[[_Values], Array]
+    ) -> list[tuple[float, complex]]:
+        """Angular frequency [rad/s] and response wherever a figure of a response changes sign, to 1e-12.
+
+        Of equal parts of a step of the grid the one that has it, again and again: of all steps at once, for the
+        response of a long delay has a hundred such places.
+        """
+        sampled = figure(response(self.w))
+        below = sampled < 0.0  # a figure that is 0 on the grid counts with those above: its crossing is found once
+        before = np.flatnonzero(below[:-1] != below[1:])
+        if not len(before):
+            return []
+        ends, values = self.w[np.stack([before, before + 1])], sampled[np.stack([before, before + 1])]
+        for _ in range(_TIMES):
+            places = np.linspace(ends[0], ends[1], _PARTS + 1)
+            inside = figure(response(places[1:-1].ravel())).reshape(_PARTS - 1, -1)
+            found = np.concatenate([values[:1], inside, values[1:]])
+            after = np.argmax((found < 0.0) != (found[0] < 0.0), axis=0)
+            rows = np.stack([after - 1, after])
+            ends, values = np.take_along_axis(places, rows, 0), np.take_along_axis(found, rows, 0)
+        at = ends[0] - values[0] * (ends[1] - ends[0]) / (values[1] - values[0])
+        return [*zip(at.tolist(), response(at).tolist(), strict=True)]
+
+    def phase_margin(self) -> tuple[float, float]:
+        """Phase margin [rad] and its crossover [Hz]; NaN: the gain never is 1."""
+        phases = [
+            (math.pi - abs(math.remainder(math.atan2(z.imag, z.real), 2.0 * math.pi)), at / (2.0 * math.pi))
+            for at, z in self.crossings(self.opening, lambda z: np.abs(z) - 1.0)
+        ]
+        return min(phases, default=(math.nan, math.nan))
+
+    def bandwidth(self) -> float:
+        """Frequency at which the closed loop first is 3 dB below its value at rest [Hz]; NaN: nowhere."""
+        level = abs(self.final) / math.sqrt(2.0)
+        if not (math.isfinite(level) and level > 0.0 and abs(self.closing(self.w[:1])[0]) > level):
+            return math.nan
+        found = self.crossings(self.closing, lambda z: np.abs(z) - level)
+        return found[0][0] / (2.0 * math.pi) if found else math.nan
 
 
 def loop_of(name: str, opened: System, direction: str = "") -> Loop:
     """All figures of a loop with unit feedback."""
-    own, w, opening, closing = _responses(opened)
-    (L, T), whole = (each(w) for each in (opening, closing)), _whole(opened)
-    radius = max((abs(p) for p in own), default=0.0)
-    stable = radius < 1.0
-    none = (math.nan, math.nan)
-    gains = _gain_margins(opening, w, L) if stable else none
-    phase, crossover = _phase_margin(opening, w, L) if stable else none
-    final = float(np.real(whole.dcgain(warn_infinite=False)))
-    step = _step(whole, radius) if stable else np.empty(0)
-    rise, over, settling = _answer(step, final, opened.dt)
+    seen, none = _Response(opened), (math.nan, math.nan)
+    L, T, stable = seen.opening(seen.w), seen.closing(seen.w), seen.radius < 1.0
+    margins, phase, bandwidth, step = none, none, math.nan, np.empty(0)
+    if stable:
+        real = [z.real for _, z in seen.crossings(seen.opening, lambda z: z.imag)]
+        real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
+        factors = [-1.0 / x for x in real if x < 0.0]
+        margins = (min((f for f in factors if f > 1.0), default=math.nan),
+                   max((f for f in factors if f < 1.0), default=math.nan))  # fmt: skip
+        phase, bandwidth = seen.phase_margin(), seen.bandwidth()
+        # until the slowest pole has decayed to 1e-4, or the most samples
+        samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(seen.radius, 0.1), 1.0 - 1e-9)))
+        time = np.arange(min(samples, _MOST_SAMPLES)) * opened.dt
+        step = np.asarray(control.step_response(seen.whole, time).outputs)
+    rise, over, settling = _answer(step, seen.final, opened.dt)
     return Loop(
         name=name,
         direction=direction,
         period=float(opened.dt),
         stable=stable,
-        pole_radius=radius,
-        poles=own,
-        gain_margin=gains[0],
-        gain_reduction=gains[1],
-        phase_margin=phase,
-        crossover=crossover,
+        pole_radius=seen.radius,
+        poles=seen.poles,
+        gain_margin=margins[0],
+        gain_reduction=margins[1],
+        phase_margin=phase[0],
+        crossover=phase[1],
         sensitivity=float(np.max(1.0 / np.abs(1.0 + L))),
-        bandwidth=_bandwidth(final, closing, w, T) if stable else math.nan,
+        bandwidth=bandwidth,
         rise_time=rise,
         overshoot=over,
         settling_time=settling,
         step=step,
-        bode=_bode(w, L, T),
+        bode=Bode(
+            frequency=seen.w / (2.0 * math.pi),
+            open_magnitude=np.abs(L),
+            open_phase=np.unwrap(np.angle(L)),
+            closed_magnitude=np.abs(T),
+            closed_phase=np.unwrap(np.angle(T)),
+        ),
     )
 
 
-def _whole(opened: System) -> System:
-    """The closed loop from the reference to the first output."""
-    last = [*[0.0] * (opened.noutputs - 1), 1.0]
-    return closed(opened[:, 0], last)[0, 0]
+def margin_and_bandwidth(opened: System) -> tuple[float, float]:
+    """Phase margin [rad] and bandwidth [Hz] alone: NaN of an unstable loop, infinite where the gain never reaches 1."""
+    seen = _Response(opened)
+    if seen.radius >= 1.0:
+        return math.nan, math.nan
+    phase, _ = seen.phase_margin()
+    return math.inf if math.isnan(phase) else phase, seen.bandwidth()
 
 
-def _responses(opened: System) -> tuple[tuple[complex, ...], Array, _Response, _Response]:
-    """Closed loop's poles, a grid of frequencies, and the responses of the open and the closed loop."""
-    own = tuple(complex(p) for p in _whole(opened).poles())
-    values = frequency_response(opened)
-
-    def closing(w: Array) -> _Values:
-        found = values(w)
-        return np.asarray(found[0] / (1.0 + found[-1]))
-
-    return own, _grid([*own, *opened.poles()], opened.dt), lambda w: values(w)[-1], closing
-
-
-def frequency_response(system: System) -> _Response:
+def frequency_response(system: System) -> Callable[[Array], _Values]:
     r"""The transfer functions from the first input on the unit circle; no number at a pole.
 
     .. math:: C (z I - A)^{-1} B + D
@@ -185,126 +250,25 @@ def frequency_response(system: System) -> _Response:
     return response
 
 
-def margin_and_bandwidth(opened: System) -> tuple[float, float]:
-    """Phase margin [rad] and bandwidth [Hz] alone: NaN of an unstable loop, infinite where the gain never reaches 1."""
-    own, w, opening, closing = _responses(opened)
-    if max((abs(p) for p in own), default=0.0) >= 1.0:
-        return math.nan, math.nan
-    phase, _ = _phase_margin(opening, w, opening(w))
-    final = float(np.real(_whole(opened).dcgain(warn_infinite=False)))
-    return math.inf if math.isnan(phase) else phase, _bandwidth(final, closing, w, closing(w))
-
-
-def _least(figures: Iterable[float]) -> float:
-    return min((f for f in figures if math.isfinite(f)), default=math.nan)
-
-
-def _grid(poles: Iterable[complex], period: float) -> Array:
-    """Angular frequencies up to the Nyquist frequency [rad/s], finer around the poles that ring."""
-    nyquist = math.pi / period
-    even = np.geomspace(nyquist * 10.0**-_DECADES, nyquist, _POINTS)
-    around = np.geomspace(1e-7, 0.1, 40)  # and not on the pole itself
-    rings = [abs(np.angle(p)) / period for p in poles if p.imag > 0.0 and abs(p) > 0.5]
-    near = [w * (1.0 + sign * around) for w in rings for sign in (-1.0, 1.0)]
-    every: Array = np.unique(np.concatenate([even, *near]))
-    inside: Array = every[(every >= even[0]) & (every <= nyquist)]
-    return inside
-
-
-def _crossings(
-    response: _Response, w: Array, sampled: Array, figure: Callable[[_Values], Array]
-) -> list[tuple[float, complex]]:
-    """Angular frequency [rad/s] and response wherever a figure of the response changes sign."""
-    below = sampled < 0.0  # a figure that is 0 on the grid counts with those above: its crossing is found once
-    before = np.flatnonzero(below[:-1] != below[1:])
-    if not len(before):
-        return []
-    steps = np.stack([before, before + 1])
-    found = _roots(lambda x: figure(response(x)), w[steps], sampled[steps])
-    return [*zip(found.tolist(), response(found).tolist(), strict=True)]
-
-
-def _roots(figure: Callable[[Array], Array], ends: Array, values: Array) -> Array:
-    """Places at which a figure changes sign, to 1e-12: of equal parts the one that has it, again and again.
-
-    Of all steps of a grid at once, for the response of a long delay has a hundred such places; ends and values there
-    have shape (2, steps).
-    """
-    for _ in range(_TIMES):
-        places = np.linspace(ends[0], ends[1], _PARTS + 1)
-        inside = figure(places[1:-1].ravel()).reshape(_PARTS - 1, -1)
-        found = np.concatenate([values[:1], inside, values[1:]])
-        after = np.argmax((found < 0.0) != (found[0] < 0.0), axis=0)
-        rows = np.stack([after - 1, after])
-        ends, values = np.take_along_axis(places, rows, 0), np.take_along_axis(found, rows, 0)
-    found_at: Array = ends[0] - values[0] * (ends[1] - ends[0]) / (values[1] - values[0])
-    return found_at
-
-
-def _gain_margins(response: _Response, w: Array, L: _Values) -> tuple[float, float]:
-    """Gain margin up and down [factors]; NaN: none."""
-    real = [z.real for _, z in _crossings(response, w, L.imag, lambda z: z.imag)]
-    real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
-    factors = [-1.0 / x for x in real if x < 0.0]
-    return min((f for f in factors if f > 1.0), default=math.nan), max(
-        (f for f in factors if f < 1.0), default=math.nan
-    )
-
-
-def _phase_margin(response: _Response, w: Array, L: _Values) -> tuple[float, float]:
-    """Phase margin in either sense [rad], and its frequency [Hz]; NaN: none."""
-    phases = [
-        (abs(math.remainder(math.pi + math.atan2(z.imag, z.real), 2.0 * math.pi)), at / (2.0 * math.pi))
-        for at, z in _crossings(response, w, np.abs(L) - 1.0, lambda z: np.abs(z) - 1.0)
-    ]
-    return min(phases, default=(math.nan, math.nan))
-
-
-def _bandwidth(final: float, closing: _Response, w: Array, T: _Values) -> float:
-    """Frequency at which the closed loop first is 3 dB below its value at rest [Hz]; NaN: nowhere."""
-    level = abs(final) / math.sqrt(2.0)
-    if not (math.isfinite(level) and level > 0.0):
-        return math.nan
-    above = np.abs(T) - level
-    found = _crossings(closing, w, above, lambda z: np.abs(z) - level)
-    return found[0][0] / (2.0 * math.pi) if found and above[0] > 0.0 else math.nan
-
-
-def _step(whole: System, radius: float) -> Array:
-    """Step response of a stable loop, until its slowest pole has decayed to 1e-4, or to the most samples."""
-    samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(radius, 0.1), 1.0 - 1e-9)))
-    time = np.arange(min(samples, _MOST_SAMPLES)) * whole.dt
-    return np.asarray(control.step_response(whole, time).outputs)
-
-
 def _answer(step: Array, final: float, period: float) -> tuple[float, float, float]:
-    """Rise time [s], overshoot and settling time [s] of a step; NaN where a level is not reached."""
+    """Rise time [s], overshoot and settling time [s] of a step; NaN where a level is not reached.
+
+    Between samples a level is met by a straight line; python-control's ``step_info`` has whole samples.
+    """
     if not len(step) or not (math.isfinite(final) and abs(final) > 1e-9):
         return (math.nan,) * 3
     y = step / final
     outside = np.flatnonzero(np.abs(y - 1.0) > _SETTLED)
     settled = int(outside[-1]) + 1 if len(outside) else 0
-    rise = _reached(y, 0.9) - _reached(y, 0.1)
-    return rise * period, max(float(y.max()) - 1.0, 0.0), settled * period if settled < len(y) else math.nan
 
+    def reached(level: float) -> float:  # samples
+        n = int(np.argmax(y >= level))
+        if y[n] < level:
+            return math.nan
+        return n - float((y[n] - level) / (y[n] - y[n - 1])) if n else 0.0
 
-def _reached(y: Array, level: float) -> float:
-    """Sample at which a response first reaches a level, linearly interpolated; NaN: never."""
-    above = np.flatnonzero(y >= level)
-    if not len(above):
-        return math.nan
-    n = int(above[0])
-    return n - float((y[n] - level) / (y[n] - y[n - 1])) if n else 0.0
-
-
-def _bode(w: Array, L: _Values, closed: _Values) -> Bode:
-    return Bode(
-        frequency=w / (2.0 * math.pi),
-        open_magnitude=np.abs(L),
-        open_phase=np.unwrap(np.angle(L)),
-        closed_magnitude=np.abs(closed),
-        closed_phase=np.unwrap(np.angle(closed)),
-    )
+    rise = (reached(0.9) - reached(0.1)) * period
+    return rise, max(float(y.max()) - 1.0, 0.0), settled * period if settled < len(y) else math.nan
 
 
 # -- Designed gains checked on the sampled loop: made slower until every required margin is met, or refused.
@@ -319,85 +283,68 @@ def _bode(w: Array, L: _Values, closed: _Values) -> Bode:
 #    1633-1649: describing functions.
 
 
-Controller = TypeVar("Controller", Gains, Cascade)
-
 _SLOWEST = 2.0**12  # factor beyond which no slower loop is tried
 _CLOSE = 1.01  # to which factor the slower loop is sought
 
 
-class Required(NamedTuple):
-    """A drive train, and the margins that designed gains must meet around it."""
+def tuned(
+    make: Callable[[float], Gains | Cascade], train: DriveTrain, margin: float
+) -> tuple[Gains | Cascade, float, str]:
+    """The fastest controller around a drive train with a phase margin [rad], the factor by which it is slower, and why.
 
-    train: DriveTrain
-    margin: float  # rad, of phase, at least
-
-
-class Tuned(NamedTuple):
-    """Factor by which a loop is slower than its design rule, and why."""
-
-    slower: float
-    why: str
-
-
-def tuned(make: Callable[[float], Controller], required: Required) -> tuple[Controller, Tuned]:
-    """The fastest controller that meets the required margins."""
+    Slower than its design rule, which misses a margin.
+    """
     found = make(1.0)
-    why = flaw(found, required)
+    why = flaw(found, train, margin)
     if not why:
-        return found, Tuned(1.0, "")
+        return found, 1.0, ""
     low = high = 1.0
-    while flaw(make(high), required):
+    while flaw(make(high), train, margin):
         low, high = high, 2.0 * high
         if high > _SLOWEST:
             raise InputError(f"control: gains designed by rule miss their margins, however slow: {why}")
     while high / low > _CLOSE:
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if flaw(make(middle), required) else (low, middle)
-    return make(high), Tuned(high, why)
+        low, high = (middle, high) if flaw(make(middle), train, margin) else (low, middle)
+    return make(high), high, why
 
 
-def flaw(controller: Gains | Cascade, required: Required) -> str:
+def flaw(controller: Gains | Cascade, train: DriveTrain, least: float) -> str:
     """The first margin that a loop misses, in words."""
-    for name, opened in _opened(controller, required):
+    for name, opened in _opened(controller, train):
         margin, bandwidth = margin_and_bandwidth(opened)
         if math.isnan(margin):
             return f"the {name} is unstable"
-        if margin < required.margin:
-            return f"the {name} has {math.degrees(margin):.3g}° of phase margin, less than {_degrees(required.margin)}"
-        if "stiff" in name and bandwidth > (most := RESONANCE_SHARE * _resonance(required)):
-            hertz, share = (show(f, "Hz", "frequency", 3) for f in (bandwidth, most))
-            return f"the {name} has a bandwidth of {hertz}, above {share}, a fifth of the resonance"
+        if margin < least:
+            has, wants = (f"{math.degrees(angle):.3g}°" for angle in (margin, least))
+            return f"the {name} has {has} of phase margin, less than {wants}"
+        if "stiff" in name:
+            most = RESONANCE_SHARE * resonance(train, modes(train)[Regime.FORWARD_BRAKING])[1]
+            if bandwidth > most:
+                hertz, share = (show(f, "Hz", "frequency", 3) for f in (bandwidth, most))
+                return f"the {name} has a bandwidth of {hertz}, above {share}, a fifth of the resonance"
     return ""
 
 
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle):.3g}°"
-
-
-def _resonance(required: Required) -> float:
-    return resonance(required.train, modes(required.train)[Regime.FORWARD_BRAKING])[1]
-
-
-def _opened(controller: Gains | Cascade, required: Required) -> Iterator[tuple[str, System]]:
+def _opened(controller: Gains | Cascade, train: DriveTrain) -> Iterator[tuple[str, System]]:
     """The loops to be checked, with their names."""
-    train = required.train
     every, rigid = modes(train), replace(train, stiffness=math.inf)
-    directions = {"driving": every[Regime.FORWARD_DRIVING], "braking": every[Regime.FORWARD_BRAKING]}
-    for direction, mode in directions.items():
+
+    def velocity(train: DriveTrain, mode: Mode) -> System:
+        if isinstance(controller, Gains):
+            return from_error(voltage_open_loop(train, mode, controller))
+        return from_error(velocity_open_loop(train, mode, controller))
+
+    for direction, regime in _DIRECTIONS.items():
         if train.flexible:
-            yield f"velocity loop with a stiff shaft, {direction},", _velocity(controller, rigid, mode)
-        yield f"velocity loop, {direction},", _velocity(controller, train, mode)
+            yield f"velocity loop with a stiff shaft, {direction},", velocity(rigid, every[regime])
+        yield f"velocity loop, {direction},", velocity(train, every[regime])
         if isinstance(controller, Cascade) and controller.position_kp and controller.position_period:
-            yield f"position loop, {direction},", from_error(position_open_loop(train, mode, controller), "angle")
+            opened = position_open_loop(train, every[regime], controller)
+            yield f"position loop, {direction},", from_error(opened, "angle")
     if train.flexible and train.gap:
-        alone = Mode(regime=Regime.FORWARD_DRIVING, inertia=train.motor_inertia, drag=train.friction)
-        yield "velocity loop of the motor alone, in the backlash,", _velocity(controller, rigid, alone)
-
-
-def _velocity(controller: Gains | Cascade, train: DriveTrain, mode: Mode) -> System:
-    if isinstance(controller, Gains):
-        return from_error(voltage_open_loop(train, mode, controller))
-    return from_error(velocity_open_loop(train, mode, controller))
+        alone = Mode(inertia=train.motor_inertia, drag=train.friction)
+        yield "velocity loop of the motor alone, in the backlash,", velocity(rigid, alone)
 
 
 # -- The controller of a drive: its rates and its encoder, gains by rule, checked on the sampled loop.
@@ -411,20 +358,51 @@ _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's i
 
 def designed(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
     """The drive train of a spec and a drive, the controller designed for it, and the assumptions of both."""
-    if spec.control.structure == "cascade":
-        return _cascade(spec, drive_set)
-    period, said = _period(spec, drive_set.controller)
-    rigid, assumed = drive_train(spec, drive_set, period)
+    c = spec.control
+    if c.structure == "cascade":
+        every, said = rates(drive_set.controller, c.rate)
+        return _designed(spec, drive_set, every, said)
+    rate = drive_set.controller.speed_loop if drive_set.controller else math.nan
+    period, said = _PERIOD, []
+    if c.rate is not None or rate > 0.0:
+        period = 1.0 / (c.rate or rate)
+    else:
+        said = [f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}"]
+    return _designed(spec, drive_set, Rates(period, period, 0.0), said)
+
+
+def _designed(
+    spec: RobotSpec, drive_set: DriveParts, every: Rates, said: list[str]
+) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
+    rigid, assumed = drive_train(spec, drive_set, every.current)
     train = _with_shaft(spec, drive_set, rigid)
-    counts, more = _counts(spec, drive_set, train, period)
-    said += [*assumed, *more]
-    if spec.control.kp is not None:
-        return train, design(spec, train, period, counts), said
-    gains, slower = tuned(
-        lambda factor: design(spec, train, period, counts, factor), Required(train, stated_margin(spec))
-    )
-    _refuse_slower(spec, ("control", "bandwidth"), spec.control.bandwidth, slower)
-    return train, gains, [*said, *_reported(slower)]
+    counts, more = _counts(spec, drive_set, train, every.velocity)
+    said, cascade = [*said, *assumed, *more], spec.control.structure == "cascade"
+    own, rules = spec.control.velocity if cascade else spec.control, list[str]()
+    wanted = _requirements(spec)
+
+    def make(slower: float) -> Gains | Cascade:
+        if not cascade:
+            return design(spec, train, every.velocity, counts, slower)
+        less = wanted if wanted.bandwidth is None else replace(wanted, bandwidth=wanted.bandwidth / slower)
+        found, rules[:] = design_cascade(
+            train, every, less, where=lambda field: spec.where(_path(field)), counts=counts, slower=slower
+        )
+        return found
+
+    if own.kp is not None or (cascade and own.ki is not None):
+        given = make(1.0)
+        return train, given, [*said, *rules]
+    found, slower, why = tuned(make, train, stated_margin(spec))
+    if why and own.bandwidth is not None:
+        where = spec.where(("control", "velocity", "bandwidth") if cascade else ("control", "bandwidth"))
+        most = show(math.floor(10.0 * own.bandwidth / slower) / 10.0, "Hz", "frequency")
+        required = show(own.bandwidth, "Hz", "frequency")
+        raise InputError(f"{where}: {required} is too fast: {why}; expected at most {most}")
+    said += rules
+    if why:
+        said.append(f"the loop is {slower:.3g} times slower than its design rule, with which {why}")
+    return train, found, said
 
 
 def train_behind(spec: RobotSpec, drive_set: DriveParts, controller: Gains | Cascade) -> tuple[DriveTrain, list[str]]:
@@ -432,58 +410,6 @@ def train_behind(spec: RobotSpec, drive_set: DriveParts, controller: Gains | Cas
     period = controller.period if isinstance(controller, Gains) else controller.current_period
     rigid, said = drive_train(spec, drive_set, period)
     return _with_shaft(spec, drive_set, rigid), said
-
-
-def _cascade(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Cascade, list[str]]:
-    every, said = rates(drive_set.controller, spec.control.rate)
-    rigid, assumed = drive_train(spec, drive_set, every.current)
-    train = _with_shaft(spec, drive_set, rigid)
-    counts, more = _counts(spec, drive_set, train, every.velocity)
-    wanted = _requirements(spec)
-    rules: list[str] = []
-
-    def make(slower: float) -> Cascade:
-        less = wanted if wanted.bandwidth is None else replace(wanted, bandwidth=wanted.bandwidth / slower)
-        found, rules[:] = design_cascade(
-            train, every, less, where=lambda field: spec.where(_path(field)), counts=counts, slower=slower
-        )
-        return found
-
-    if wanted.velocity_kp is not None or wanted.velocity_ki is not None:
-        return train, make(1.0), [*said, *assumed, *more, *rules]
-    cascade, slower = tuned(make, Required(train, stated_margin(spec)))
-    _refuse_slower(spec, ("control", "velocity", "bandwidth"), wanted.bandwidth, slower)
-    return train, cascade, [*said, *assumed, *more, *rules, *_reported(slower)]
-
-
-def _refuse_slower(spec: RobotSpec, path: tuple[str, ...], bandwidth: float | None, slower: Tuned) -> None:
-    """Refuse a required bandwidth where the loop must be slower."""
-    if bandwidth is not None and slower.why:
-        most = show(math.floor(10.0 * bandwidth / slower.slower) / 10.0, "Hz", "frequency")
-        required = show(bandwidth, "Hz", "frequency")
-        raise InputError(f"{spec.where(path)}: {required} is too fast: {slower.why}; expected at most {most}")
-
-
-def _reported(slower: Tuned) -> list[str]:
-    if not slower.why:
-        return []
-    return [f"the loop is {slower.slower:.3g} times slower than its design rule, with which {slower.why}"]
-
-
-# --- rates
-
-
-def _period(spec: RobotSpec, controller: ControllerPart | None) -> tuple[float, list[str]]:
-    """The period of a controller's velocity loop [s]."""
-    if spec.control.rate is not None:
-        return 1.0 / spec.control.rate, []
-    rate = controller.speed_loop if controller else math.nan
-    if rate > 0.0:
-        return 1.0 / rate, []
-    return _PERIOD, [f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}"]
-
-
-# --- the encoder
 
 
 def edges_of(spec: RobotSpec, drive_set: DriveParts) -> int:
@@ -496,7 +422,7 @@ def _counts(
     spec: RobotSpec, drive_set: DriveParts, train: DriveTrain, period: float
 ) -> tuple[Counts | None, list[str]]:
     """Counting of the speed, and the assumptions made; None: it is measured exactly."""
-    edges = edges_of(spec, drive_set)
+    edges, time = edges_of(spec, drive_set), spec.control.count_time
     if not edges:
         lacks = "the drive has no encoder" if drive_set.encoder is None else "the encoder's resolution is unknown"
         return None, [] if spec.control.speed_from == "exact" else [f"{lacks}: speed is measured exactly"]
@@ -505,23 +431,13 @@ def _counts(
     peak = drive_set.controller.peak_current if drive_set.controller else math.nan
     amperes = answer(volts, train.resistance, peak, drive_set.motor.nominal_current)
     volts_per_ampere = 1.0 if spec.control.structure == "cascade" else train.resistance
-    return Counts(edges, amperes * volts_per_ampere, _periods(spec, period)), []
-
-
-def _periods(spec: RobotSpec, period: float) -> int:
-    """Counting time of the spec in periods; 0: the best is found."""
-    time = spec.control.count_time
-    if time is None:
-        return 0
-    if not 0.5 <= time / period < MOST_PERIODS + 0.5:
+    if time is not None and not 0.5 <= time / period < MOST_PERIODS + 0.5:
         raise InputError(
             f"{spec.where(('control', 'count_time'))}: {show(time, 'ms', 'time')} is no counting time at a period of "
             f"{show(period, 'ms', 'time', 4)}; expected one to {MOST_PERIODS} periods"
         )
-    return round(time / period)
-
-
-# --- requirements
+    periods = 0 if time is None else round(time / period)  # 0: the best is found
+    return Counts(edges, amperes * volts_per_ampere, periods), []
 
 
 def stated_margin(spec: RobotSpec) -> float:
@@ -534,7 +450,10 @@ def stated_margin(spec: RobotSpec) -> float:
 
 
 def _with_shaft(spec: RobotSpec, drive_set: DriveParts, train: DriveTrain) -> DriveTrain:
-    """The drive train with the elastic shaft that a spec gives; the same one of a rigid model."""
+    """The drive train with the elastic shaft that a spec gives; the same one of a rigid model.
+
+    Backlash at the driven shaft is the spec's, else the gearhead's; 0 where neither is known.
+    """
     if spec.plant.model == "rigid":
         return train
     where, stiffness = spec.where(("plant", "model")), spec.plant.stiffness or spec.belt_stiffness
@@ -543,17 +462,8 @@ def _with_shaft(spec: RobotSpec, drive_set: DriveParts, train: DriveTrain) -> Dr
     if not train.load_inertia > 0.0:
         raise InputError(f"{where}: two_mass needs an inertia of the load, e.g. inertia: 0.02 kg*m^2")
     damping = 2.0 * spec.plant.damping_ratio * math.sqrt(stiffness * train.load_inertia)
-    return elastic(train, stiffness, damping, _gap(spec, drive_set))
-
-
-def _gap(spec: RobotSpec, drive_set: DriveParts) -> float:
-    """Backlash at the driven shaft [rad]: the spec's, else the gearhead's; 0 where neither is known."""
-    own = drive_set.gearhead.backlash / drive_set.belt_ratio
-    gap = spec.plant.backlash if spec.plant.backlash is not None else own
-    return 0.0 if math.isnan(gap) else float(gap)
-
-
-# --- gains of the spec
+    gap = drive_set.gearhead.backlash / drive_set.belt_ratio if spec.plant.backlash is None else spec.plant.backlash
+    return elastic(train, stiffness, damping, 0.0 if math.isnan(gap) else float(gap))
 
 
 def _requirements(spec: RobotSpec) -> CascadeRequirements:
@@ -569,7 +479,7 @@ def _requirements(spec: RobotSpec) -> CascadeRequirements:
 
 
 def _path(field: str) -> tuple[str, ...]:
-    """Path of a field of ``Wanted`` in the spec."""
+    """Path of a field of ``CascadeRequirements`` in the spec."""
     section, _, name = field.partition("_")
     if section in ("current", "velocity", "position", "feedforward"):
         return "control", section, name

@@ -28,7 +28,7 @@ from typing import Any
 import control
 import numpy as np
 
-from drivesizer.control.drive_train import DriveTrain, Mode, matrices
+from drivesizer.control.drive_train import DriveTrain, Mode
 from drivesizer.control.gains import COMPUTING
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.physics.belt import resonance as two_masses
@@ -53,11 +53,25 @@ _SPEED, _ANGLE = 1, 4
 
 
 def dc_motor(train: DriveTrain, mode: Mode, *, angle: bool = False) -> System:
-    """The DC motor with its gears and load in continuous time, linear about a moving point."""
-    A, B = matrices(train, mode)
-    B = np.hstack([B, [[0.0], [-1.0 / mode.inertia]]])
+    """The DC motor with its gears and load in continuous time, linear about a moving point.
+
+    With an elastic shaft the states are i, w, the load's speed and the twist as at the motor.
+    """
+    R, L, k_e, k_t, b = (train.resistance, train.inductance, train.back_emf_constant, train.torque_constant,
+                         train.viscous)  # fmt: skip
+    A = np.array([[-R / L, -k_e / L], [k_t / mode.inertia, -b / mode.inertia]])
+    B = np.array([[1 / L, 0.0], [0.0, -1.0 / mode.inertia]])
     if train.flexible:
-        A, B = _two_masses(train, mode, A)
+        J_M, J_L = train.motor_inertia, mode.inertia - train.motor_inertia
+        share = J_L / train.load_inertia  # 1/(e K^2) or e/K^2: a stiffness goes to the motor as an inertia does
+        c, d = train.stiffness * share, train.damping * share
+        A = np.array([
+            [-R / L, -k_e / L, 0.0, 0.0],
+            [k_t / J_M, -(d + b) / J_M, d / J_M, -c / J_M],
+            [0.0, d / J_L, -d / J_L, c / J_L],
+            [0.0, 1.0, -1.0, 0.0],
+        ])  # fmt: skip
+        B = np.array([[1.0 / L, 0.0], [0.0, 0.0], [0.0, -1.0 / J_L], [0.0, 0.0]])
     n = len(A)
     C = np.vstack([np.eye(2, n), np.eye(1, n, n - 2 if train.flexible else 1), np.zeros((1, n))])
     if angle:
@@ -72,22 +86,6 @@ def dc_motor(train: DriveTrain, mode: Mode, *, angle: bool = False) -> System:
 def _sampled_motor(train: DriveTrain, mode: Mode, period: float) -> System:
     """The motor with its angle, its voltage and load torque held over each period."""
     return dc_motor(train, mode, angle=True).sample(period)
-
-
-def _two_masses(train: DriveTrain, mode: Mode, rigid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """State matrices of motor and load; states i, w, the load's speed and the twist as at the motor."""
-    J_M, J_L = train.motor_inertia, mode.inertia - train.motor_inertia
-    share = J_L / train.load_inertia  # 1/(e K^2) or e/K^2: a stiffness goes to the motor as an inertia does
-    c, d = train.stiffness * share, train.damping * share
-    A = np.array(
-        [
-            [rigid[0, 0], rigid[0, 1], 0.0, 0.0],
-            [train.torque_constant / J_M, -(d + train.viscous) / J_M, d / J_M, -c / J_M],
-            [0.0, d / J_L, -d / J_L, c / J_L],
-            [0.0, 1.0, -1.0, 0.0],
-        ]
-    )
-    return A, np.array([[1.0 / train.inductance, 0.0], [0.0, 0.0], [0.0, -1.0 / J_L], [0.0, 0.0]])
 
 
 def pid(kp: float, ki: float, period: float, kd: float = 0.0, filter_time: float = 0.0) -> System:
@@ -174,20 +172,15 @@ def current_open_loop(train: DriveTrain, cascade: Cascade) -> System:
     return winding * controller[0, 0]
 
 
-def _current_closed(train: DriveTrain, mode: Mode, cascade: Cascade, fine: bool) -> System:
-    """From current demand and load torque to the motor's outputs, at the velocity loop's rate; back-EMF and all."""
-    period = cascade.current_period
-    held = _sampled_motor(train, mode, period)
-    controller = _answered(pid(cascade.current_kp, cascade.current_ki, period))
-    loop = closed(held * controller, [1.0])
-    return _lifted(loop[:, [0, 2]], cascade.current_steps, fine=fine)
-
-
 def velocity_open_loop(
     train: DriveTrain, mode: Mode, cascade: Cascade, *, angle: bool = False, fine: bool = False
 ) -> System:
     """Open velocity loop around the closed current loop."""
-    held = _measured(_current_closed(train, mode, cascade, fine), cascade.counted_over, angle=angle)
+    # the current loop from its demand and load torque, at the velocity loop's rate; back-EMF and all
+    inner = _answered(pid(cascade.current_kp, cascade.current_ki, cascade.current_period))
+    current = closed(_sampled_motor(train, mode, cascade.current_period) * inner, [1.0])
+    lifted = _lifted(current[:, [0, 2]], cascade.current_steps, fine=fine)
+    held = _measured(lifted, cascade.counted_over, angle=angle)
     kd, filter_time = cascade.velocity_kd, cascade.filter_time
     controller = pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
     return held * _answered(controller)
