@@ -57,7 +57,7 @@ def main() -> None:
         print(f"{f'{model} model, {len(found.planned.time):,} periods':40}{seconds:10.2f} s    goal: well under 1 s")
     part = beginning(route, options.pieces)
     fast, mine = timed(lambda: driven(part, "kinematic"), options.runs)
-    following.compiled = lambda: kernel_loop.follow_one
+    following.machine_code = lambda _: kernel_loop.follow_one
     slow, plain = timed(lambda: driven(part, "kinematic"), 1)
     off = np.abs(mine.posture - plain.posture).max()
     print(

@@ -273,7 +273,7 @@ def test_compiled_or_not_the_figures_are_the_same(monkeypatch):
     p, torques = SMALL[1]
     given = np.array(torques)[:, None] * np.ones((2, 40))
     fast = drive(p, given, period=2e-3, velocity=(0.3, 0.0, 0.5))
-    monkeypatch.setattr(following, "compiled", lambda: kernel_loop.follow_one)
+    monkeypatch.setattr(following, "machine_code", lambda _: kernel_loop.follow_one)
     slow = drive(p, given, period=2e-3, velocity=(0.3, 0.0, 0.5))
     for name in ("posture", "speeds", "load", "lost"):
         assert getattr(slow, name) == pytest.approx(getattr(fast, name), rel=1e-11, abs=1e-13)

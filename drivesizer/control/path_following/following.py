@@ -11,9 +11,10 @@ import numpy as np
 
 from drivesizer.control.gains import LATE, pole_placement, symmetrical_optimum
 from drivesizer.control.path_following import kernel_layout as at
-from drivesizer.control.path_following.kernel import compiled
+from drivesizer.control.path_following.kernel import KERNEL
 from drivesizer.control.path_following.slip import Contact
 from drivesizer.errors import InputError
+from drivesizer.files.machine_code import machine_code
 from drivesizer.platform import equations as eq
 from drivesizer.platform.dynamics import LEVEL, Dynamics, Ground, contact_loads, dynamics, wheel_space, wheel_torques
 from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, map_columns, to_robot
@@ -58,10 +59,7 @@ class SpeedLoop:
     limit: tuple[float, ...]  # N*m at the wheel; infinite: none
 
     def __post_init__(self) -> None:
-        _checked_period("speed loop", self.period)
-        for name in ("proportional", "integral", "limit"):
-            if not all(value >= 0.0 for value in getattr(self, name)):
-                raise InputError(f"speed loop: {name} must be 0 or more, got {getattr(self, name)!r}")
+        _checked("speed loop", self.period, {n: getattr(self, n) for n in ("proportional", "integral", "limit")})
         if len({len(self.proportional), len(self.integral), len(self.limit)}) != 1:
             raise InputError("speed loop: proportional, integral and limit must have a figure for each driven wheel")
 
@@ -77,18 +75,19 @@ class PoseLoop:
     distance: float = math.inf  # m, of a unicycle: a lateral error y decays with the distance s as (1 + s/d) exp(-s/d)
 
     def __post_init__(self) -> None:
-        _checked_period("pose loop", self.period)
-        for name in ("proportional", "integral", "distance"):
-            if not getattr(self, name) >= 0.0:
-                raise InputError(f"pose loop: {name} must be 0 or more, got {getattr(self, name)!r}")
+        given = {name: (getattr(self, name),) for name in ("proportional", "integral", "distance")}
+        _checked("pose loop", self.period, given)
         if self.unicycle and not 0.0 < self.distance < math.inf:
             raise InputError(f"pose loop: a unicycle needs a distance above 0, got {self.distance!r}")
 
 
-def _checked_period(what: str, period: float) -> None:
+def _checked(what: str, period: float, given: dict[str, tuple[float, ...]]) -> None:
     low, high = _PERIODS
     if not low <= period <= high:
         raise InputError(f"{what}: period must lie between {low:g} s and {high:g} s, got {period!r}")
+    for name, values in given.items():
+        if not all(value >= 0.0 for value in values):
+            raise InputError(f"{what}: {name} must be 0 or more, got {values if len(values) > 1 else values[0]!r}")
 
 
 def inertias(d: Dynamics) -> tuple[tuple[float, ...], float]:
@@ -423,7 +422,7 @@ def _simulate(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: P
     limited, torque = np.zeros(n), np.clip(fed[0], -gains[:, 2], gains[:, 2])
     S = d.kinematics.motions
     eta = np.ascontiguousarray(map_columns(S @ np.linalg.pinv(S), plan.in_robot()[0]).T)
-    done = compiled()(
+    done = machine_code(KERNEL)(
         a.W, a.K, a.B, a.C, a.M, gains, d.kinematics.E, P, np.ascontiguousarray(plan.posture.T), eta, fed[1:], start,
         torque, speeds.period, a.lever, min(tolerance, least), np.zeros((n, at.WORK)), np.zeros((3, 3)),
         np.zeros((7, len(start))), np.zeros(9 + 2 * n), rows, floor, applied, limited,

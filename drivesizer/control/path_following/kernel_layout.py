@@ -12,14 +12,7 @@ from __future__ import annotations
 
 from drivesizer.platform.matrix_equation import Array
 
-__all__ = [
-    "APERIODIC", "AT", "AX", "AY", "BOTTOM", "BT", "BX", "BY", "CASTER_COLUMNS", "CASTER_FX", "CASTER_FY",
-    "CASTER_K", "CASTER_N0", "CASTER_RR", "CASTER_SX", "CASTER_SY", "CASTER_X", "CASTER_Y", "COLUMNS", "CR",
-    "CREEP", "CW", "DAA", "DAB", "DBB", "DW", "EVERY", "FA", "FASTEST", "FB", "FRICTION", "FW", "GAMMA", "HEIGHT",
-    "HELD", "INPUT", "KIND", "K_I", "K_P", "K_X", "K_Y", "LAW", "LOAD", "LOST_CASTER", "LOST_ROLLER", "LOST_SLIP",
-    "LOST_WHEEL", "N0", "POSE", "PULL", "PX", "PY", "RA", "RB", "RHO", "SIDE", "SLIP", "SLIP_SPEED", "STRENGTH",
-    "SX", "SY", "TALLIES", "TURNROUND", "UPHILL", "WEIGHT", "WORK", "Array", "J", "R",
-]  # fmt: skip
+__all__ = ["Array"]
 
 GAMMA = 1.0 - 0.5**0.5  # of the Rosenbrock step: order 2 and L-stable
 FASTEST = 1e6  # m/s and rad/s: faster diverges

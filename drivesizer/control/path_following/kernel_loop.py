@@ -212,30 +212,11 @@ def solve(W: Array, w: Array, A: Array, f: Array) -> None:
         f[3 + i] = (f[3 + i] - side) / w[i, at.BOTTOM]
 
 
-def subtract_inertia(W: Array, M: Array, k: Array, f: Array) -> None:
-    """Subtract 2 M k from forces."""
-    for r in range(3):
-        f[r] -= 2.0 * (M[r, 0] * k[0] + M[r, 1] * k[1] + M[r, 2] * k[2])
-    for i in range(W.shape[0]):
-        f[3 + i] -= 2.0 * W[i, at.J] * k[3 + i]
-
-
 def posture_rate(y: Array, rate: Array) -> None:
     """Rate of the posture at a state."""
     c, s = math.cos(y[2]), math.sin(y[2])
     rate[0], rate[1] = c * y[at.POSE] - s * y[at.POSE + 1], s * y[at.POSE] + c * y[at.POSE + 1]
     rate[2] = y[at.POSE + 2]
-
-
-def embedded_error(W: Array, k1: Array, k2: Array, h: float, lever: float) -> float:
-    """The embedded error, of first order: largest of all speeds [m/s]."""
-    worst = 0.0
-    for r in range(3 + W.shape[0]):
-        size = 1.0 if r < 2 else lever if r == 2 else W[r - 3, at.R]
-        found = 0.5 * h * abs(k1[r] + k2[r]) * size
-        if not found <= worst:
-            worst = found
-    return worst
 
 
 def try_step(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Array, h: float, lever: float,
@@ -254,7 +235,10 @@ def try_step(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque:
         z[3 + r] = y[3 + r] + h * k1[r]
     forces(W, K, B, C, z, torque, w, k2, p2)
     posture_rate(z, m2)
-    subtract_inertia(W, M, k1, k2)
+    for r in range(3):  # less 2 M k_1
+        k2[r] -= 2.0 * (M[r, 0] * k1[0] + M[r, 1] * k1[1] + M[r, 2] * k1[2])
+    for i in range(W.shape[0]):
+        k2[3 + i] -= 2.0 * W[i, at.J] * k1[3 + i]
     solve(W, w, A, k2)
     for r in range(3):
         z[r] = y[r] + 0.5 * h * (m1[r] + m2[r])
@@ -262,7 +246,13 @@ def try_step(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque:
         z[3 + r] = y[3 + r] + h * (1.5 * k1[r] + 0.5 * k2[r])
     for r in range(at.TALLIES):
         z[3 + n + r] = y[3 + n + r] + 0.5 * h * (p1[r] + p2[r])
-    return embedded_error(W, k1, k2, h, lever)
+    worst = 0.0  # the embedded error, of first order: largest of all speeds
+    for r in range(n):
+        size = 1.0 if r < 2 else lever if r == 2 else W[r - 3, at.R]
+        found = 0.5 * h * abs(k1[r] + k2[r]) * size
+        if not found <= worst:
+            worst = found
+    return worst
 
 
 def advance(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: Array, period: float, reach: float,
@@ -298,39 +288,36 @@ def advance(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: 
 # A torque responds to the sample of one period before, and is held for a period. Arrays as in ``kernel_layout``.
 
 
-def take_pose(P: Array, y: Array, wanted: Array, z: Array, period: float) -> None:
-    """Take a pose: errors in the robot's frame, then their integrals, in z."""
-    x, v = wanted[0] - y[0], wanted[1] - y[1]
-    c, s = math.cos(y[2]), math.sin(y[2])
-    turned = wanted[2] - y[2]
-    z[0], z[1], z[2] = c * x + s * v, c * v - s * x, math.atan2(math.sin(turned), math.cos(turned))
-    for r in range(3):
-        z[3 + r] += P[at.K_I] * z[r] * period
+def command(P: Array, y: Array, wanted: Array, eta: Array, z: Array, taken: bool, period: float) -> None:
+    """Velocity command of the wheels, z[6:9]: the planned velocity and the correction by the last pose.
 
-
-def velocity_command(P: Array, eta: Array, z: Array, c: Array) -> None:
-    """Velocity command of the wheels, in c: the planned velocity and the correction by the last pose."""
-    c[0], c[1], c[2] = eta[0], eta[1], eta[2]
+    Where a pose is taken its errors in the robot's frame are z[0:3], and their integrals z[3:6].
+    """
+    if taken:
+        x, v, turned = wanted[0] - y[0], wanted[1] - y[1], wanted[2] - y[2]
+        c, s = math.cos(y[2]), math.sin(y[2])
+        z[0], z[1], z[2] = c * x + s * v, c * v - s * x, math.atan2(math.sin(turned), math.cos(turned))
+        for r in range(3):
+            z[3 + r] += P[at.K_I] * z[r] * period
+    z[6], z[7], z[8] = eta[0], eta[1], eta[2]
     if P[at.LAW] == 1.0:
         a, b = math.cos(z[2]), math.sin(z[2])
-        c[0] = a * eta[0] - b * eta[1] + P[at.K_P] * z[0] + z[3]
-        c[1] = b * eta[0] + a * eta[1] + P[at.K_P] * z[1] + z[4]
-        c[2] = eta[2] + P[at.K_P] * z[2] + z[5]
+        z[6] = a * eta[0] - b * eta[1] + P[at.K_P] * z[0] + z[3]
+        z[7] = b * eta[0] + a * eta[1] + P[at.K_P] * z[1] + z[4]
+        z[8] = eta[2] + P[at.K_P] * z[2] + z[5]
     elif P[at.LAW] == 2.0:
-        c[0] = eta[0] * math.cos(z[2]) + P[at.K_X] * z[0] + z[3]
-        c[2] = eta[2] + eta[0] * (P[at.K_Y] * z[1] + P[at.APERIODIC] * math.sin(z[2]))
+        z[6] = eta[0] * math.cos(z[2]) + P[at.K_X] * z[0] + z[3]
+        z[8] = eta[2] + eta[0] * (P[at.K_Y] * z[1] + P[at.APERIODIC] * math.sin(z[2]))
 
 
 def torque_command(G: Array, E: Array, c: Array, fed: Array, y: Array, i: int, sums: Array, period: float) -> float:
     """Torque command of a wheel's controller; its integral is frozen while the torque is at its limit."""
     error = E[i, 0] * c[0] + E[i, 1] * c[1] + E[i, 2] * c[2] - y[at.POSE + 3 + i]
     torque: float = fed[i] + G[i, 0] * error + sums[i]
-    if abs(torque) > G[i, 2]:
-        if torque * error < 0.0:
-            sums[i] += G[i, 1] * error * period
-        return math.copysign(G[i, 2], torque)
-    sums[i] += G[i, 1] * error * period
-    return torque
+    over = abs(torque) > G[i, 2]
+    if not over or torque * error < 0.0:
+        sums[i] += G[i, 1] * error * period
+    return math.copysign(G[i, 2], torque) if over else torque
 
 
 def record_state(W: Array, y: Array, torque: Array, w: Array, row: Array, floor: Array, applied: Array) -> None:
@@ -356,9 +343,7 @@ def follow_one(W: Array, K: Array, B: Array, C: Array, M: Array, G: Array, E: Ar
         record_state(W, y, torque, w, rows[k], floor[k], applied[k])
         if k == wanted.shape[0] - 1:
             break
-        if P[at.LAW] != 0.0 and k % int(P[at.EVERY]) == 0:
-            take_pose(P, y, wanted[k], z, period * P[at.EVERY])
-        velocity_command(P, eta[k], z, z[6:9])
+        command(P, y, wanted[k], eta[k], z, P[at.LAW] != 0.0 and k % int(P[at.EVERY]) == 0, period * P[at.EVERY])
         for i in range(n):
             z[9 + n + i] = 0.0
             if W[i, at.KIND] == 0.0:

@@ -7,20 +7,11 @@ from dataclasses import replace
 from math import inf, isfinite
 from typing import NamedTuple
 
-from drivesizer.control.path_following.following import (
-    Followed,
-    Model,
-    SpeedLoop,
-    follow,
-    is_unicycle,
-    pose_loop,
-    speed_loop,
-)
+from drivesizer.control.path_following.following import Followed, Model, follow, is_unicycle, pose_loop, speed_loop
 from drivesizer.control.path_following.slip import Contact
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import Driving, dynamics_of, ground_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.platform.dynamics import Dynamics
 from drivesizer.platform.stability import least_margin
 from drivesizer.platform.wheels import EXACT, Misjudged
 from drivesizer.results.drive_set import DriveSet
@@ -45,63 +36,68 @@ class FollowingRun(NamedTuple):
         return self.model, loop, poses, "all" if self.exact else "not all"
 
 
+_MODELS: tuple[Model, ...] = ("kinematic", "dynamic")
 _COMPARED = (
     *(FollowingRun(model, integral, False, exact) for exact in (True, False) for integral in (True, False)
-      for model in ("kinematic", "dynamic")),
-    *(FollowingRun(model, True, True, False) for model in ("kinematic", "dynamic")),
+      for model in _MODELS),
+    *(FollowingRun(model, True, True, False) for model in _MODELS),
 )  # fmt: skip
 
 
 def follow_runs(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
     """The runs by name: kinematic and dynamic model, open-loop, and the dynamic one with pose feedback where possible.
 
-    Where the spec compares, also both models with P and PI loops, with and without misjudged figures.
+    Where the spec compares, also both models with P and PI loops, with and without misjudged figures. A path on which
+    the platform tips over is refused: contact is simulated for wheels on the floor.
     """
-    _upright(found)
-    return {name: follow_case(found, chosen, case) for name, case in _cases(found).items()}
-
-
-def _upright(found: Driving) -> None:
-    """Refuse a path on which the platform tips over: contact is simulated for wheels on the floor."""
     d, section = dynamics_of(found.spec), _section(found)
-    if not section.height_known:
-        return
-    least = least_margin(d.platform, found.trajectory, ground_of(found.spec))
-    if least.value < 0.0:
-        raise InputError(
-            f"{found.spec.where(('platform', 'centre_of_mass'))}: the platform tips over at "
-            f"{show(least.time, 's', 'time')} of its path, {show(-least.value, 'mm', 'length')} beyond its wheels; "
-            "expected one that can be followed: a lower centre of mass, or smaller platform.limits"
-        )
-
-
-def _cases(found: Driving) -> dict[str, FollowingRun]:
-    """Models and controllers of the runs, by name."""
-    given, k = _section(found).following, dynamics_of(found.spec).kinematics
-    steered = k.mobility == 3 or is_unicycle(k)
+    if section.height_known:
+        least = least_margin(d.platform, found.trajectory, ground_of(found.spec))
+        if least.value < 0.0:
+            raise InputError(
+                f"{found.spec.where(('platform', 'centre_of_mass'))}: the platform tips over at "
+                f"{show(least.time, 's', 'time')} of its path, {show(-least.value, 'mm', 'length')} beyond its wheels; "
+                "expected one that can be followed: a lower centre of mass, or smaller platform.limits"
+            )
+    given, k = section.following, d.kinematics
+    steered, integral = k.mobility == 3 or is_unicycle(k), given.speed_loop == "PI"
     if given.compare:
-        cases = (case for case in _COMPARED if steered or not case.poses)
-        return {", ".join(case.words): case for case in cases}
-    integral = given.speed_loop == "PI"
-    runs = {f"{model} model": FollowingRun(model, integral, False, False) for model in ("kinematic", "dynamic")}
-    return runs | ({"poses fed back": FollowingRun("dynamic", integral, True, False)} if steered else {})
+        cases = {", ".join(case.words): case for case in _COMPARED if steered or not case.poses}
+    else:
+        cases = {f"{model} model": FollowingRun(model, integral, False, False) for model in _MODELS}
+        if steered:
+            cases["poses fed back"] = FollowingRun("dynamic", integral, True, False)
+    return {name: follow_case(found, chosen, case) for name, case in cases.items()}
 
 
 def follow_case(
     found: Driving, chosen: DriveSet | None, case: FollowingRun, misjudged: Misjudged | None = None
 ) -> Followed:
-    """Simulate one run."""
-    section = _section(found)
-    wheel = wheel_drive(section.following, chosen)
+    """Simulate one run; its speed loops are designed, with the gains that the spec gives."""
+    section, load = _section(found), found.spec.load
+    assert isinstance(load, WheeledVehicle)
+    given, wheel = section.following, wheel_drive(section.following, chosen)
     d = dynamics_of(found.spec, wheel.inertia)
-    speeds = _speeds(d, section.following, wheel.torque, case.integral)
-    poses = pose_loop(d, speeds, period=section.following.pose_period, speed=_fastest(found)) if case.poses else None
-    off = EXACT if case.exact else misjudged or section.misjudged.record
-    floor, ground = _floor(found), ground_of(found.spec)
+    speeds = speed_loop(d, period=given.period, limit=wheel.torque, integral=case.integral)
+    if given.speed_gain is not None:
+        speeds = replace(speeds, proportional=(given.speed_gain,) * len(speeds.proportional))
+    if given.speed_integral is not None and case.integral:
+        speeds = replace(speeds, integral=(given.speed_integral,) * len(speeds.integral))
+    x, y, _ = found.trajectory.velocity
+    fastest = float((x**2 + y**2).max() ** 0.5)
+    floor = Contact(slip_speed=given.slip_speed, creep=given.creep)
+    if load.friction_coefficient is not None:
+        floor = replace(floor, friction=load.friction_coefficient)
     return follow(
-        found.trajectory, d.platform, model=case.model, misjudged=off, contact=floor, speeds=speeds, poses=poses,
-        ground=ground,
-    )  # fmt: skip
+        found.trajectory,
+        d.platform,
+        model=case.model,
+        misjudged=EXACT if case.exact else misjudged or section.misjudged.record,
+        contact=floor,
+        speeds=speeds,
+        poses=pose_loop(d, speeds, period=given.pose_period, speed=fastest) if case.poses else None,
+        ground=ground_of(found.spec),
+    )
 
 
 def drawn(runs: Mapping[str, Followed]) -> dict[str, Followed]:
@@ -116,23 +112,6 @@ def _section(found: Driving) -> Platform:
     section = found.spec.platform
     assert section is not None
     return section
-
-
-def _floor(found: Driving) -> Contact:
-    load, given = found.spec.load, _section(found).following
-    assert isinstance(load, WheeledVehicle)
-    floor = Contact(slip_speed=given.slip_speed, creep=given.creep)
-    return floor if load.friction_coefficient is None else replace(floor, friction=load.friction_coefficient)
-
-
-def _speeds(d: Dynamics, given: Following, limit: float, integral: bool) -> SpeedLoop:
-    """The speed loops: designed, with the gains that the spec gives."""
-    made = speed_loop(d, period=given.period, limit=limit, integral=integral)
-    if given.speed_gain is not None:
-        made = replace(made, proportional=(given.speed_gain,) * len(made.proportional))
-    if given.speed_integral is not None and integral:
-        made = replace(made, integral=(given.speed_integral,) * len(made.integral))
-    return made
 
 
 class AtWheel(NamedTuple):
@@ -155,11 +134,6 @@ def wheel_drive(given: Following, chosen: DriveSet | None) -> AtWheel:
         inertia if given.rotor_inertia is None else given.rotor_inertia,
         torque if given.torque_limit is None else given.torque_limit,
     )
-
-
-def _fastest(found: Driving) -> float:
-    x, y, _ = found.trajectory.velocity
-    return float((x**2 + y**2).max() ** 0.5)
 
 
 def assumed(found: Driving, chosen: DriveSet | None) -> tuple[str, ...]:
