@@ -219,10 +219,8 @@ def test_refused_in_a_line(path: Path, changes: dict[str, Any], said: str) -> No
 
 def test_gains_of_a_closed_loop_are_not_used(path: Path) -> None:
     found = simulated(path, control={"kp": 3})
-    assert (
-    said = "control.kp: a stepper runs open-loop; of control only damping_ratio, idle_current, microsteps, phase_current"
+    said = "control.kp: a stepper runs open-loop; of control only damping_ratio, idle_current, microsteps, phase_"
     assert any(one.startswith(said) for one in found.warnings)
-    )
 
 
 # --- outputs
