@@ -22,7 +22,7 @@ from drivesizer.control.closed_loop.checks import checks, figures, series, serie
 from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.closed_loop.run import ClosedLoop, run
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
-from drivesizer.control.validation import Cascade, Gains, Remedy, Validation, controller_gains
+from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Validation, controller_gains
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on
@@ -147,7 +147,8 @@ def validate(
             else c
             for c in found
         )
-    own, lacking = (), list[str]()
+    own: tuple[ControllerGain, ...] = ()
+    lacking: list[str] = []
     if controller is not None and isinstance(case.controller, Cascade):
         own, lacking = controller_gains(case.controller, controller.family)
     return Validation(

@@ -70,7 +70,7 @@ def analyse(train: DriveTrain, controller: Cascade | Gains) -> Loops:
     Loops
         From the inside out.
     """
-    loops = {name: _worse(name, opened) for name, opened in opened_loops(train, controller).items()}
+    loops: dict[str, Any] = {name: _worse(name, opened) for name, opened in opened_loops(train, controller).items()}
     if not train.flexible:
         return Loops(**loops, rigid_bandwidth=loops["velocity"].bandwidth)
     # braking, the load's inertia counts less: that resonance is the lower one
@@ -101,7 +101,7 @@ def _worse(name: str, opened: Mapping[str, System]) -> Loop:
     if unstable:  # it has no margins, whatever the other direction's are
         return max(unstable, key=lambda loop: loop.pole_radius)
     worst = max(found, key=lambda loop: loop.sensitivity)
-    least = {
+    least: dict[str, Any] = {
         figure: min((f for loop in found if math.isfinite(f := getattr(loop, figure))), default=math.nan)
         for figure in ("gain_margin", "phase_margin", "bandwidth")
     }
@@ -127,7 +127,7 @@ class _Response:
 
     def opening(self, w: Array) -> _Values:
         """The open loop."""
-        return self.values(w)[-1]
+        return np.asarray(self.values(w)[-1])
 
     def closing(self, w: Array) -> _Values:
         """The closed one."""

@@ -231,7 +231,7 @@ def _resisted(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn]
     R_25 = thermal.resistance_25(motor)
     hottest = np.fmin(thermal.steady_winding(motor, ambient, current), motor.max_winding_temperature)
 
-    def with_winding(at: float) -> float:
+    def with_winding(at: Any) -> float:
         more = float(thermal.resistance_at(R_25, at) - R_25)
         if not power:
             return value + more * current
@@ -317,8 +317,9 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
     yield _check(unless_printed(lasting, "nominal_torque", case.drive_set), note=note)
     peak = at_most("gearhead_intermittent_torque", case.figure("gear_torque"), gearhead.intermittent_torque)
     yield _check(unless_printed(peak, "peak_torque", case.drive_set), case.figure("gear_torque_time"))
+    mean, sustained = _lasting(case.profile)
     yield _check(
-        continuous_speed_limit(gearhead, *_lasting(case.profile), case.train.motor_per_speed),
+        continuous_speed_limit(gearhead, mean, sustained, case.train.motor_per_speed),
         note="of the reference: the lasting speed by the maker's rule, or the mean",
     )
     yield _check(at_most("gearhead_intermittent_speed", speed, gearhead.intermittent_input_speed), when)

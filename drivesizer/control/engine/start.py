@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -71,7 +72,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
     named |= {"KP": kp, "KI": ki * velocity, "KD": kd / filtered, "KEEP": c.filter_time / filtered,
               "KEPT": math.exp(-velocity / drive.drain_time)}  # fmt: skip
     if (heat := drive.heat) is not None:
-        b = heat.bodies
+        b: Any = heat.bodies
         low = min(heat.ambient, *(x for x in (heat.winding, heat.housing) if not math.isnan(x)), heat.ambient)
         to_w, to_h = 1.0 / (b.R_th1 * b.capacity_w), 1.0 / (b.R_th1 * b.capacity_h)
         at_ambient = b.R_25 * (1.0 + COPPER * (heat.ambient - DATA_TEMPERATURE))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -81,7 +81,7 @@ class PoseLoop:
             raise InputError(f"pose loop: a unicycle needs a distance above 0, got {self.distance!r}")
 
 
-def _checked(what: str, period: float, given: dict[str, tuple[float, ...]]) -> None:
+def _checked(what: str, period: float, given: Mapping[str, tuple[float, ...]]) -> None:
     low, high = _PERIODS
     if not low <= period <= high:
         raise InputError(f"{what}: period must lie between {low:g} s and {high:g} s, got {period!r}")

@@ -81,7 +81,7 @@ _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None, "Creator": None}, "
 class Drawing:
     """A figure of a record: laid out when it is first printed as SVG, and let go when it is printed as such again."""
 
-    def __init__(self, draw: Callable[[Figure], None]) -> None:
+    def __init__(self, draw: Callable[[Figure], object]) -> None:
         self.draw = draw
         self._laid_out: Figure | None = None
 
