@@ -197,7 +197,7 @@ def steady_winding_temperature(
     Notes
     -----
     All arguments may be arrays. The mean of the copper loss is taken as that of mean resistance and mean square
-    current: exact for a constant current, and never above the peak of any cycle (see ``winding_bounds``).
+    current: exact for a constant current, and never above the peak of any cycle.
 
     Examples
     --------

@@ -17,7 +17,7 @@ from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding
 
 __all__ = [
-    "AtGearheads", "Heat", "Parts", "Stress", "at_a_time", "behind_one", "belts_of", "heat", "heat_behind_one",
+    "AtGearheads", "Heat", "Parts", "Stress", "behind_one", "belts_of", "heat",
     "housing_loss", "on", "put", "replaced", "scales", "stress", "temperature_at_most", "volts_of",
 ]  # fmt: skip
 
@@ -453,53 +453,8 @@ def behind_one(at: AtGearhead, demand: Demands) -> tuple[AtGearhead, Demands]:
     return at.base.behind(1.0), demand._replace(coefficients=scaled, total_ratio=ratio)
 
 
-def heat_behind_one(at: AtGearhead, heating: Heat) -> Heat:
-    """Losses of candidates behind any belts as those behind one of ratio 1, see ``behind_one``.
-
-    Parameters
-    ----------
-    at
-        The load cycle behind their belts.
-    heating
-        Columns over candidates, of ``heat``.
-
-    Returns
-    -------
-    Heat
-        Friction and iron by the speed before the belt.
-    """
-    if _is_of_one(at):
-        return heating
-    return heating._replace(friction=heating.friction * at.belt, iron=heating.iron * at.belt**2)
-
-
 def _is_of_one(at: AtGearhead) -> bool:
     return not isinstance(at, AtGearheads) and bool(at.belt == 1.0)
-
-
-def at_a_time(count: int, size: int, compute: Callable[..., Any], *columns: Any) -> Any:
-    """A function of candidates behind one belt, applied to so many of them at a time.
-
-    Parameters
-    ----------
-    count
-        Number of candidates.
-    size
-        Of which so many go together, 1 at least.
-    compute
-        Function of columns over candidates: columns, or records of columns.
-    columns
-        Over all candidates: arrays, records of them, or parts.
-
-    Returns
-    -------
-    array or record of arrays
-        Columns over all candidates.
-    """
-    rows = [slice(k, k + size) for k in range(0, count, size)]
-    if len(rows) < 2:
-        return compute(*columns)
-    return put_together([compute(*(_some(column, some) for column in columns)) for some in rows])
 
 
 def _some(column: Any, rows: slice) -> Any:

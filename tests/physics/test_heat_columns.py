@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from math import exp, expm1, inf, isfinite, isnan, nan
+from dataclasses import fields
+from math import inf, isfinite, nan
 
 import numpy as np
 import pytest
 from kernel_cycles import warmed
 from scipy.integrate import solve_ivp
 
-from drivesizer.physics import heat_step, thermal
-from drivesizer.physics.heat_cycle import periodic_heat, winding_bounds
+from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies, steady_winding_temperature
 
 AMBIENT = 304.0  # K
@@ -118,79 +117,3 @@ def test_one_loss_for_all_and_figures_that_all_motors_share():
     steady = steady_winding_temperature(AMBIENT, motors.R_25, 3.1, 14.0, np.sqrt([0.5, 0.4, 0.3]), 0.4)
     assert constant.peak == pytest.approx(steady, rel=1e-11)
     assert constant.mean == pytest.approx(steady, rel=1e-11)
-
-
-# --- bounds ----------------------------------------------------------------------------------------------------------
-
-
-def bounds_of(motors, dt, squares, losses):
-    means = [columns @ dt / dt.sum() for columns in (squares, losses)]
-    peaks = np.sqrt(squares.max(axis=1)), losses.max(axis=1)
-    return winding_bounds(motors, AMBIENT, np.sqrt(means[0]), peaks[0], dt.sum(), means[1], peaks[1])
-
-
-@pytest.mark.parametrize("seed", range(25))
-def test_the_peak_lies_between_its_bounds(seed):
-    """Over 10,000 random motors and cycles: also where housings are as quick as windings, and losses take turns."""
-    random = np.random.default_rng(100 + seed)
-    motors = random_motors(random, 400)
-    if seed % 3 == 0:
-        quick = {
-            "R_th2": motors.R_th2 * 10.0 ** random.uniform(-3.0, 2.0, 400),
-            "tau_h": motors.tau_w * random.uniform(0.1, 9.0, 400),
-        }
-        motors = replace(motors, **quick)
-    dt, squares, losses = random_cycle(random, motors)
-    peak = course(motors, dt, squares, losses).peak - AMBIENT
-    lower, upper = (bound - AMBIENT for bound in bounds_of(motors, dt, squares, losses))
-    assert (lower <= peak * (1.0 + 1e-10) + 1e-10).all()
-    assert (peak <= upper * (1.0 + 1e-10) + 1e-10).all()
-    assert np.isfinite(upper).sum() > 100
-
-
-def test_constant_losses_leave_nothing_between():
-    motors = random_motors(np.random.default_rng(5), 50)
-    current = np.sqrt(0.6 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2)))
-    lower, upper = winding_bounds(motors, AMBIENT, current, current, 17.0, 0.3, 0.3)
-    assert upper == pytest.approx(lower, rel=1e-11)
-    assert lower == pytest.approx(
-        steady_winding_temperature(AMBIENT, motors.R_25, motors.R_th1, motors.R_th2, current, 0.3), rel=1e-12
-    )
-    nothing = winding_bounds(motors, AMBIENT, 0.0 * current, 0.0 * current, 17.0)
-    assert nothing.lower.tolist() == nothing.upper.tolist() == [AMBIENT] * 50
-
-
-def test_a_pulse_into_a_constant_resistance_is_at_its_upper_bound(monkeypatch):
-    for module in (heat_step, thermal):
-        monkeypatch.setattr(module, "COPPER", 0.0)
-    motors = random_motors(np.random.default_rng(6), 50)
-    dt, squares = np.array([3.0, 11.0]), np.tile([7.0, 0.0], (50, 1))
-    peak = course(motors, dt, squares).peak
-    assert bounds_of(motors, dt, squares, np.zeros((50, 2))).upper == pytest.approx(peak, rel=1e-12)
-
-
-def test_upper_bound_of_one_body_by_hand():
-    # a housing that keeps the ambient's temperature: k_per(s) = exp(-s / tau) / C_w / (1 - exp(-T / tau))
-    motor = TwoBodies(R_25=1.9, R_th1=4.0, R_th2=1e-9, tau_w=8.0, tau_h=0.5)
-    on, total, square = 3.0, 8.0, 6.0
-    heating = 4.0 * 1.9 * square * expm1(-on / 8.0) / expm1(-total / 8.0)
-    hot = heating * (1.0 + COPPER * (AMBIENT - DATA_TEMPERATURE)) / (1.0 - COPPER * heating)
-    found = winding_bounds(motor, AMBIENT, (square * on / total) ** 0.5, square**0.5, total)
-    assert found.upper - AMBIENT == pytest.approx(hot, rel=1e-7)
-    assert periodic_heat(motor, AMBIENT, [on, total - on], [square, 0.0]).winding_peak - AMBIENT < hot
-    assert exp(-total / 8.0) > 0.3  # not so long a cycle that the pulse starts from the ambient
-
-
-def test_bounds_where_the_winding_runs_away_or_figures_are_unknown():
-    motors = random_motors(np.random.default_rng(8), 7)
-    limit = np.sqrt(1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2)))
-    above = winding_bounds(motors, AMBIENT, limit * 1.01, limit * 1.3, 9.0)
-    assert np.isinf(above.lower).all() and np.isinf(above.upper).all()
-    maybe = winding_bounds(motors, AMBIENT, limit * 0.9, limit * 90.0, 1e5)
-    assert np.isfinite(maybe.lower).all() and np.isinf(maybe.upper).all()
-    for name in NAMES:
-        getattr(motors, name)[NAMES.index(name)] = (nan, 0.0)[len(name) % 2]
-    found = winding_bounds(motors, AMBIENT, 0.3 * limit, np.where(np.arange(7) == 5, nan, limit), 9.0)
-    for column in found:
-        assert np.isnan(column[:6]).all() and column[6] > AMBIENT
-    assert isnan(winding_bounds(motors, nan, 0.3 * limit, limit, 9.0).upper[6])

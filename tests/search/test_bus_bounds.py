@@ -9,8 +9,6 @@ from starters import STARTERS
 
 from drivesizer.machine.problem import problem
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING
-from drivesizer.search.columns import limits_over_time
-from drivesizer.search.ranking import sifted
 from drivesizer.spec.robot import load_spec
 
 
@@ -30,18 +28,3 @@ def test_what_load_and_masses_give_back_is_their_energy(catalog):
     height = motion.speed * (motion.cruise_time + motion.acceleration_time)
     lowered = (load.mass * 9.80665 - load.friction_force) * height * load.rope_efficiency
     assert at.braked[BRAKING] == pytest.approx(lowered, rel=1e-3)
-
-
-def test_few_drives_are_left_to_the_waveform(catalog, monkeypatch):
-    computed = []
-
-    def counted(*args):
-        computed.append(len(args[2].rms_current))
-        return exact(*args)
-
-    exact = limits_over_time.exact
-    monkeypatch.setattr(limits_over_time, "exact", counted)
-    given = problem(spec_of("arm", {"capacitance": 0.01}), catalog)
-    kept, _, _ = sifted(given, {"mass"}, None)
-    assert len(kept.sets.motor) > 1000
-    assert sum(computed) < 0.1 * len(kept.sets.motor)

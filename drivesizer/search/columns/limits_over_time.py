@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from functools import partial
+from collections.abc import Collection
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -12,22 +11,20 @@ from numpy.typing import NDArray
 from drivesizer.kernel.drives import drives_of, held
 from drivesizer.kernel.evaluate import ENERGY, POWER, evaluate
 from drivesizer.kernel.records import Drive
-from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
+from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
 from drivesizer.physics.figures import product
-from drivesizer.physics.heat_cycle import coolest_winding, winding_bounds
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
-from drivesizer.physics.thermal import resistance_25, resistance_at, two_bodies
+from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.winding import (
     Heat,
     Parts,
     Stress,
-    at_a_time,
     behind_one,
-    heat_behind_one,
     on,
     replaced,
     temperature_at_most,
+    volts_of,
 )
 from drivesizer.results.check_columns import CheckColumn, at_most, between
 from drivesizer.results.ratings import controller_current, controller_power_limit
@@ -35,8 +32,8 @@ from drivesizer.search.columns.limits import waived, winding_limit
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "WAVEFORM_LIMITS", "Exactly", "Moments", "Pair", "Wanted", "at_source", "bounds", "bus_limit", "decided", "exact",
-    "kept_on_the_bus", "least", "left_open", "waveform_limits",
+    "WAVEFORM_LIMITS", "Exactly", "Moments", "Pair", "Wanted", "bounds", "bus_limit", "decided", "exact", "least",
+    "left_open", "waveform_limits",
 ]  # fmt: skip
 
 
@@ -86,16 +83,6 @@ Exactly = Wanted | Literal["bounds"] | bool | NDArray[np.bool_]
 Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
 
 
-def between_bounds(high: Moments, cold: Moments, rows: Any, mean: Array, steady: Array) -> Pair:
-    """Bounds of candidates whose heat is unknown."""
-    low = Moments(*(column.copy() for column in high))
-    for name in ("voltage", "voltage_time", "power", "power_time"):
-        getattr(low, name)[rows] = getattr(cold, name)
-    high.stored[rows] = cold.stored  # the more the winding takes, the less is regenerated
-    low.winding[rows], high.winding[rows] = mean[rows], steady[rows]
-    return low, high
-
-
 def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair:
     """The same; with incomplete demands only lower bounds are known."""
     if demand.complete.all():
@@ -105,22 +92,6 @@ def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair
     lowest_known = {"winding": heating.winding, "voltage": cold.value, "voltage_time": cold.time}
     filled = {name: np.where(demand.complete, getattr(low, name), column) for name, column in lowest_known.items()}
     return low._replace(**filled), high
-
-
-def hottest(spec: RobotSpec, cycle: AtGearhead, heating: Heat, stresses: Stress, motor: Any) -> Array:
-    """Temperature that a winding of unknown heat does not exceed, or must not: the demand then is a safe bound."""
-    found = temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor)
-    bound: Array = np.fmin(np.where(np.isfinite(found), found, np.nan), motor["max_winding_temperature"])
-    return bound
-
-
-def warmest_passing(
-    spec: RobotSpec, cycle: AtGearhead, heating: Heat, stresses: Stress, motor: Any, peak: Array
-) -> Array:
-    """Temperature that a winding does not exceed, or fails by its heat."""
-    bound = hottest(spec, cycle, heating, stresses, motor)
-    found = np.fmin(np.where(np.isnan(peak), bound, peak), motor["max_winding_temperature"])
-    return np.where(np.isfinite(found), found, np.nan)
 
 
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
@@ -159,7 +130,7 @@ def bus_limit(spec: Any, bus: Any, limit: Any, **more: Any) -> CheckColumn:
     return at_most("bus_voltage", bus, limit, **more)
 
 
-def kept_on_the_bus(spec: Any) -> Any:
+def _kept_on_the_bus(spec: Any) -> Any:
     """Share of the returned energy that the supply does not accept: it has to stay on the bus."""
     share = 1.0 - np.asarray(spec.supply.regeneration)
     return 0.0 * share if spec.accepts_all else share
@@ -186,127 +157,49 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
     return np.where((bound <= controller["supply_max"]) | (found.stored == 0.0), bound, np.nan)
 
 
-# -- Bounds over the waveform, from moments and extremes alone: they decide most candidates.
-#
-# What they leave open is computed from the waveform itself (``exactly``), as is everything that is shown. A bound
-# never passes what the waveform would fail. Voltage and power grow with the winding's temperature wherever current
-# and voltage point the same way, and are straight in it: a winding that is nowhere cooler and nowhere warmer bounds
-# them. Symbols: R resistance [ohm], T temperature [K].
+# -- Bounds over the waveform, from moments and extremes alone: a winding in the long run at its RMS current and at its
+# largest one. What they leave open is computed from the waveform itself (``exact``), as is everything that is shown.
 
 
-_CELLS = 1 << 16  # candidates times points at a time: what stays in the processor's cache
 _ROUNDING = 1e-9  # of a figure
 _SOME = 1e-100  # s, more than nothing, of a time that is not known yet
 
 
 def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
     """Lower and upper bounds over the waveform; upper ones of windings that pass."""
-    heating, (cycle, demand) = heat_behind_one(cycle, heating), behind_one(cycle, demand)
     motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
-    low, high = winding_limits(spec, cycle, demand, heating, stresses, motor)
-    bodies, total = two_bodies(motor), cycle.load_cycle.total
-    coolest = coolest_winding(bodies, ambient, demand.rms_current, total, heating.mean, low)
-    warmest = warmest_passing(spec, cycle, heating, stresses, motor, high)
-    k_t, R_25 = motor["torque_constant"], resistance_25(motor)
-    cool, hot = (np.asarray(resistance_at(R_25, T)) for T in (coolest, warmest))
-    leads = np.broadcast_to(feed.leads if spec.resists else 0.0, k_t.shape)
-    volts, least_power = _each(cycle, _least_at_points, k_t, demand, cool, leads, feed.broadcast(len(k_t)))
-    at_hot = most_volts = np.maximum(_each(cycle, _most_at_points, k_t, demand, hot), stresses.cold_voltage.value)
+    warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
+    hot = np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
+    k_t, current, cold = motor["torque_constant"], stresses.current.value, stresses.cold_voltage.value
+    at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, cold)
+    volts = at_hot
     if spec.resists:
-        most_volts = np.maximum(at_hot, _each(cycle, _most_at_points, k_t, demand, hot + leads))
+        volts = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + feed.leads), demand.left_out).value)
+    limit, total = controller_current(parts.controller, ambient), cycle.load_cycle.total
+    with np.errstate(divide="ignore", invalid="ignore"):  # what is exceeded so long has that mean square
+        longest = total * np.minimum(np.square(demand.rms_current / limit) * (1.0 + _ROUNDING), 1.0)
+    below = np.where(np.isnan(current) | np.isnan(limit), np.nan, 0.0)
     nothing = np.full_like(k_t, np.nan)
-    none, (shortest, longest) = Moments(*[nothing] * len(Moments._fields)), _above(spec, cycle, demand, stresses, parts)
-    least = none._replace(
-        winding=low, above=shortest, voltage=np.maximum(volts, stresses.cold_voltage.value), stored=np.zeros_like(k_t)
+    none = Moments(*[nothing] * len(Moments._fields))
+    low = none._replace(
+        winding=heating.winding, voltage=cold, above=np.where(current > limit, _SOME, below), stored=np.zeros_like(k_t)
     )
-    most = none._replace(winding=high, above=longest, voltage=most_volts, stored=_most_kept(spec, cycle, demand, motor))
-    if spec.supply.current or spec.supply.power:
-        power = np.minimum(_each(cycle, _most_power, k_t, demand, hot), stresses.current.value * at_hot)
-        power = at_source(power + _most_beyond(cycle, demand, stresses, k_t), stresses, feed)
-        least = least._replace(power=of_the_source(least_power + feed.stage.standby, feed))
-        most = most._replace(power=power)
-    return least, most
-
-
-def _each(cycle: AtGearhead, compute: Callable[..., Any], *columns: Any) -> Any:
-    """A function of the cycle's extreme points and candidates, of so many of these at a time as stay in the cache."""
-    points = len(cycle.extremes.high) + len(cycle.extremes.low)
-    return at_a_time(len(columns[0]), max(_CELLS // points, 1), partial(compute, cycle), *columns)
-
-
-def at_source(power: Array, stresses: Stress, feed: Feed) -> Array:
-    """Upper bound of the power out of the source, of one of the motor's power."""
-    found: Array = of_the_source(power + feed.lost(stresses.current.value) + feed.stage.standby, feed)
-    return found
-
-
-def _most_beyond(cycle: AtGearhead, demand: Demands, stresses: Stress, k_t: Array) -> Array:
-    """Bound of the power above V I [W] where two constants differ (``waveform.balanced``); infinite if unknown."""
-    found = 2.0 * np.abs(demand.surplus(k_t)) * cycle.peak_speed * stresses.current.value
-    return np.where(np.isnan(found), np.inf, found)
-
-
-def _least_at_points(
-    cycle: AtGearhead, k_t: Array, demand: Demands, cool: Array, leads: Array, feed: Feed
-) -> tuple[Array, Array]:
-    """Less than the largest voltage [V], by points where warmth only raises it, and power into the stage there [W]."""
-    points = np.concatenate([cycle.extremes.high, cycle.extremes.low])
-    current, volts = _current_and_induced(points, k_t, demand)
-    volts += cool * current
-    power = (current * volts + feed.lost(current)).max(axis=0)
-    volts += leads * current
-    return np.where(current * volts > 0.0, np.abs(volts), 0.0).max(axis=0), power
-
-
-def _most_at_points(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> Array:
-    """The largest voltage with a winding of one resistance [V]: peaks of what is linear in the functions lie there."""
-    points = np.concatenate([cycle.extremes.high, cycle.extremes.low])
-    current, volts = _current_and_induced(points, k_t, demand)
-    volts += hot * current
-    found: Array = np.abs(volts).max(axis=0)
-    return found
-
-
-def _current_and_induced(points: Array, k_t: Array, demand: Demands) -> tuple[Array, Array]:
-    """Current [A] and induced voltage [V] at points of the functions: shape (points, candidates), few long rows."""
-    current = product(points, (demand.coefficients / k_t[:, None]).T)
-    return current, points[:, SPEED, None] * (demand.back_emf * demand.total_ratio)
-
-
-def winding_limits(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, motor: Any
-) -> tuple[Array, Array]:
-    """Bounds of the winding's peak [K]; without time constants the mean, and what the largest current would make."""
-    fast = cycle.peak_speed
-    loss_peak = heating.friction * fast + heating.iron * fast**2
-    found = winding_bounds(
-        two_bodies(motor), spec.environment.ambient, demand.rms_current, stresses.current.value,
-        cycle.load_cycle.total, heating.mean, loss_peak,
+    high = none._replace(
+        winding=warmest, voltage=volts, above=np.where(current > limit, longest, below),
+        stored=_most_kept(spec, cycle, demand, motor),
     )  # fmt: skip
-    without = np.isnan(motor["winding_time_constant"]) | np.isnan(motor["motor_time_constant"])
-    most = temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor)
-    low, high = (np.where(without, x, bound) for x, bound in zip((heating.winding, most), found, strict=True))
+    if spec.supply.current or spec.supply.power:
+        beyond = 2.0 * np.abs(demand.surplus(k_t)) * cycle.peak_speed * current  # where two constants differ
+        power = current * at_hot + np.where(np.isnan(beyond), np.inf, beyond)
+        power = of_the_source(power + feed.lost(current) + feed.stage.standby, feed)
+        low, high = low._replace(power=np.zeros_like(k_t)), high._replace(power=power)
     return low, high
 
 
-def _most_power(cycle: AtGearhead, k_t: Array, demand: Demands, hot: Array) -> Array:
-    """More than the electrical power ever is [W]: where current and voltage are both positive, or both negative."""
-    found = np.zeros(len(hot))
-    for points, sign in ((cycle.extremes.above, 1.0), (cycle.extremes.below, -1.0)):
-        current, volts = _current_and_induced(sign * points, k_t, demand)
-        volts += hot * current
-        found = np.maximum(found, (np.maximum(current, 0.0) * np.maximum(volts, 0.0)).max(axis=0))
+def _permitted(temperature: Array, motor: Any) -> Array:
+    """Temperature that a winding does not exceed, or fails by its heat: with it a demand is a safe bound."""
+    found: Array = np.fmin(np.where(np.isfinite(temperature), temperature, np.nan), motor["max_winding_temperature"])
     return found
-
-
-def _above(spec: RobotSpec, cycle: AtGearhead, demand: Demands, stresses: Stress, parts: Parts) -> tuple[Array, Array]:
-    """Bounds of the time above the controller's current [s]: what is exceeded so long has that mean square."""
-    peak, limit = stresses.current.value, controller_current(parts.controller, spec.environment.ambient)
-    none, total = np.where(np.isnan(peak) | np.isnan(limit), np.nan, 0.0), cycle.load_cycle.total
-    with np.errstate(divide="ignore", invalid="ignore"):
-        most = total * np.minimum(np.square(demand.rms_current / limit) * (1.0 + _ROUNDING), 1.0)
-    exceeded = peak > limit
-    return np.where(exceeded, _SOME, none), np.where(exceeded, most, none)
 
 
 def _most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) -> Array:
@@ -314,26 +207,16 @@ def _most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) 
 
     Infinite where more may be returned than is drawn, or that is unknown.
     """
-    kept, nothing = kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
-    if not kept > 0.0:
-        return nothing
+    share = _kept_on_the_bus(spec)
+    if not share > 0.0:
+        return np.zeros_like(demand.rms_current)
+    cycle, demand = behind_one(cycle, demand)
     ratio, c, acting = demand.total_ratio, demand.coefficients, np.flatnonzero(cycle.braked)
     returned = ratio * product(c[:, acting], cycle.braked[acting, None])[:, 0]
     heat = np.asarray(resistance_at(resistance_25(motor), spec.environment.ambient)) * demand.rms_current**2
     work = ratio * product(c, cycle.moments[:, SPEED, None])[:, 0]
-    draws = heat + work > _ROUNDING * (heat + np.abs(work))  # mean power at least, see ``least_drawn``
-    most = np.where(draws, kept * returned * (1.0 + _ROUNDING), np.inf)
-    return np.where(_brakes(cycle, c), most, nothing)
-
-
-def _brakes(cycle: AtGearhead, coefficients: Array) -> NDArray[np.bool_]:
-    """Whether the motor's torque is ever against its motion: otherwise nothing is regenerated."""
-    against = np.zeros(len(coefficients), bool)
-    for points, sign in ((cycle.extremes.low, +1.0), (cycle.extremes.high, -1.0)):
-        moving = points[points[:, DIRECTION] == sign] * cycle.scale
-        if len(moving):
-            against |= (sign * product(coefficients, moving.T) < 0.0).any(axis=1)
-    return against
+    draws = heat + work > _ROUNDING * (heat + np.abs(work))  # mean power at least
+    return np.where(draws, share * returned * (1.0 + _ROUNDING), np.inf)
 
 
 # -- Peaks and heat over the waveform of candidates, from current and winding at each moment.
@@ -351,31 +234,33 @@ def exact(
     what: Wanted = "all",
     error: float = 1e-3,
 ) -> Pair:
-    """Peaks and heat over the waveform, of candidates over one cycle or of samples each over its own."""
+    """Peaks and heat over the waveform, of candidates over one cycle or of samples each over its own.
+
+    A winding of unknown heat is between one as cold as the ambient and one as warm as it may be.
+    """
     ambient, motor, feed = spec.environment.ambient, parts.motor, spec.feed(parts.controller, parts.brake)
-    kept = kept_on_the_bus(spec)
+    kept = _kept_on_the_bus(spec)
     level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
     drives = drives_of(
         ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=kept,
         limit=controller_current(parts.controller, ambient), error=error,
     )  # fmt: skip
-    rows = np.flatnonzero(drives.course == 0.0)
-    if len(rows):
-        mean = np.where(np.isfinite(heating.winding), heating.winding, np.nan) - ambient
-        drives = drives._replace(held=hottest(spec, cycle, heating, stresses, motor) - ambient, held_mean=mean)
-    every = np.arange(len(drives.course))
-    high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
-    if level == POWER:
-        high = high._replace(stored=np.zeros_like(high.power))
+    every, rows = np.arange(len(drives.course)), np.flatnonzero(drives.course == 0.0)
     if not len(rows):
-        return high, high
-    low = held(drives, 0.0, 0.0)
-    cold = _moments(ambient, cycle, low, feed, stresses.cold_voltage, level, rows)
-    if level == POWER:
-        cold = cold._replace(stored=high.stored[rows])
-    steady = temperature_at_most(ambient, cycle, heating, stresses, motor)
-    mean, steady = (np.broadcast_to(x, every.shape) for x in (heating.winding, steady))
-    return between_bounds(high, cold, rows, mean, steady)
+        found = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
+        return found, found
+    warmest = np.broadcast_to(temperature_at_most(ambient, cycle, heating, stresses, motor), every.shape)
+    mean = np.broadcast_to(heating.winding, every.shape)
+    held_mean = np.where(np.isfinite(mean), mean, np.nan) - ambient
+    drives = drives._replace(held=_permitted(warmest, motor) - ambient, held_mean=held_mean)
+    high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
+    cold = _moments(ambient, cycle, held(drives, 0.0, 0.0), feed, stresses.cold_voltage, level, rows)
+    low = Moments(*(column.copy() for column in high))
+    for name in ("voltage", "voltage_time", "power", "power_time"):
+        getattr(low, name)[rows] = getattr(cold, name)
+    high.stored[rows] = cold.stored  # the more the winding takes, the less is regenerated
+    low.winding[rows], high.winding[rows] = mean[rows], warmest[rows]
+    return low, high
 
 
 def decided(
@@ -429,6 +314,6 @@ def _moments(
         power_time=found.power_time,
         drawn=found.drawn + found.source_heat + standby * total,
         returned=found.returned,
-        stored=found.stored,
+        stored=np.zeros_like(found.power) if level == POWER else found.stored,
         above=found.above,
     )
