@@ -69,7 +69,7 @@ def rates(specs: Sequence[RobotSpec], runs: int, estimates: bool = True) -> list
         for place, spec in enumerate(specs):
             one = problem(spec, catalog)  # reads the recording and makes the load cycle, once
             start = time.process_time()
-            counts = search(one, top=5, objective="mass").counts
+            counts = search(one, top=5).counts
             rate = counts.considered / (time.process_time() - start)
             best[place] = max(best[place], (rate, counts.feasible))
     return best

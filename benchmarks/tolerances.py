@@ -66,7 +66,7 @@ def sampled(path: Path) -> None:
     spec = load_spec(path)
     catalog = load_parts(spec)
     given = problem(spec, catalog)
-    found = search(given, top=SETS, objective="mass", misses=0).evaluation
+    found = search(given, top=SETS, misses=0).evaluation
     subjects = {row: subject(found, row) for row in range(SETS)}
     processor, wall = time.process_time(), time.perf_counter()
     result = sample_drives(given, subjects, Sampling(SAMPLES, 1, float(CONFIDENCE)))
@@ -91,7 +91,7 @@ def one_by_one(path: Path, samples: int) -> float:
 
     spec = load_spec(path)
     catalog = load_parts(spec)
-    found = search(problem(spec, catalog), top=1, objective="mass", misses=0).evaluation
+    found = search(problem(spec, catalog), top=1, misses=0).evaluation
     one = found.candidates.on(np.arange(1))
     start = time.process_time()
     for _ in range(samples):

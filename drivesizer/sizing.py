@@ -19,14 +19,14 @@ from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.columns.paper import vehicle
 from drivesizer.search.in_order import SearchResult
 from drivesizer.search.machine_filter import best_in_machine, weighing
-from drivesizer.search.ranking import Progress, Ranking, title_of
+from drivesizer.search.ranking import Progress, title_of
 from drivesizer.search.relaxations import changes_for, relaxations, tried
 from drivesizer.search.remarks import assumptions, nearest_figures, not_returning, warnings
 from drivesizer.search.search import other_checks
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.shortlist import Shortlist, load_parts, pair_of, problem_with_drive_mass, shortlist
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
-from drivesizer.spec.drive import Choice, ControllerChoice, EncoderChoice, MotorChoice
+from drivesizer.spec.drive import Choice, ControllerChoice, EncoderChoice, MotorChoice, Ranking
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["explain", "explained", "load_parts", "size"]
@@ -82,9 +82,9 @@ def size(
         another method.
     """
     catalog = load_parts(spec, catalog)
-    objective = objective or spec.select.objective
+    spec = spec.with_select(spec.select.ranked_by(objective))
     picked = shortlist(
-        spec, catalog, objective, top, pareto=pareto, progress=progress, sampling=sampling, choices=choices,
+        spec, catalog, top, pareto=pareto, progress=progress, sampling=sampling, choices=choices,
         misses=0 if brief else _MISSES, others=0 if brief else _ALTERNATIVES, brief=brief,
     )  # fmt: skip
     problem, found, drives = picked.problem, picked.found, _drives(picked, top, brief)
@@ -92,7 +92,7 @@ def size(
     return SizingResult(
         problem=problem,
         method=spec.method,
-        objective=title_of(objective),
+        objective=title_of(spec.select.objective),
         requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *picked.short)), 0)),
         counts=found.counts,
         assumptions=assumptions(problem, spec, (*sets, *unsure)),
@@ -101,7 +101,7 @@ def size(
         uncertainty=picked.uncertainty,
         choices=picked.choices,
         **drives,
-        **_other_searches(picked, objective, progress, brief),
+        **_other_searches(picked, progress, brief),
     )
 
 
@@ -129,7 +129,7 @@ def _drives(picked: Shortlist, top: int, brief: bool) -> dict[str, Any]:
     return {"sets": sets, "unsure": unsure, "misses": misses, **beside}
 
 
-def _other_searches(picked: Shortlist, objective: Ranking, progress: Progress | None, brief: bool) -> dict[str, Any]:
+def _other_searches(picked: Shortlist, progress: Progress | None, brief: bool) -> dict[str, Any]:
     """Changes that would let a drive pass where none does; where the spec names parts, the best of all catalogues."""
     problem, total = picked.problem, picked.found.counts.considered
     in_vain = not (brief or picked.found.passing)
@@ -139,9 +139,9 @@ def _other_searches(picked: Shortlist, objective: Ranking, progress: Progress | 
             progress(total, total)
 
     return {
-        "relaxations": relaxations(problem, objective, going_on) if in_vain else (),
+        "relaxations": relaxations(problem, going_on) if in_vain else (),
         "tried": tried(problem) if in_vain else (),
-        "unrestricted": None if brief else _unrestricted(problem, objective),
+        "unrestricted": None if brief else _unrestricted(problem),
     }
 
 
@@ -159,7 +159,7 @@ def _requirements(found: SearchResult, row: int) -> tuple[Requirement, ...]:
     return tuple(vehicle(problem.spec, 0.0).steps.values())
 
 
-def _unrestricted(problem: Problem, objective: Ranking) -> DriveSet | None:
+def _unrestricted(problem: Problem) -> DriveSet | None:
     """The best drive of the whole catalogue, where the spec names families or parts."""
     select = problem.spec.select
     if not select.is_restricted:
@@ -171,7 +171,7 @@ def _unrestricted(problem: Problem, objective: Ranking) -> DriveSet | None:
         "controller": ControllerChoice(bus=select.controller.bus),
         "brake": Choice(),
     }
-    return best_in_machine(problem.with_sections(select=select.model_copy(update=free)), objective)
+    return best_in_machine(problem.with_sections(select=select.model_copy(update=free)))
 
 
 def explain(spec: RobotSpec, motor: str, gearhead: str = "", *, catalog: Catalog | None = None) -> list[DriveSet]:
@@ -208,7 +208,7 @@ def explained(
     """
     catalog = load_parts(spec, catalog)
     check_battery(spec, catalog)
-    problem, _ = problem_with_drive_mass(spec, catalog, spec.select.objective)
+    problem, _ = problem_with_drive_mass(spec, catalog)
     evaluation, found = _examined(
         problem, pair_of(catalog, motor, gearhead, spec.supply.nominal), spec.behind(gearhead)
     )
@@ -223,7 +223,7 @@ def explained(
     reliability, uncertain = _sampled(problem, evaluation, beside, passing, sampling or sampling_of(spec))
     sets = [
         drive_set(
-            evaluation, row, rank, spec.select.objective,
+            evaluation, row, rank,
             budget=weigh(evaluation, row),
             beside=beside[row],
             reliability=reliability.get(row),

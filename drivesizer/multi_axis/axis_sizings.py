@@ -27,10 +27,10 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, MachinePower, objective_sum
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import SizingResult, unknown_parts
-from drivesizer.search.ranking import Progress, Ranking
+from drivesizer.search.ranking import Progress
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import size
-from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.spec.drive import OBJECTIVES, Ranking
 from drivesizer.spec.machine import MachineSpec, carrying, joint_axis, sizing_order, with_common_bus
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
@@ -369,7 +369,8 @@ class AxisSizings:
     def loaded(self, axis: str, masses: tuple[float, ...]) -> Loaded:
         """An axis with carried drives of these masses [kg], for a search of few kinds."""
         spec = self.laden(axis, masses)
-        return Loaded(spec, self._parts(spec), str(self.objective(axis)), self.how.sampling(spec))
+        spec = spec.with_select(spec.select.ranked_by(self.ranking))
+        return Loaded(spec, self._parts(spec), self.how.sampling(spec))
 
     def chosen(self, axis: str, masses: tuple[float, ...], label: str) -> SizingResult:
         """The sizing of an axis with the drive of a label as its first."""

@@ -279,7 +279,6 @@ class Loaded(NamedTuple):
 
     spec: RobotSpec
     catalog: Catalog
-    objective: str
     sampling: Sampling | None
 
 
@@ -338,10 +337,11 @@ class OfferedKinds:
 
 def _costs(loaded: Loaded, status: Status) -> dict[Kind, Cost]:
     """Cost of all kinds of drives of an axis that pass, budgets of the machine aside; the cheapest first."""
-    problem, _ = problem_with_drive_mass(loaded.spec, loaded.catalog, loaded.objective)
-    kept, _, _ = sifted(problem, {loaded.objective}, None)
-    value, missing = _known(problem.catalog, kept.sets, kept.figures, loaded.objective)
-    drives = _drives_summed(loaded.objective, problem.machine)
+    problem, _ = problem_with_drive_mass(loaded.spec, loaded.catalog)
+    kept, _, _ = sifted(problem)
+    objective = str(loaded.spec.select.objective)
+    value, missing = _known(problem.catalog, kept.sets, kept.figures, objective)
+    drives = _drives_summed(objective, problem.machine)
     motors, gearheads = problem.catalog.motors["part"], problem.catalog.gearheads["part"]
     rows = np.lexsort((value, missing))
     rows = rows[kept.certainty[rows] <= ORDER.index(status)]
@@ -362,9 +362,7 @@ def _searched(loaded: Loaded, top: int) -> dict[Kind, _Row]:
     """The best drive of each kind."""
     if not len(loaded.catalog.motor_gearhead.left):
         return {}
-    found = shortlist(
-        loaded.spec, loaded.catalog, loaded.objective, top, misses=0, sampling=loaded.sampling, brief=True
-    )
+    found = shortlist(loaded.spec, loaded.catalog, top, misses=0, sampling=loaded.sampling, brief=True)
     rows: dict[Kind, _Row] = {}
     for row in found.best:
         one = drive_parts(found.found.evaluation, row)
@@ -376,7 +374,7 @@ def _searched(loaded: Loaded, top: int) -> dict[Kind, _Row]:
 
 def _cost(found: Shortlist, row: int) -> Cost:
     """The objective of all drives of an axis."""
-    objective = str(found.objective)
+    objective = str(found.problem.spec.select.objective)
     some = found.found.evaluation.on(np.array([row]))
     figures = {**some.figures, **chosen(some.encoder, some.controller, some.brake, needs_encoder=not some.spec.steps)}
     value, missing = _known(some.catalog, some.candidates, figures, objective)

@@ -36,10 +36,10 @@ from drivesizer.multi_axis.combinations import (
 from drivesizer.multi_axis.common_bus import waiting_times
 from drivesizer.multi_axis.common_supply import toleranced, without_effect
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
-from drivesizer.search.ranking import Progress, Ranking, title_of
+from drivesizer.search.ranking import Progress, title_of
 from drivesizer.search.uncertainty.options import sampling_of
 from drivesizer.sizing import load_parts
-from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.spec.drive import OBJECTIVES, Ranking
 from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show

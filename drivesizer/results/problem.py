@@ -12,6 +12,7 @@ from drivesizer.loads.kinds import MODULES
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.screw import shaft_mass
+from drivesizer.spec.drive import Ranking
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -191,6 +192,11 @@ class Problem:
     def belt_drive(self, ratio: float) -> BeltDrive | None:
         """Belt and pulleys of a ratio, where they are out of the catalogues."""
         return next((drive for drive in self.belts.drives if drive.ratio == ratio), None) if self.belts else None
+
+    def ranked_by(self, objective: Ranking) -> Problem:
+        """The problem with another objective of the ranking."""
+        select = self.spec.select.ranked_by(objective)
+        return self if select is self.spec.select else self.with_sections(select=select)
 
     def with_sections(self, **sections: Any) -> Problem:
         """The problem with other sections of the spec that no load cycle depends on, such as ``select``."""

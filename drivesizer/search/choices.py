@@ -31,9 +31,8 @@ from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
 from drivesizer.search.columns.offers import chosen
 from drivesizer.search.in_order import Judge, Passing
 from drivesizer.search.machine_filter import Weigh, least_power
-from drivesizer.search.ranking import Ranking
 from drivesizer.search.set_record import drive_parts
-from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.spec.drive import OBJECTIVES, Ranking, weights_of
 
 __all__ = ["Picked", "choices", "criteria", "picked"]
 
@@ -51,17 +50,18 @@ def criteria(objective: Ranking, method: str) -> tuple[str, ...]:
     >>> criteria("length", "physics"), criteria("mass", "paper")
     (('length', 'mass', 'price', 'energy', 'margin'), ('mass', 'price', 'margin'))
     """
-    names = dict.fromkeys((*ranking.names_of(objective), *CRITERIA))
+    names = dict.fromkeys((*weights_of(objective), *CRITERIA))
     return tuple(name for name in names if method == "physics" or name not in ranking.COUNTED)
 
 
-def choices(
-    problem: Problem, every: Passing, objective: Ranking, most: int, *, judge: Judge | None, weigh: Weigh
-) -> Choices | None:
+def choices(problem: Problem, every: Passing, most: int, *, judge: Judge | None, weigh: Weigh) -> Choices | None:
     """Drives to choose from by weights, each with all its figures."""
     if not len(every.best):
         return None
-    names, alike = criteria(objective, problem.spec.method), every.certainty == every.certainty[every.best[0]]
+    names, alike = (
+        criteria(problem.spec.select.objective, problem.spec.method),
+        every.certainty == every.certainty[every.best[0]],
+    )
     best, alike = every.best[alike[every.best]], np.flatnonzero(alike)
     sets, figures = every.sets.on(alike), {name: column[alike] for name, column in every.figures.items()}
     given = np.searchsorted(alike, best)  # the first of them is the best of all
@@ -73,7 +73,7 @@ def choices(
     status = {row: _status(found, row, weigh if judge else None) for row in passing.tolist()}
     kept = _margin_order(found, [row for row, one in status.items() if one == status[first]])
     return Choices(
-        drives=_records(found, kept, names), first=kept.index(first), weights=ranking.weights_of(objective),
+        drives=_records(found, kept, names), first=kept.index(first), weights=problem.spec.select.weights,
         passing=len(alike), judged=judge is not None, whole=few.whole and not judge and len(looked_at) == len(alike),
     )  # fmt: skip
 

@@ -32,7 +32,6 @@ from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
 from drivesizer.search.columns.offers import Offers, bought, chosen, offers
 from drivesizer.search.columns.stages import brakes_of, encoders_of, felt
 from drivesizer.search.in_order import BudgetFilter, Evaluated, Judge, SearchResult
-from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import any_drive, search
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
@@ -333,12 +332,12 @@ def any_in_machine(problem: Problem) -> bool:
     return any_drive(problem, machine_filter(problem, machine, weighing(problem, machine)))
 
 
-def best_in_machine(problem: Problem, objective: Ranking, aside: frozenset[str] = frozenset()) -> DriveSet | None:
+def best_in_machine(problem: Problem, aside: frozenset[str] = frozenset()) -> DriveSet | None:
     """The best drive that passes the machine's budgets too; None where none does."""
     machine = machine_requirements(problem.machine)
     judge = machine_filter(problem, machine, weighing(problem, machine), aside)
-    found = search(problem, top=1, objective=objective, misses=None, judge=judge)
-    return drive_set(found.evaluation, 0, 1, objective) if found.passing else None
+    found = search(problem, top=1, misses=None, judge=judge)
+    return drive_set(found.evaluation, 0, 1) if found.passing else None
 
 
 def passes_budgets(problem: Problem, one: DriveParts) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -28,13 +28,13 @@ from drivesizer.search.columns.offers import CONTROLLING, bought, chosen, offers
 from drivesizer.search.columns.powered import UNDECIDED
 from drivesizer.search.columns.stages import Examined, belts_together, examine
 from drivesizer.search.open_checks import passing
-from drivesizer.spec.drive import OBJECTIVES, Weighted
+from drivesizer.spec.drive import OBJECTIVES, Ranking, Weighted
 from drivesizer.units.kinds import RANGES
 
 __all__ = [
     "COUNTED", "OPEN", "UNKNOWN", "Progress", "Rank", "Ranking", "Sifted", "any_passes", "better_but_unknown",
-    "controlling_unknown", "equals_of_the_last", "examined_by", "front", "names_of", "objective_of", "order", "ranked",
-    "rounded", "sifted", "single", "title_of", "values", "waveforms", "weights_of",
+    "controlling_unknown", "equals_of_the_last", "front", "objective_of", "order", "ranked",
+    "rounded", "sifted", "single", "title_of", "values", "waveforms",
 ]  # fmt: skip
 
 
@@ -45,7 +45,6 @@ Array = NDArray[np.float64]
 COUNTED = tuple(name for name, declared in OBJECTIVES.items() if not declared.over and name != "margin")
 _BEHIND = len(CONTROLLING) + 1  # so that what is unknown of a motor goes before what is of all else
 _DIGITS = 9  # in which equal objectives agree
-Ranking = str | list[Weighted]  # one objective, or several with weights
 
 
 def objective_of(text: str) -> Ranking:
@@ -69,25 +68,6 @@ def objective_of(text: str) -> Ranking:
             said = f"weight {quoted(weight)} is not a number above 0 ({least:g} to {most:g})"
             raise InputError(f"objective {quoted(name)}: {said}, e.g. mass=2")
         found.append(Weighted.model_validate({"objective": name.strip(), "weight": value}))
-    return found
-
-
-def names_of(objective: Ranking) -> list[str]:
-    """The objectives that are counted."""
-    return [*weights_of(objective)]
-
-
-def weights_of(objective: Ranking) -> dict[str, float]:
-    """The objectives that are counted with their weights.
-
-    >>> weights_of("mass"), weights_of(objective_of("mass=2,price=1"))
-    ({'mass': 1.0}, {'mass': 2.0, 'price': 1.0})
-    """
-    if isinstance(objective, str):
-        return {objective: 1.0}
-    found = dict[str, float]()
-    for part in objective:
-        found[part.objective] = found.get(part.objective, 0.0) + part.weight
     return found
 
 
@@ -242,20 +222,22 @@ class _Found(NamedTuple):
 
 def sifted(
     problem: Problem,
-    names: Set[str],
-    progress: Progress | None,
     *,
+    pareto: Sequence[str] = (),
+    progress: Progress | None = None,
     margins: bool = False,
-    objective: Ranking | None = None,
     wanted: int = 0,
 ) -> tuple[Sifted, Candidates, Counts]:
-    """The drives that pass or may pass, the closest rejected, and the counts."""
-    every = pairs(problem)
+    """The drives that pass or may pass, the closest rejected, and the counts.
+
+    ``wanted``: so many of a long cycle are enough, in the order of the objective; 0 all.
+    """
+    every, names = pairs(problem), {*problem.spec.select.weights, *pareto}
     total, done, failed_by = len(every.motor) * len(problem.belt_ratios), 0, Counter[str]()
     kept: list[_Found] = []
     rejected = [(every.on(slice(0, 0)), np.zeros(0))]
     exact: Exactly = _wanted(names)
-    if objective is not None and not exact and not margins and "margin" not in names and _is_long(problem):
+    if wanted and not exact and not margins and "margin" not in names and _is_long(problem):
         exact = "bounds"
     for one in _examined(problem, every, exact, margins or bool(exact)):
         failed_by.update(one.failed_by)
@@ -265,8 +247,8 @@ def sifted(
         if progress:
             progress(done, total)
     whole, undecided = _put_together(kept), 0
-    if whole is not None and objective is not None and exact == "bounds":
-        whole, undecided = _computed(problem, whole, objective, wanted)
+    if whole is not None and exact == "bounds":
+        whole, undecided = _computed(problem, whole, wanted)
         failed_by.update(whole.failed_by)
         rejected = [_nearest(problem, [*rejected, (whole.rejected, whole.bound)])]
     passing = _joined(problem, whole, every, names)
@@ -279,11 +261,6 @@ def sifted(
         failed_by=tally, undecided=undecided,
     )  # fmt: skip
     return passing, rejected[0][0], counts
-
-
-def examined_by(names: Set[str], margins: bool) -> tuple[Hashable, ...]:
-    """All of objectives that ``sifted`` hangs on."""
-    return _wanted(names), margins, bool(names & set(COUNTED))
 
 
 def any_passes(problem: Problem) -> bool:
@@ -410,26 +387,29 @@ def _is_long(problem: Problem) -> bool:
     return max(len(case.at_belt.load_cycle.duration) for case in problem.cases) > _LONG
 
 
-def _computed(problem: Problem, found: _Found, objective: Ranking, wanted: int) -> tuple[_Found, int]:
+def _computed(problem: Problem, found: _Found, wanted: int) -> tuple[_Found, int]:
     """Drives that bounds leave open computed in the order of an objective, until so many before the next one pass.
 
     The rest of them is left out, and counted. Where no drive passes because of what all lack, a look at some says so.
     """
     catalog, failed_by = problem.catalog, Counter[str]()
     undecided = found.figures[UNDECIDED] > 0.0
-    rank = order(catalog, found.sets, *values(catalog, found.sets, found.figures, objective))
-    rows, segments = rank[undecided[rank]], max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
+    segments = max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
     enough = max(_CELLS // segments, _SEEN, 4 * wanted)
-    failed, opened = np.zeros(len(rank), bool), found.opened.copy()
+    failed, opened = np.zeros(len(undecided), bool), found.opened.copy()
     unknown, doublings, most = found.unknown.copy(), found.doublings.copy(), found.most.copy()
-    figures, bound = {name: x.copy() for name, x in found.figures.items()}, np.full(len(rank), np.inf)
-    start, size = 0, max(2 * wanted, _FIRST)
-    while start < len(rows):
-        of_all = np.bitwise_and.reduce(unknown[~(undecided | failed)], axis=0) if start >= enough else np.uint64(0)
+    figures, bound = {name: x.copy() for name, x in found.figures.items()}, np.full(len(undecided), np.inf)
+    seen, size = 0, max(2 * wanted, _FIRST)
+    while undecided.any():
+        # anew, for with its waveform a drive may need a heavier controller
+        value, missing = values(catalog, found.sets, figures, problem.spec.select.objective)
+        rank, value = order(catalog, found.sets, value, missing), rounded(value)
+        some = rank[undecided[rank]][:size]
+        better = (missing < missing[some[0]]) | ((missing == missing[some[0]]) & (value < value[some[0]]))
+        of_all = np.bitwise_and.reduce(unknown[~(undecided | failed)], axis=0) if seen >= enough else np.uint64(0)
         passes = ~(undecided | failed | opened | (unknown & ~of_all).any(axis=1))
-        if np.count_nonzero(passes[rank[: int(np.argmax(rank == rows[start]))]]) >= wanted:
+        if np.count_nonzero(passes & better) >= wanted:
             break
-        some = rows[start : start + size]
         one = by_physics(problem, found.sets.on(some), False)  # at least those that bounds leave open
         checks = [check for check in one.checks if not check.advice]
         failed_by.update({check.name: int(np.count_nonzero(check.failed)) for check in checks})
@@ -442,7 +422,7 @@ def _computed(problem: Problem, found: _Found, objective: Ranking, wanted: int) 
         bound[some] = bound_of(checks, len(some))
         for name, x in chosen(one.encoder, one.controller, one.brake, needs_encoder=not problem.spec.steps).items():
             figures[name][some] = x
-        start, size = start + size, 2 * size
+        seen, size = seen + len(some), 2 * size
     left, out = np.flatnonzero(~(failed | undecided)), np.flatnonzero(failed)
     figures = {name: x[left] for name, x in figures.items()}
     return found._replace(
@@ -527,9 +507,9 @@ class Rank(NamedTuple):
         return order(catalog, sets.on(rows), self.value[rows], self.missing[rows], before=before, margin=margin)
 
 
-def ranked(problem: Problem, kept: Sifted, objective: Ranking, top: int) -> Rank:
+def ranked(problem: Problem, kept: Sifted, top: int) -> Rank:
     """Columns that order the drives that pass or may pass."""
-    value, missing = values(problem.catalog, kept.sets, kept.figures, objective)
+    value, missing = values(problem.catalog, kept.sets, kept.figures, problem.spec.select.objective)
     return Rank(_precedence(problem, kept, value, missing, top), missing, value)
 
 

@@ -15,7 +15,6 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.machine_filter import any_in_machine, best_in_machine, passes_budgets
-from drivesizer.search.ranking import Ranking
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.drive import Choice, MotorChoice
 from drivesizer.spec.robot import RobotSpec
@@ -136,15 +135,13 @@ class _Passing(NamedTuple):
 _AMBIENT = ("environment", "ambient")
 
 
-def relaxations(
-    problem: Problem, objective: Ranking, going_on: Callable[[], None] = lambda: None
-) -> tuple[Relaxation, ...]:
+def relaxations(problem: Problem, going_on: Callable[[], None] = lambda: None) -> tuple[Relaxation, ...]:
     """The changes that would let some drive pass where none does."""
     if not len(candidates(problem).motor):
         return ()
 
     def best(moved: Problem) -> tuple[str, Status]:
-        found = best_in_machine(moved, objective)
+        found = best_in_machine(moved)
         if found is None:
             raise AssertionError("a drive that passes ranks nowhere")
         return found.label, found.status

@@ -175,12 +175,13 @@ def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[
 def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[str]:
     """Drives better than the best one but for a missing figure, and the figure that would decide it."""
     row = picked.found.held_back
-    if row is None or not sets or not isinstance(picked.objective, str):
+    objective = picked.problem.spec.select.objective
+    if row is None or not sets or not isinstance(objective, str):
         return []
     better = picked.record(row)
     if better.status not in ("open", "unknown"):
         return []
-    figures = [objective_figure(one, picked.objective) for one in (better, sets[0])]
+    figures = [objective_figure(one, objective) for one in (better, sets[0])]
     hanging = [f"{check.title} {check.note}" for check in better.deciding if check.status == "open"]
     lacking = dict.fromkeys(name for _, lacks in unknown_figures(better) for name in lacks.split(", "))
     if len(lacking) > _FEW:

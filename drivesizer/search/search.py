@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -36,12 +36,10 @@ from drivesizer.search.ranking import (
     UNKNOWN,
     Progress,
     Rank,
-    Ranking,
     Sifted,
     any_passes,
     better_but_unknown,
     equals_of_the_last,
-    examined_by,
     ranked,
     sifted,
     waveforms,
@@ -58,16 +56,10 @@ Rows = NDArray[np.int64]
 
 
 def search_by_paper(
-    problem: Problem,
-    top: int,
-    objective: Ranking,
-    misses: int | None,
-    pareto: tuple[str, ...],
-    judge: Judge | None,
-    others: int,
+    problem: Problem, top: int, misses: int | None, pareto: tuple[str, ...], judge: Judge | None, others: int
 ) -> SearchResult:
     """Search all candidates by the paper's rule."""
-    every = _paper_order(problem, objective, rejected=misses is not None)
+    every = _paper_order(problem, rejected=misses is not None)
     found, sets = every.evaluation, every.evaluation.candidates
     of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
     kept = ordered_in_machine(judge, sets, of_parts.on, every.passing, len(sets.motor) if pareto else top)
@@ -113,14 +105,14 @@ class _PaperOrder(NamedTuple):
         )  # fmt: skip
 
 
-def _paper_order(problem: Problem, objective: Ranking, rejected: bool) -> _PaperOrder:
+def _paper_order(problem: Problem, rejected: bool) -> _PaperOrder:
     """Evaluate all candidates; of the rejected perhaps not all."""
     every = _all_candidates(problem)
     found = evaluate(problem, every, rejected=rejected)
     margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
     each = np.array([check.failed for check in found.checks])
     figures = {"margin": margin, **chosen(found.encoder, found.controller, found.brake, needs_encoder=True)}
-    value, missing = ranking.values(problem.catalog, found.candidates, figures, objective)
+    value, missing = ranking.values(problem.catalog, found.candidates, figures, problem.spec.select.objective)
     before = [
         np.where(failed, 2, unknown.astype(int)),
         np.where(failed, -margin, 0.0),  # of those that fail first the nearest
@@ -199,27 +191,21 @@ def search(
     problem: Problem,
     *,
     top: int,
-    objective: Ranking,
     misses: int | None = 3,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
     judge: Judge | None = None,
     others: int = 0,
     margins: bool = False,
-    made: dict[Hashable, Any] | None = None,
 ) -> SearchResult:
-    """Search all candidates."""
+    """Search all candidates in the order of the objective that the problem's spec has."""
     if problem.spec.method == "paper":
-        return search_by_paper(problem, top, objective, misses, pareto, judge, others)
-    names, wanted = {*ranking.names_of(objective), *pareto}, _SearchOptions(top, misses, pareto, others)
-    made, key = {} if made is None else made, examined_by(names, margins)
-    one = None if pareto else objective
-    several = 4 * top if judge else top
-    sifting = made.get(key) or sifted(problem, names, progress, margins=margins, objective=one, wanted=several)
-    if not sifting[2].undecided:
-        made[key] = sifting
-    kept, rejected, counts = sifting
-    rank = ranked(problem, kept, objective, top)
+        return search_by_paper(problem, top, misses, pareto, judge, others)
+    wanted, several = _SearchOptions(top, misses, pareto, others), 4 * top if judge else top
+    kept, rejected, counts = sifted(
+        problem, pareto=pareto, progress=progress, margins=margins, wanted=0 if pareto else several
+    )
+    rank = ranked(problem, kept, top)
     order = rank.order(problem.catalog, kept.sets)
     tied, rest = np.split(order, [equals_of_the_last(problem, rank, order, top)])
     alone = not (judge or pareto or others)  # then no more than the first are looked at
@@ -258,7 +244,7 @@ def _shown(
         judge, problem.catalog, kept.sets, looked_at.at, order, best[:1], wanted.others, rank.columns,
         None if waveforms(problem) else looked_at.by_bounds,
     )  # fmt: skip
-    extra = np.concatenate([but_for(on_front, best), short, held, but_for(unlike, best)])
+    extra = np.concatenate([but_for(on_front, best), short, but_for(held, best), but_for(unlike, best)])
     places = {int(row): n for n, row in enumerate(best)}
     places |= {int(row): len(best) + misses + n for n, row in enumerate(extra)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
@@ -280,11 +266,12 @@ def _front(found: _Searched, wanted: _SearchOptions, passing: Rows) -> Rows:
 
 def any_drive(problem: Problem, judge: Judge | None) -> bool:
     """Whether a search finds a drive, whatever ranks it: without waveforms of all, and no more examined than needed."""
+    problem = problem.ranked_by(_QUICK)
     if problem.spec.method == "paper":
-        return search_by_paper(problem, 1, _QUICK, None, (), judge, 0).passing > 0
+        return search_by_paper(problem, 1, None, (), judge, 0).passing > 0
     if judge is None:
         return any_passes(problem)
-    kept, _, _ = sifted(problem, {_QUICK}, None)
+    kept, _, _ = sifted(problem)
     value = ranking.values(problem.catalog, kept.sets, kept.figures, _QUICK)
     order = ranking.order(problem.catalog, kept.sets, *value, before=[kept.certainty])
     found = ordered_in_machine(judge, kept.sets, lambda rows: by_physics(problem, kept.sets.on(rows), True), order, 1)

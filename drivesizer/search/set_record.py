@@ -33,7 +33,6 @@ from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
 from drivesizer.search.columns.offers import CONTROLLING, bought, chosen
 from drivesizer.search.columns.shaft_limits import life_of_gearheads, shaft_loads
 from drivesizer.search.open_checks import estimated, resolved_checks
-from drivesizer.search.ranking import Ranking
 from drivesizer.search.search import compared
 from drivesizer.spec.drive import OBJECTIVES
 
@@ -124,7 +123,6 @@ def drive_set(
     evaluation: Evaluation,
     index: int,
     rank: int,
-    objective: Ranking,
     *,
     budget: MachineBudget = _NO_BUDGET,
     beside: tuple[Check, ...] = (),
@@ -136,7 +134,7 @@ def drive_set(
     checks, probability = resolved_checks(evaluation, index)
     checks = tuple(_why_none(evaluation, index, checks))
     return DriveSet(
-        **_sums(evaluation, index, objective, parts),
+        **_sums(evaluation, index, parts),
         rank=rank,
         status=_status(evaluation, index, checks, budget),
         requirements=tuple(r.at(index) for r in evaluation.shaft.values()),
@@ -161,14 +159,13 @@ def drive_in_brief(
     evaluation: Evaluation,
     index: int,
     rank: int,
-    objective: Ranking,
     *,
     budget: MachineBudget = _NO_BUDGET,
     reliability: Reliability | None = None,
 ) -> DriveSet:
     """The same with its sums, its tightest check and the figures of one cycle alone."""
     return DriveSet(
-        **_sums(evaluation, index, objective, drive_parts(evaluation, index)),
+        **_sums(evaluation, index, drive_parts(evaluation, index)),
         rank=rank,
         status=gravest((evaluation.status(index), verdict(budget.checks))),
         checks=evaluation.tightest_of(index),
@@ -197,10 +194,10 @@ _NOT_IN_BRIEF: dict[str, Any] = {
 }
 
 
-def _sums(evaluation: Evaluation, index: int, objective: Ranking, parts: DriveParts) -> dict[str, Any]:
+def _sums(evaluation: Evaluation, index: int, parts: DriveParts) -> dict[str, Any]:
     """Fields of a drive's record: its parts, its mass and its objective."""
     mass, mass_of = _summed(evaluation, index, parts, "mass")
-    value, value_of = _objective(evaluation, index, objective, parts)
+    value, value_of = _objective(evaluation, index, parts)
     return {field.name: getattr(parts, field.name) for field in fields(parts)} | {
         "mass": mass,
         "mass_of": mass_of,
@@ -251,10 +248,9 @@ def _chosen(evaluation: Evaluation) -> dict[str, NDArray[np.float64]]:
     return chosen(evaluation.encoder, evaluation.controller, evaluation.brake, needs_encoder=needs_encoder)
 
 
-def _objective(
-    evaluation: Evaluation, index: int, objective: Ranking, parts: DriveParts
-) -> tuple[float, tuple[str, ...]]:
+def _objective(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[float, tuple[str, ...]]:
     """The objective, as it is shown: the margin itself, not what makes less of it better."""
+    objective = evaluation.spec.select.objective
     if objective == "margin":
         least = float(smallest_margin(evaluation.checks)[index])
         return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].note,)

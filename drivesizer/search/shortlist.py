@@ -44,11 +44,11 @@ from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.columns.limits import own_limit
 from drivesizer.search.in_order import Judge, SearchResult, family_firsts, family_of
 from drivesizer.search.machine_filter import Weigh, best_in_machine, divided, machine_filter, weighing
-from drivesizer.search.ranking import COUNTED, Progress, Ranking, names_of, title_of
+from drivesizer.search.ranking import COUNTED, Progress, title_of
 from drivesizer.search.search import other_checks, search
 from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
-from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.spec.drive import OBJECTIVES, Ranking
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -153,20 +153,17 @@ class _Tried:
         return self.problem.screw
 
 
-def problem_with_screw(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[Problem, tuple[str, ...]]:
+def problem_with_screw(spec: RobotSpec, catalog: Catalog) -> tuple[Problem, tuple[str, ...]]:
     """The sizing problem of a machine with the screw out of the catalogues that suits its drive best."""
     held = _smallest_by_lead(spec, catalog)
     screws = [one.screw for one in held if one.screw is not None]
     if not screws:
         raise InputError(f"{spec.where(('load', 'screw'))}: no screw holds: the leads {_reasons(held)}")
     problems = [_with_screw(spec, catalog, screw) for screw in screws]
-    tried = [_Tried(problem=one, best=best_in_machine(one, objective)) for one in problems]
+    tried = [_Tried(problem=one, best=best_in_machine(one)) for one in problems]
     able = [one for one in tried if one.best is not None]
-    if able:
-        chosen = able[int(np.lexsort(_order(able, objective)[::-1])[0])].problem
-    else:
-        chosen = max(problems, key=lambda one: _nearness(one, objective))
-    return chosen, (_words(held, tried, objective),)
+    chosen = able[int(np.lexsort(_order(able, spec)[::-1])[0])].problem if able else max(problems, key=_nearness)
+    return chosen, (_words(held, tried, spec),)
 
 
 def _with_screw(spec: RobotSpec, catalog: Catalog, screw: Part) -> Problem:
@@ -262,19 +259,16 @@ def _conditions(choice: ScrewChoice, table: Table[Any]) -> Iterator[NDArray[np.b
 # --- the best of them -------------------------------------------------------------------------------------------------
 
 
-def _order(able: Sequence[_Tried], objective: Ranking) -> tuple[NDArray[np.float64], ...]:
+def _order(able: Sequence[_Tried], spec: RobotSpec) -> tuple[NDArray[np.float64], ...]:
     """Columns that order leads, the first one first.
 
     Status of their best drives, objectives of which the screw's share is unknown, the objective, the screw's size.
     """
     best: list[Any] = [one.best for one in able]
     sure = np.array([float(_SURE.index(one.status)) for one in best])
-    value = np.zeros(len(able))
-    weights = (
-        {part.objective: part.weight for part in objective} if not isinstance(objective, str) else {objective: 1.0}
-    )
-    for name in names_of(objective):
-        value += weights[name] * _shares(np.array([_figure(one, name) for one in able]), name)
+    value, weights = np.zeros(len(able)), spec.select.weights
+    for name, weight in weights.items():
+        value += weight * _shares(np.array([_figure(one, name) for one in able]), name)
     size = np.array([one.chosen.least_mass for one in able])
     unknown = np.array([float(sum(isnan(_screw_share(one, name)) for name in weights)) for one in able])
     return sure, unknown, value, size
@@ -300,17 +294,18 @@ def _shares(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:
     return np.nan_to_num(values / least if 0.0 < least < inf else values, nan=1e9)
 
 
-def _nearness(one: Problem, objective: Ranking) -> float:
+def _nearness(one: Problem) -> float:
     """The smallest margin of the closest rejected drive."""
-    found = search(one, top=1, objective=objective, misses=1)
+    found = search(one, top=1, misses=1)
     return float(smallest_margin(found.evaluation.checks)[0]) if len(found.evaluation.candidates.motor) else -inf
 
 
 # --- words ------------------------------------------------------------------------------------------------------------
 
 
-def _words(held: Sequence[_ScrewOfLead], tried: Sequence[_Tried], objective: Ranking) -> str:
+def _words(held: Sequence[_ScrewOfLead], tried: Sequence[_Tried], spec: RobotSpec) -> str:
     """The leads and the best drive of each, in a sentence."""
+    objective = spec.select.objective
     drives = "; ".join(_drive_of(one, objective) for one in tried)
     left = _reasons(held)
     without = f"; no screw holds of {left}" if left else ""
@@ -349,11 +344,11 @@ def depends_on_ranking(spec: RobotSpec) -> bool:
     return counts or wants_screw(spec)
 
 
-def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Ranking) -> tuple[Problem, tuple[str, ...]]:
+def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog) -> tuple[Problem, tuple[str, ...]]:
     """The sizing problem of a machine, with the mass of its drive or the screw that the spec leaves to the search."""
     load = spec.load
     if wants_screw(spec):
-        return problem_with_screw(spec, catalog, objective)
+        return problem_with_screw(spec, catalog)
     if not depends_on_ranking(spec) or not isinstance(load, WheeledVehicle):
         return problem(spec, catalog), ()
 
@@ -362,7 +357,7 @@ def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog, objective: Rankin
 
     def sized(mass: float) -> tuple[float, str] | None:
         heavy = problem(weighing(mass), catalog)
-        best = best_in_machine(heavy, objective, _ITERATED)
+        best = best_in_machine(heavy, _ITERATED)
         return (drive_mass(heavy, best), best.label) if best else None
 
     settled = settle(sized, mass_without_drive(spec, catalog), tolerance=_SAME)
@@ -380,7 +375,6 @@ class Shortlist:
     """Drives by their rows in the result of the search."""
 
     problem: Problem
-    objective: Ranking
     found: SearchResult
     weigh: Weigh  # budgets of the machine with a drive in it
     best: list[int]  # that pass, in order
@@ -412,13 +406,12 @@ class Shortlist:
         if not evaluation.fails(row):
             known["budget"] = self.weigh(evaluation, row)
         made = drive_in_brief if self.checks_alone else drive_set
-        return made(evaluation, row, rank, self.objective, **known)
+        return made(evaluation, row, rank, **known)
 
 
 def shortlist(
     spec: RobotSpec,
     catalog: Catalog,
-    objective: Ranking,
     top: int,
     *,
     misses: int = 3,
@@ -434,19 +427,20 @@ def shortlist(
     """The best drives of a spec, and the closest rejected."""
     _known_choices(spec, catalog)
     check_battery(spec, catalog)
-    _known_to(spec, {*names_of(objective), *pareto})
+    _known_to(spec, {*spec.select.weights, *pareto})
     made = {} if made is None or depends_on_ranking(spec) else made
     if "problem" not in made:
-        made["problem"] = problem_with_drive_mass(spec, catalog, objective)
+        made["problem"] = problem_with_drive_mass(spec, catalog)
     problem, weighed = made["problem"]
+    problem = problem.ranked_by(spec.select.objective)
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
     machine = machine_requirements(problem.machine)
     weigh = weighing(problem, machine, brief=checks_alone)
     judge = machine_filter(problem, machine, weigh, counted=not checks_alone)
     found = search(
-        problem, top=max(top, pool), objective=objective, misses=misses, pareto=pareto, progress=progress, judge=judge,
-        others=0 if pool else others, margins=choices > 0, made=made,
+        problem, top=max(top, pool), misses=misses, pareto=pareto, progress=progress, judge=judge,
+        others=0 if pool else others, margins=choices > 0,
     )  # fmt: skip
     rows: Sequence[int] = range(found.passing)
     sampled = _sampled(found, rows[:pool], sampling, brief) if sampling and pool else None
@@ -457,7 +451,6 @@ def shortlist(
     finalists = {} if brief else {row: drive_parts(found.evaluation, row) for row in best[:FINALISTS]}
     return Shortlist(
         problem=problem,
-        objective=objective,
         found=found,
         weigh=weigh,
         best=best,
@@ -467,20 +460,18 @@ def shortlist(
         uncertainty=_uncertainty(sampled),
         weighed=weighed,
         others=_family_alternatives(found, best)[:others] if pool else list(found.others),
-        choices=_choices(problem, found, objective, 0 if pool else choices, judge, weigh),
+        choices=_choices(problem, found, 0 if pool else choices, judge, weigh),
         checks_alone=checks_alone,
     )
 
 
-def _choices(
-    problem: Problem, found: SearchResult, objective: Ranking, most: int, judge: Judge | None, weigh: Weigh
-) -> Choices | None:
+def _choices(problem: Problem, found: SearchResult, most: int, judge: Judge | None, weigh: Weigh) -> Choices | None:
     """Drives to choose from by weights, where any are wanted."""
     if not most or not found.every:
         return None
     from drivesizer.search.choices import choices  # only a report needs them
 
-    return choices(problem, found.every, objective, most, judge=judge, weigh=weigh)
+    return choices(problem, found.every, most, judge=judge, weigh=weigh)
 
 
 def _family_alternatives(found: SearchResult, best: list[int]) -> list[int]:

@@ -35,7 +35,8 @@ from drivesizer.loads.stage_losses import FixedGear
 
 __all__ = [
     "ASSUMABLE", "BOUGHT", "DIRECT", "OBJECTIVES", "BeltStage", "Choice", "Control", "ControllerChoice", "DirectStage",
-    "EncoderChoice", "GearStage", "GearheadStage", "MotorChoice", "Plant", "Pulleys", "Select", "Stage", "Weighted",
+    "EncoderChoice", "GearStage", "GearheadStage", "MotorChoice", "Plant", "Pulleys", "Ranking", "Select", "Stage",
+    "Weighted", "weights_of",
 ]  # fmt: skip
 
 
@@ -250,6 +251,9 @@ class Weighted(Section):
     weight: Ratio
 
 
+Ranking = str | list[Weighted]  # one objective, or several with weights
+
+
 class Select(Section):
     """Permitted parts, and the objective of the ranking."""
 
@@ -277,10 +281,29 @@ class Select(Section):
             raise ValueError(f"expected each objective once; {twice[0]} is given twice")
         return given
 
+    def ranked_by(self, objective: Ranking | None) -> Select:
+        """The same with another objective; itself where none is given."""
+        other = objective is not None and objective != self.objective
+        return self.model_copy(update={"objective": objective}) if other else self
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """The objectives of the ranking with their weights."""
+        return weights_of(self.objective)
+
     @property
     def is_restricted(self) -> bool:
         """Whether families or parts are named."""
         return any(c.named for c in (self.motor, self.gearhead, self.encoder, self.controller, self.brake))
+
+
+def weights_of(objective: Ranking) -> dict[str, float]:
+    """The objectives that are counted with their weights; each is there once.
+
+    >>> weights_of("mass")
+    {'mass': 1.0}
+    """
+    return {objective: 1.0} if isinstance(objective, str) else {one.objective: one.weight for one in objective}
 
 
 # -- Sections of a spec on the closed loop: the controller's structure and gains, and the model of the machine.

@@ -340,6 +340,10 @@ class RobotSpec(OfFile):
         made._cases = tuple((name, change(case)) for name, case in self._cases)
         return made
 
+    def with_select(self, select: Select) -> RobotSpec:
+        """The spec with other permitted parts or another objective, in all load cases."""
+        return self if select is self.select else self.changed(lambda one: one.model_copy(update={"select": select}))
+
     def alone(self, **sections: Any) -> RobotSpec:
         """The spec without further load cases, some of its sections changed."""
         made = self.model_copy(update={"cases": [], **sections})

@@ -22,8 +22,9 @@ from drivesizer.results.check import Check, worst
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.results.sizing import Counts, unknown_parts
-from drivesizer.search.ranking import Ranking, title_of
+from drivesizer.search.ranking import title_of
 from drivesizer.search.shortlist import shortlist
+from drivesizer.spec.drive import Ranking
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.study.plan import Job, Plan
 
@@ -81,14 +82,14 @@ def best(
     made: dict[Hashable, Any] | None = None,
 ) -> Best:
     """The best drives of a spec."""
-    objective = objective or spec.select.objective
-    found = shortlist(spec, catalog, objective, top, misses=0, brief=True, checks_alone=True, made=made)
+    ranked = catalog.once(("ranked by", repr(objective)), lambda: spec.select.ranked_by(objective), (spec.select,))
+    spec = spec.with_select(ranked)
+    found = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, made=made)
     first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]
     shown = tuple(found.record(row, rank, reliability=found.reliability.get(row)) for rank, row in enumerate(first, 1))
     sets = shown if found.best else ()
-    return Best(
-        sets, None if sets else next(iter(shown), None), found.found.counts, title_of(objective), spec.load.motors
-    )
+    title, near = title_of(spec.select.objective), None if sets else next(iter(shown), None)
+    return Best(sets, near, found.found.counts, title, spec.load.motors)
 
 
 # -- Columns of a machine in a study's table: sums over its axes, what they draw together, the drive of each axis.

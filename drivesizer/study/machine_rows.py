@@ -12,7 +12,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import AxisSizing
-from drivesizer.search.ranking import Ranking
+from drivesizer.spec.drive import Ranking
 from drivesizer.spec.machine import read_machine
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import RobotSection

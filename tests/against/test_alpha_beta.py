@@ -61,7 +61,7 @@ def test_the_best_belt_ratio_is_that_of_the_closed_form(frictionless, motor, gea
     grid = [best * 1.02**k for k in range(-60, 61)]
     grid = [1.0003 * x for x in grid]  # the optimum itself lies between two of them
     spec = fan(motor, gearhead, torque, ramp, cruise, ", ".join(f"{x:.9f}" for x in grid))
-    found = search(problem(spec, frictionless), top=1, objective="joule_heat")
+    found = search(problem(spec, frictionless).ranked_by("joule_heat"), top=1)
     assert found.passing, found.counts
     assert found.evaluation.candidates.belt[0] == pytest.approx(best, rel=0.011)
     # and the least mean square is beta / 2 of the paper times the inertia: 2 J (T_rms a_rms + mean of T a) / e

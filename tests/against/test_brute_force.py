@@ -23,7 +23,7 @@ from drivesizer.search.columns import limits_over_time
 from drivesizer.search.columns import limits_over_time as wave
 from drivesizer.search.columns.brakes import encoders_for, offered_encoders
 from drivesizer.search.columns.candidates import Candidates, Rows, candidates
-from drivesizer.search.columns.controllers import controllers, usable_controllers
+from drivesizer.search.columns.controllers import Required, controllers, usable_controllers
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.limits_over_time import bounds
 from drivesizer.search.search import search
@@ -177,16 +177,17 @@ def all_by_hand(spec, catalog, sets):
 
 @pytest.fixture(scope="module")
 def worked(folder, catalog):
-    """Random sets of each load, worked out both ways; once per load."""
+    """Random sets of each load, worked out both ways; once per load and objective."""
     done = {}
 
-    def of(name):
-        if name not in done:
+    def of(name, objective="mass"):
+        if (name, objective) not in done:
             spec = spec_of(name, folder)
+            spec = spec.with_select(spec.select.ranked_by(objective))
             count = COUNTS.get(name, PAIRS) // len(spec.belt_ratios)
             sets = with_belts(some_pairs(catalog, count, name), spec.belt_ratios)
-            done[name] = spec, sets, all_by_hand(spec, catalog, sets)
-        return done[name]
+            done[name, objective] = spec, sets, all_by_hand(spec, catalog, sets)
+        return done[name, objective]
 
     return of
 
@@ -297,10 +298,10 @@ def controlling(spec, catalog, sets):
 )
 def test_the_ranking(name, objective, worked, catalog, monkeypatch):
     """The whole order of the same sets, as the search gives it."""
-    spec, sets, mine = worked(name)
+    spec, sets, mine = worked(name, objective)
     one_each = sets.on(np.flatnonzero(sets.belt == spec.belt_ratios[0]))
     monkeypatch.setattr("drivesizer.search.ranking.pairs", lambda *_, **__: one_each)
-    found = search(problem(spec, catalog), top=10**6, objective=objective, misses=0)
+    found = search(problem(spec, catalog), top=10**6, misses=0)
     expected = ranked(spec, sets, mine, objective, controlling=controlling(spec, catalog, sets))
     assert found.counts.considered == len(mine)
     assert found.counts.feasible == found.passing == len(expected) > 10
@@ -345,7 +346,7 @@ def test_the_search_in_stages_finds_what_all_checks_find(name, objective, folder
     spec = read_spec(YamlSource(text, str(folder / "x.yaml")))
     every = candidates(problem(spec, catalog))
     whole = evaluate(problem(spec, catalog), every)
-    found = search(problem(spec, catalog), top=10**6, objective=objective, misses=0)
+    found = search(problem(spec, catalog).ranked_by(objective), top=10**6, misses=0)
 
     def keys(sets, rows):
         return set(zip(sets.motor[rows].tolist(), sets.gearhead[rows].tolist(), sets.belt[rows].tolist(), strict=True))
@@ -378,7 +379,8 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
     cold = under.cold_voltage.value
     usable = usable_controllers(spec, catalog)
     usable = usable._replace(nearest=np.full(len(catalog.motors), usable.order[-1]))  # where none suffices
-    row = controllers(spec, catalog, pairs.motor, asked.rms_current, under.current.value, cold, usable=usable).row
+    required = Required(asked.rms_current, under.current.value, cold)
+    row = controllers(spec, catalog, pairs.motor, required, usable).row
     parts = Parts(motor, head, encoder, Rows(catalog.controllers, row))
     low, high = bounds(spec, at, asked, warm, under, parts)
     exact, same_again = limits_over_time.exact(spec, at, asked, warm, under, parts)

@@ -76,7 +76,7 @@ def _with(data: Plain, **select: Any) -> Plain:
 
 def _searched(spec: RobotSpec, objective: str) -> _Search:
     one = problem(spec, load_parts(spec, catalogue(*spec.select.catalogs)))
-    found, table = sifted(one, {objective}, None, margins=objective == "margin")[0], one.catalog
+    found, table = sifted(one.ranked_by(objective), margins=objective == "margin")[0], one.catalog
     names = table.motors["part"][found.sets.motor], table.gearheads["part"][found.sets.gearhead], found.sets.belt
     return one, found, list(zip(*(column.tolist() for column in names), strict=True))
 
@@ -125,7 +125,7 @@ def proposals(case: Case) -> Iterator[str]:
     """Each change that would let a drive pass, typed into the spec, lets it pass."""
     one, spec = case.found.problem, case.found.spec
     if not case.found.sets:
-        for change in relaxations(one, spec.select.objective):
+        for change in relaxations(one):
             data = _changed(case.data, change)
             found = size(spec_of(data, case.folder), catalog=catalogue(*spec.select.catalogs), top=1, brief=True)
             said = [one.label if one.status == "pass" else f"{one.label}, {one.status}" for one in found.sets]

@@ -592,7 +592,12 @@ class Wanted(NamedTuple):
 
 
 def controllers_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) -> list[tuple[int, Any]]:
-    """Those that do what is asked with the number of figures that each lacks: fewest first, of them by current."""
+    """Those that do what is asked with the number of figures that each lacks: fewest first, then by the objective.
+
+    By mass the lightest of those whose mass is known, by energy that with the least loss; then by current.
+    """
+    sizes = {"mass": lambda c: math.inf if math.isnan(c.mass) else c.mass, "energy": loss_per_ampere}
+    size = sizes.get(spec.select.objective, lambda _: 0)
     does = []
     for c in offered:
         if c.supply_min > spec.supply.lowest or not c.supply_max >= spec.supply.highest:
@@ -613,7 +618,8 @@ def controllers_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) ->
         does.append((sum(math.isnan(f) for f in figures), c))
     unknown = [math.isnan(c.continuous_current) for _, c in does]
     order = sorted(
-        range(len(does)), key=lambda n: (does[n][0], unknown[n], does[n][1].continuous_current, does[n][1].part)
+        range(len(does)),
+        key=lambda n: (does[n][0], size(does[n][1]), unknown[n], does[n][1].continuous_current, does[n][1].part),
     )
     return [does[n] for n in order]
 
@@ -650,7 +656,23 @@ def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -
         limits = [c.max_speed, c.max_frequency * 2 * math.pi / c.counts_per_turn]
         return 2 if any(limit < fast for limit in limits) else 1 if any(map(math.isnan, limits)) else 0
 
-    return min(enough, key=lambda c: (standing(c), enough.index(c)))
+    def worth(c: Any) -> float:
+        if spec.select.objective == "mass":
+            return math.inf if math.isnan(c.mass) else float(c.mass)
+        if spec.select.objective != "margin" or not encoder_required(spec):
+            return 0.0
+        ratios = [c.max_speed / fast, c.max_frequency * 2 * math.pi / c.counts_per_turn / fast]
+        ratios += [c.counts_per_turn / required] if required else []
+        if spec.needs.resolution_at_load is not None:
+            ratios.append(spec.needs.resolution_at_load * 4 * c.counts_per_turn * reduction / (2 * math.pi))
+        return -min((x for x in ratios if not math.isnan(x)), default=math.inf)
+
+    def inertia(c: Any) -> float:
+        return 0.0 if math.isnan(c.inertia) else float(c.inertia)
+
+    first = min(enough, key=lambda c: (standing(c), enough.index(c)))
+    alike = [c for c in enough if standing(c) == standing(first) and inertia(c) == inertia(first)]
+    return min(alike, key=lambda c: (worth(c), enough.index(c)))
 
 
 def encoder_required(spec: Any) -> bool:
@@ -698,6 +720,10 @@ def chosen(
     def lacking(some: dict[str, Verdict]) -> int:
         return sum(some[n].status == "unknown" for n in ELECTRICAL if n in some and n not in idle)
 
+    def least_margin(some: dict[str, Verdict]) -> float:
+        known = (some[n].margin for n in ELECTRICAL if n in some and n not in idle)
+        return min((x for x in known if not math.isnan(x)), default=math.inf)
+
     motor, _, encoder = parts
     found = of(None)
     wanted = _wanted(spec, found, motor, encoder)
@@ -721,6 +747,11 @@ def chosen(
             best, one = new, other
     if fails(best) and not fails(with_one(None)):
         best, one = with_one(None), None
+    if spec.select.objective == "margin" and not does[0][0] and not fails(best):
+        for other in (c for lacks, c in does if not lacks):
+            new = with_one(other)
+            if not fails(new) and (lacking(new), -least_margin(new)) < (lacking(best), -least_margin(best)):
+                best, one = new, other
     return best, one, of(one)
 
 

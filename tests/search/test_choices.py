@@ -20,7 +20,7 @@ from drivesizer.search.machine_filter import least_power
 from drivesizer.search.search import search
 from drivesizer.search.shortlist import problem_with_drive_mass
 from drivesizer.sizing import load_parts, size
-from drivesizer.spec.drive import Choice, MotorChoice
+from drivesizer.spec.drive import Choice, MotorChoice, weights_of
 from drivesizer.spec.robot import read_spec
 
 NAMES = ("mass", "price", "energy", "margin")
@@ -86,8 +86,8 @@ def test_a_drive_that_the_machine_cannot_feed_is_none_to_choose(tmp_path):
 def belt_axis(tmp_path_factory, catalog):
     """A belt axis, all drives that pass with all their figures, and those to choose from."""
     spec = starter("belt_axis", tmp_path_factory.mktemp("belt"))
-    problem, _ = problem_with_drive_mass(spec, load_parts(spec, catalog), "mass")
-    every = search(problem, top=5, objective="mass", margins=True).every
+    problem, _ = problem_with_drive_mass(spec, load_parts(spec, catalog))
+    every = search(problem, top=5, margins=True).every
     whole = every.evaluated(np.flatnonzero(every.certainty == every.certainty[every.best[0]]))
     parts = offers.chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=True)
     figures = {**whole.figures, "margin": smallest_margin(whole.checks), **parts}
@@ -99,7 +99,7 @@ def belt_axis(tmp_path_factory, catalog):
 
 
 def chosen(problem, every):
-    return choices(problem, every, "mass", 60, judge=None, weigh=None)
+    return choices(problem, every, 60, judge=None, weigh=None)
 
 
 def key(parts):
@@ -152,10 +152,10 @@ def test_the_search_ranks_by_weights_as_the_page_does(belt_axis):
     found = chosen(problem, every)
     for text in ("mass=2,price=1", "price=1,energy=3", "mass=1,price=1,energy=1,margin=4"):
         objective = ranking.objective_of(text)
-        first = search(problem, top=1, objective=objective).evaluation.candidates
+        first = search(problem.ranked_by(objective), top=1).evaluation.candidates
         columns = {name: np.array([one.figures[name] for one in found.drives]) for name in NAMES}
         columns["margin"] = used_share(columns["margin"])
-        best = found.drives[weighted_order(columns, ranking.weights_of(objective)).order[0]].parts
+        best = found.drives[weighted_order(columns, weights_of(objective)).order[0]].parts
         catalog = problem.catalog
         assert (best.motor.part, best.gearhead.part) == (
             catalog.motors["part"][first.motor[0]], catalog.gearheads["part"][first.gearhead[0]]

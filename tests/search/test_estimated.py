@@ -257,7 +257,7 @@ def test_of_open_drives_the_more_probable_come_first(maxon, table):
     figures = ("thermal_resistance_housing", "thermal_resistance_winding", "no_load_current", "rotor_inertia")
     columns = {**maxon.motors.columns, **{figure: np.full(len(maxon.motors), np.nan) for figure in figures}}
     lacking = search_view(maxon.with_tables({"motors": replace(maxon.motors, columns=columns)}, {}))
-    kept, _, _ = sifted(problem(table, lacking), {"mass"}, None)
+    kept, _, _ = sifted(problem(table, lacking))
     open_ = {(int(m), int(g)) for m, g, c in zip(*kept.sets[:2], kept.certainty, strict=True) if c == OPEN}
     pairs = lacking.motor_gearhead
     rows = np.array([pair in open_ for pair in zip(pairs.left.tolist(), pairs.right.tolist(), strict=True)])

@@ -37,5 +37,5 @@ def test_the_status_of_one_is_that_of_its_checks(found):
 
 def test_a_record_in_brief_has_the_status_of_all_checks(found):
     for row in range(len(found.candidates.motor)):
-        brief = drive_in_brief(found, row, 1, "mass")
+        brief = drive_in_brief(found, row, 1)
         assert (brief.status, brief.checks) == (found.status(row), found.tightest_of(row))

@@ -62,10 +62,10 @@ def test_what_bounds_pass_the_waveform_passes_and_nothing_else(given):
 
 def test_a_longer_cycle_s_drives_are_computed_in_order_until_enough_pass(given, monkeypatch):
     """The same are shown as where all are computed; the rest is counted, as neither passing nor failing."""
-    every = search(given, top=3, objective="mass")
+    every = search(given, top=3)
     monkeypatch.setattr(ranking, "_LONG", 100)
     monkeypatch.setattr(ranking, "_FIRST", 4)
-    few = search(given, top=3, objective="mass")
+    few = search(given, top=3)
     for found in (every, few):
         assert found.passing == 3
     for name in ("motor", "gearhead", "belt"):
@@ -74,8 +74,8 @@ def test_a_longer_cycle_s_drives_are_computed_in_order_until_enough_pass(given, 
     assert every.counts.undecided == 0
     assert (few.counts.undecided > 0) is (every.counts.passing > 0)  # what all lack is known once all are computed
     assert few.counts.feasible <= every.counts.feasible <= few.counts.feasible + few.counts.undecided
-    all_of_them = search(given, top=10**4, objective="mass")
+    all_of_them = search(given, top=10**4)
     assert all_of_them.counts.undecided == 0
     assert (all_of_them.counts.feasible, all_of_them.counts.passing) == (every.counts.feasible, every.counts.passing)
-    margin = search(given, top=3, objective="margin")  # of which all margins are needed
+    margin = search(given.ranked_by("margin"), top=3)  # of which all margins are needed
     assert margin.counts.undecided == 0

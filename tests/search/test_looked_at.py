@@ -51,7 +51,7 @@ def test_the_first_of_many_equals_are_those_of_the_largest_margins(given, monkey
     for few in (1, 10_000):
         monkeypatch.setattr(in_order, "_FEW", few)
         looked.clear()
-        found[few] = labels(search(given, top=top, objective="mass")), looked.copy()
+        found[few] = labels(search(given, top=top)), looked.copy()
     assert found[1][0] == found[10_000][0]
     assert len(found[10_000][1]) == 1
     if given.spec.load.kind == "wheeled_vehicle":
@@ -59,8 +59,8 @@ def test_the_first_of_many_equals_are_those_of_the_largest_margins(given, monkey
 
 
 def test_no_margin_is_larger_than_what_the_search_knows_it_to_be_at_most(given):
-    kept, _, _ = ranking.sifted(given, {"mass"}, None)
-    rank = ranked(given, kept, "mass", 5)
+    kept, _, _ = ranking.sifted(given)
+    rank = ranked(given, kept, 5)
     order = rank.order(given.catalog, kept.sets)
     tied = order[: equals_of_the_last(given, rank, order, 5)]
     assert len(tied) > 20

@@ -28,7 +28,7 @@ def _problem(spec: RobotSpec, catalog: Catalog, speed: float, mass: float, slope
         "select": Select(unknown=unknown),
     }
     changed = spec.model_copy(update=sections)
-    return problem_with_drive_mass(changed, load_parts(changed, catalog), "mass")[0]
+    return problem_with_drive_mass(changed, load_parts(changed, catalog))[0]
 
 
 def _alike(one: Evaluation, rows: np.ndarray, other: Evaluation) -> None:

@@ -60,13 +60,13 @@ def moves(given, monkeypatch, passes=lambda _: False):
             tried.setdefault(name, set()).add(factor)
         return passes(ratios(moved))
 
-    def best(moved, objective):
-        assert passes(ratios(moved)) and objective == "price"
+    def best(moved):
+        assert passes(ratios(moved)) and moved.spec.select.objective == "price"
         return SimpleNamespace(label="a drive", status="pass")
 
     monkeypatch.setattr(module, "any_in_machine", found)
     monkeypatch.setattr(module, "best_in_machine", best)
-    return {r.field: r for r in relaxations(given, "price")}, tried
+    return {r.field: r for r in relaxations(given.ranked_by("price"))}, tried
 
 
 @pytest.mark.parametrize(("motion", "furthest"), [
@@ -165,7 +165,7 @@ def test_a_drive_is_found_where_a_search_finds_one(estimates, unknown, catalog):
     some = set()
     for mass, volts in itertools.product((0.02, 0.15, 1.0), (12.0, 24.0)):
         moved = with_(given, needs={"mass": mass}, supply={"nominal": volts})
-        found = best_in_machine(moved, "mass")
+        found = best_in_machine(moved)
         assert any_in_machine(moved) == (found is not None)
         some.add(found is not None)
     assert some == {True, False}
@@ -185,7 +185,9 @@ def test_the_drive_that_is_named_is_the_best_of_the_objective_once_the_figure_ha
     monkeypatch.setattr(movable_figures, "FIGURES", only)
     for objective in ("mass", "energy"):
         (move,) = (
-            one for one in relaxations(problem(spec, catalog), objective) if one.field == "needs.backlash_at_load"
+            one
+            for one in relaxations(problem(spec, catalog).ranked_by(objective))
+            if one.field == "needs.backlash_at_load"
         )
         needs = spec.needs.model_copy(update={"backlash_at_load": move.after})
         found = size(spec.model_copy(update={"needs": needs}), catalog=catalog, objective=objective, top=1)

@@ -172,7 +172,7 @@ def test_the_inertia_of_a_coupling_is_added_and_may_be_off(catalog):
 def test_a_sliding_screw_takes_the_friction_of_the_spec(catalog):
     slow = {"speed": "20 mm/s", "acceleration_time": "0.2 s", "cruise_time": "5 s", "there_and_back": True}
     load = LOAD | {"kind": "lead_screw", "thread_friction": 0.15, "screw": {"maker": "THK"}}
-    problem, _ = problem_with_screw(spec_of(load, motion=slow), catalog, "mass")
+    problem, _ = problem_with_screw(spec_of(load, motion=slow), catalog)
     screw = problem.screw.screw
     assert screw.kind == "trapezoidal"
     slope, friction = math.atan(screw.lead / (math.pi * screw.pitch_diameter)), math.atan(0.15 / math.cos(math.pi / 12))

@@ -104,11 +104,11 @@ def test_the_stage_of_a_controller_is_that_of_each_candidate_that_has_it(given):
 
 
 def test_chunks_of_candidates_are_what_they_are_together(given, monkeypatch):
-    kept, closest, counts = ranking.sifted(given, {"mass"}, None)
+    kept, closest, counts = ranking.sifted(given)
     monkeypatch.setattr(ranking, "_CHUNK", 3001)
     monkeypatch.setattr(stages, "_ROWS", 500)
     monkeypatch.setattr(stages, "_MOST_BEHIND_ONE_BELT", 700)
-    others, same, tally = ranking.sifted(given, {"mass"}, None)
+    others, same, tally = ranking.sifted(given)
     assert tally == counts
     for one, other in ((kept.sets, others.sets), (closest, same)):
         for name in ("motor", "gearhead", "belt"):

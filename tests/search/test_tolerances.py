@@ -65,7 +65,7 @@ def parts(plain: str) -> Catalog:
 
 
 def _best(spec: RobotSpec, parts: Catalog, count: int) -> Evaluation:
-    return search(problem(spec, parts), top=count, objective="mass", misses=0).evaluation
+    return search(problem(spec, parts), top=count, misses=0).evaluation
 
 
 # --- closed forms ----------------------------------------------------------------------------------------------------
@@ -285,7 +285,7 @@ def _lasts(
     """Autonomy and the battery's peaks against the energy budget of one set."""
     moved = machine_of(spec, given, values)
     assert moved.battery
-    record = drive_set(plainly, 0, 1, "mass")
+    record = drive_set(plainly, 0, 1)
     power = drive_power(moved, record)
     found = energy_budget(moved, record, moved.battery, moved.equipment, catalog, power)
     budget = {check.name: check for check in found.checks}

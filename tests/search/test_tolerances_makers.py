@@ -108,7 +108,7 @@ def makers() -> Catalog:
 def _sampled(spec: RobotSpec, catalog: Catalog, processes: int = 1) -> tuple[SampledDrives, dict[str, int]]:
     """All sets of a catalogue over samples, with their rows by the motor's number."""
     given = problem(spec, catalog)
-    found = search(given, top=9, objective="mass", misses=0).evaluation
+    found = search(given, top=9, misses=0).evaluation
     rows = range(len(found.candidates.motor))
     result = sample_drives(given, {row: subject(found, row) for row in rows}, Sampling(4096, 1, None, processes))
     return result, {str(catalog.motors["part"][found.candidates.motor[row]]): row for row in rows}
@@ -116,7 +116,7 @@ def _sampled(spec: RobotSpec, catalog: Catalog, processes: int = 1) -> tuple[Sam
 
 def _needed(spec: RobotSpec, catalog: Catalog) -> float:
     """The least factor of the torque constant with which the motor's current is permitted: it falls as 1 / k_t."""
-    found = search(problem(spec, catalog), top=1, objective="mass", misses=0).evaluation
+    found = search(problem(spec, catalog), top=1, misses=0).evaluation
     check = next(one for one in found.checks if one.name == "motor_nominal_current")
     return float(check.demand[0] / check.limit[0])
 

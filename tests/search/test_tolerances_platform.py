@@ -72,13 +72,13 @@ def _plainly(ready: Prepared, parts: Catalog, one: SetRows, values: Any) -> Any:
     select = moved.select.model_copy(update={"controller": mine})
     given = problem(moved.model_copy(update={"select": select}), parts)
     only = Candidates(np.array([one.motor]), np.array([one.gearhead]), np.array([one.belt]), np.array([True]))
-    record = drive_set(evaluate(given, only), 0, 1, "mass")
+    record = drive_set(evaluate(given, only), 0, 1)
     return {check.name: check for check in (*record.checks, *machine_budget(given, record).checks)}
 
 
 def test_samples_are_what_the_plain_evaluation_says(ready: Prepared, parts: Catalog) -> None:
     """Every check of the drive at its worst wheel, and how long the battery lasts: the same to 1e-4."""
-    one = subject(search(ready.problem, top=1, objective="mass").evaluation, 0).rows
+    one = subject(search(ready.problem, top=1).evaluation, 0).rows
     (block,) = blocks(ready, parts, [one.belt])
     got = checks_of(parts, one, block)
     assert {"battery_autonomy", "gearhead_intermittent_torque", "traction"} <= set(got)

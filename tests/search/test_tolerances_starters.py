@@ -74,7 +74,7 @@ def _as_evaluated(spec: RobotSpec) -> None:
     given: Any = assumptions(spec)
     parts = load_parts(spec)
     ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 64, 3).values)
-    found, seen = search(problem(spec, parts), top=3, objective=spec.select.objective, misses=0).evaluation, 0
+    found, seen = search(problem(spec, parts), top=3, misses=0).evaluation, 0
     for place in range(len(found.candidates.motor)):
         one = subject(found, place).rows
         (block,) = blocks(ready, parts, [one.belt])

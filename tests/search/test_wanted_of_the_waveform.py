@@ -31,7 +31,7 @@ def test_energy_is_computed_where_it_ranks(name, energies, given, monkeypatch):
     """A campaign's arm over all catalogues took a minute of processor time; two thirds of it were energies."""
     computed, own = [], limits_over_time.evaluate
     monkeypatch.setattr(limits_over_time, "evaluate", lambda *a: computed.append(a[2]) or own(*a))
-    passing, _, _ = ranking.sifted(given, {name}, None)
+    passing, _, _ = ranking.sifted(given.ranked_by(name))
     assert (ENERGY in computed) is energies
     few = slice(0, 20)
     again = figures_by_physics(given, passing.sets.on(few))[name]

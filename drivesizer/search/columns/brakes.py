@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +20,8 @@ from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import coil_voltage
 from drivesizer.search.columns.candidates import FREE
-from drivesizer.search.columns.controllers import figure_order, selected
-from drivesizer.spec.drive import OBJECTIVES, EncoderChoice
+from drivesizer.search.columns.controllers import LAST, figure_order, parts_share, selected
+from drivesizer.spec.drive import EncoderChoice
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
@@ -47,6 +47,8 @@ class EncoderOffers(NamedTuple):
     counts: Array  # lines per turn; NaN unknown
     fastest: Array  # rad/s that no known limit of theirs forbids; infinite where none is known
     known: NDArray[np.bool_]  # whether all of their limits are known
+    worth: Array  # what each adds to the objective, less is better
+    inertia: Array  # kg*m^2, as it counts: 0 where it is unknown
     last: NDArray[np.int64]  # the one with the most counts, -1 where there is none
     least: float  # counts that are required; 0 where none are
 
@@ -59,14 +61,15 @@ def angle_per_edge(counts: Any, reduction: Any) -> Any:
 def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
     """The encoders that fit each motor and that the spec allows."""
     choice, needed = spec.select.encoder, spec.needs.encoder_counts
-    key = "encoders", repr(choice), needed
-    offered: EncoderOffers = catalog.once(
-        key, lambda: _encoder_offers(catalog, choice, float(max(needed or 0, choice.min_counts or 0)))
-    )
+    key, weights = ("encoders", repr(choice), needed, repr(spec.select.objective)), spec.select.weights
+    least = float(max(needed or 0, choice.min_counts or 0))
+    offered: EncoderOffers = catalog.once(key, lambda: _encoder_offers(catalog, choice, least, weights))
     return offered
 
 
-def _encoder_offers(catalog: Catalog, choice: EncoderChoice, least: float) -> EncoderOffers:
+def _encoder_offers(
+    catalog: Catalog, choice: EncoderChoice, least: float, weights: Mapping[str, float]
+) -> EncoderOffers:
     table = catalog.encoders
     counted = lines(table)
     listed = np.zeros((len(catalog.motors), len(table)), bool)
@@ -79,9 +82,10 @@ def _encoder_offers(catalog: Catalog, choice: EncoderChoice, least: float) -> En
     row = np.where(there, order[place], -1) if len(order) else np.full((len(listed), 1), -1)
     fastest, known = _fastest(table, counted)
     end = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
+    worth = sum(weight * parts_share(name, table, catalog) for name, weight in weights.items())
     return EncoderOffers(
-        row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row], end,
-        least,
+        row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row],
+        np.append(worth, np.inf)[row], np.nan_to_num(np.append(table["inertia"], 0.0))[row], end, least,
     )  # fmt: skip
 
 
@@ -101,18 +105,21 @@ def encoders_for(
     -----
     Where none has counts enough it is the one with the most, so that its check can say by how much it falls short.
     """
-    there = (offered.counts >= offered.least) & (offered.row >= 0)
-    finest, geared = spec.needs.resolution_at_load, reduction if spec.gear is None else reduction * spec.gear.ratio
-    best, place = np.zeros(len(motor), np.int8), np.zeros(len(motor), np.int64)
-    for k in reversed(np.flatnonzero(there.any(axis=0)).tolist()):  # one as good goes before those behind it
-        enough = there[:, k].take(motor)
-        if finest is not None:
-            enough &= angle_per_edge(offered.counts[:, k].take(motor), geared) <= finest
-        holds = enough & (speed <= offered.fastest[:, k].take(motor))
-        good = enough.astype(np.int8) + holds + (holds & offered.known[:, k].take(motor))
-        better = enough & (good >= best)
-        np.copyto(best, good, where=better)
-        np.copyto(place, k, where=better)
+    counts, fastest, known, worth = (x[motor] for x in (offered.counts, offered.fastest, offered.known, offered.worth))
+    geared = reduction if spec.gear is None else reduction * spec.gear.ratio
+    edge, speed = angle_per_edge(counts, geared[:, None]), np.asarray(speed)[:, None]
+    finest = np.inf if spec.needs.resolution_at_load is None else spec.needs.resolution_at_load
+    enough = (counts >= offered.least) & (offered.row[motor] >= 0) & ((edge <= finest) | np.isposinf(finest))
+    good = np.where(enough, 1 + (speed <= fastest) + ((speed <= fastest) & known), 0)
+    if "margin" in spec.select.weights and spec.wants_encoder:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.fmin(fastest / speed, finest / edge)
+            own = np.fmin(ratio, counts / offered.least if offered.least else np.inf)
+        worth = 1.0 / np.maximum(own, 1e-9) + worth / LAST
+    best, inertia = good.max(axis=1, initial=0), offered.inertia[motor]
+    alike = good == best[:, None]  # of these the first in order, or a better one that is as hard to turn
+    first = np.take_along_axis(inertia, alike.argmax(axis=1)[:, None], axis=1)
+    place = np.where(alike & (inertia == first), worth, np.inf).argmin(axis=1)
     return np.where(best > 0, offered.row[motor, place], offered.last[motor])
 
 
@@ -171,7 +178,6 @@ def _lower(one: Array, other: Array, needed: Array) -> Array:
 
 FLANGE = "flange"  # mounting of a brake for any shaft
 _FEW = 1000.0  # stops up to which a gearhead's emergency torque counts
-_FIGURE = {"length": "added_length"}  # of a brake, where an objective's is another
 
 
 class OfferedBrakes(NamedTuple):
@@ -202,7 +208,7 @@ def offered_brakes(spec: RobotSpec, catalog: Catalog) -> OfferedBrakes | None:
     if not spec.select.brake.named:
         apart &= table["mounting"] == FLANGE
     fitting = (listed & named & strong) | apart
-    place = _in_order(table, spec, listed)
+    place = _in_order(catalog, spec, listed)
     ordered = np.take_along_axis(fitting, place, axis=1)
     number = fitting.sum(axis=1)
     first = np.argsort(~ordered, axis=1, kind="stable")[:, : max(int(number.max(initial=0)), 1)]
@@ -222,12 +228,13 @@ def is_listed(catalog: Catalog, motor: int, brake: int) -> bool:
     return brake >= 0 and (listed or catalog.brakes["family"][brake] == OWN)
 
 
-def _in_order(table: Table[Brake], spec: RobotSpec, listed: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Brakes of each motor from the smallest, those that are listed before the others: (motors, brakes)."""
-    objective = spec.select.objective if isinstance(spec.select.objective, str) else "mass"
-    figure = OBJECTIVES[objective].figure
-    size = table[_FIGURE.get(figure, figure)] if figure in ("mass", "price", "length") else table["mass"]
-    order = np.lexsort((table["part"], table["static_torque"], size))
+def _in_order(catalog: Catalog, spec: RobotSpec, listed: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Brakes of each motor, those that are listed before the others, then by the objective: (motors, brakes)."""
+    table = catalog.brakes
+    worth = np.zeros(len(table))
+    for name, weight in spec.select.weights.items():
+        worth += weight * parts_share(name, table, catalog)
+    order = np.lexsort((table["part"], table["static_torque"], table["mass"], worth))
     behind = np.argsort(~listed[:, order], axis=1, kind="stable")
     found: NDArray[np.int64] = order[behind]
     return found
@@ -249,10 +256,12 @@ def brakes_for(
     every, last = np.arange(len(option)), offered.last[motor.rows]
     if option.size and len(table):
         shown = _Options(table, option)
-        passing, failing = _suits(problem, cycles, (_Wide(motor), _Wide(gearhead), _Wide(encoder)), shown)
+        passing, failing, margin = _suits(problem, cycles, (_Wide(motor), _Wide(gearhead), _Wide(encoder)), shown)
+        worth = -margin if spec.select.objective == "margin" else np.zeros(option.shape)
         found = last
         for good in (~failing & (option >= 0), passing & (option >= 0)):  # the second is better than the first
-            found = np.where(good.any(axis=1), option[every, good.argmax(axis=1)], found)
+            place = np.where(good, worth, np.inf).argmin(axis=1)  # of equals the first
+            found = np.where(good.any(axis=1), option[every, place], found)
     if not spec.names_brake:
         found = np.where(_needless(problem, cycles, motor, gearhead), -1, found)
     return found if given is None else np.where(given == FREE, found, given)
@@ -290,10 +299,10 @@ def _needless(problem: Problem, cycles: Sequence[AtGearhead], motor: Figures, ge
 
 def _suits(
     problem: Problem, cycles: Sequence[AtGearhead], parts: Sequence[Any], brake: Figures
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether brakes are known to hold and stop the load in all cases, and whether they are known not to."""
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Array]:
+    """Whether brakes are known to hold and stop the load in all cases, or known not to; their smallest margin."""
     passing: NDArray[np.bool_] = np.ones(brake["static_torque"].shape, bool)
-    failing = ~passing
+    failing, margin = ~passing, np.full(passing.shape, np.inf)
     motor, gearhead, encoder = parts
     for case, cycle in zip(problem.cases, cycles, strict=True):
         spec, checks = case.spec, list[CheckColumn]()
@@ -308,7 +317,8 @@ def _suits(
         for check in checks:
             passing &= check.passed
             failing |= check.failed
-    return passing, failing
+            margin = np.minimum(margin, check.tightness)
+    return passing, failing, margin
 
 
 def at_motor(brake: Figures, name: str, total: Any) -> Any:

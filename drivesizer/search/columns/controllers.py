@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
+from drivesizer.physics.braking import released_power
 from drivesizer.physics.extremes import distinct
 from drivesizer.physics.power_stage import STAGE_FIGURES, least_capacitance
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
@@ -27,7 +28,7 @@ from drivesizer.units import show
 __all__ = [
     "HANGING",
     "ChosenPart",
-    "Speeds",
+    "Required",
     "Usable",
     "controllers",
     "figure_order",
@@ -36,6 +37,7 @@ __all__ = [
     "none_suits",
     "offered_buses",
     "offers",
+    "parts_share",
     "room_on_bus",
     "selected",
     "usable_controllers",
@@ -49,11 +51,17 @@ class ChosenPart(NamedTuple):
     checks: list[CheckColumn]
 
 
-class Speeds(NamedTuple):
-    """Demands on a controller beside current and voltage, by its figures' names; 0 where it has no part."""
+class Required(NamedTuple):
+    """What candidates demand of a controller in the worst of all load cases; None is not looked at."""
 
-    max_speed_sine: NDArray[np.float64]  # rad/s, speed times pole pairs
-    max_encoder_frequency: NDArray[np.float64]  # Hz, of the encoder's lines
+    rms: NDArray[np.float64]  # A
+    peak: NDArray[np.float64]  # A
+    voltage: NDArray[np.float64] | None = None  # V, with a cold winding
+    max_speed_sine: NDArray[np.float64] | None = None  # rad/s, speed times pole pairs; 0 where it has no part
+    max_encoder_frequency: NDArray[np.float64] | None = None  # Hz, of the encoder's lines
+    lasting: float = 0.0  # margins that the spec requires: of the RMS current,
+    torque: float = 0.0  # of the peak,
+    speed: float = 0.0  # of the others
 
 
 def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
@@ -144,52 +152,120 @@ def controllers(
     spec: RobotSpec,
     catalog: Catalog,
     motor: NDArray[Any],
-    rms_current: NDArray[Any],
-    peak_current: NDArray[Any],
-    voltage: NDArray[Any] | None = None,
-    speeds: Speeds | None = None,
+    required: Required,
     usable: Usable | None = None,
     barred: NDArray[np.bool_] | None = None,
     known: NDArray[np.bool_] | None = None,
+    beaten: NDArray[np.float64] | None = None,
 ) -> ChosenPart:
-    """The controller of each candidate."""
-    table = catalog.controllers
-    usable = usable or usable_controllers(spec, catalog)
-    order, lowest = usable.order, usable.lowest
+    """The controller of each candidate.
+
+    ``barred``: which are not to be taken, shape (controllers, candidates); ``known``: candidates whose controller must
+    have all figures; ``beaten``: smallest margin that another one has to leave more of.
+    """
+    table, usable = catalog.controllers, usable or usable_controllers(spec, catalog)
+    order, lowest, rms = usable.order, usable.lowest, required.rms
     lasting = controller_current(table, usable.ambient)
-    figure = {name: _beside(table[name], order) for name in ("peak_current", "peak_time")}  # shape (controllers, 1)
-    continuous = _beside(lasting, order)
-    enough = usable.allowed.T.take(motor, axis=1)  # (controllers, rows): few long rows are quicker than many short ones
+    # one controller a row, one candidate a column: few long rows are quicker than many short ones
+    continuous, peak, peak_time = (x[order][:, None] for x in (lasting, table["peak_current"], table["peak_time"]))
+    limits = [
+        (rms, required.lasting, continuous, continuous),
+        (required.peak, required.torque, peak, peak),
+    ]
+    for name in ("max_speed_sine", "max_encoder_frequency"):
+        if (demand := getattr(required, name)) is not None:
+            limits.append((demand, required.speed, *2 * (table[name][order][:, None],)))
+    if required.voltage is not None:
+        feed = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES})._replace(voltage=lowest)
+        limits.append((required.voltage, required.speed, np.minimum(feed.usable_at_most, lowest), feed.usable))
+    enough = usable.allowed.T.take(motor, axis=1)
+    lacking = np.zeros(enough.shape, np.int8) + usable.unclear[order][:, None]
+    by_margin = "margin" in spec.select.weights
+    margin = np.full(enough.shape if by_margin else (1, 1), np.inf)
+    for demand, needed, limit, printed in limits:
+        enough &= ~(limit < demand * (1.0 + needed))
+        if (unknown := np.isnan(printed)).any():
+            lacking += unknown & (demand != 0.0)
+        if by_margin:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                margin = np.fmin(margin, np.where(demand == 0.0, np.inf, limit / demand - 1.0))
+    if required.voltage is not None and (untimed := np.isnan(peak_time)).any():
+        lacking += untimed & (continuous < required.peak * (1.0 + required.torque))
     if barred is not None:
         enough &= ~barred
-    enough &= ~(continuous < rms_current)
-    enough &= ~(figure["peak_current"] < peak_current)
-    lacking = np.isnan(continuous).astype(np.int8) + np.isnan(figure["peak_current"])
-    lacking = lacking + _beside(usable.unclear, order)
-    if voltage is not None:
-        feed = spec.feed({name: _beside(table[name], order) for name in STAGE_FIGURES})._replace(voltage=lowest)
-        enough &= ~(np.minimum(feed.usable_at_most, lowest) < voltage)
-        lacking = lacking + np.isnan(feed.usable)
-        if (untimed := np.isnan(figure["peak_time"])).any():
-            lacking = lacking + (untimed & (continuous < peak_current))
-    if speeds is not None:
-        for name, demand in speeds._asdict().items():
-            limit = _beside(table[name], order)
-            enough &= ~(limit < demand)
-            if (unknown := np.isnan(limit)).any():
-                lacking = lacking + (unknown & (demand != 0.0))
     if known is not None:
         enough &= ~known | (lacking == 0)
+    if beaten is not None:
+        enough &= margin > beaten
     otherwise = usable.nearest[motor] if barred is None else np.full(len(motor), -1)
-    if voltage is not None and barred is None:
-        otherwise = np.where(voltage > lowest, usable.largest[motor], otherwise)
-    row = _first(order, enough, lacking, otherwise)
+    if required.voltage is not None and barred is None:
+        otherwise = np.where(required.voltage * (1.0 + required.speed) > lowest, usable.largest[motor], otherwise)
+    row = _best(order, enough, lacking, _worth(spec, catalog, order, required, margin), otherwise)
     continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
     return ChosenPart(row, [
         usable.available(motor, row),
-        at_most("controller_continuous_current", rms_current, continuous),
-        at_most("controller_peak_current", peak_current, peak),
+        at_most("controller_continuous_current", rms, continuous),
+        at_most("controller_peak_current", required.peak, peak),
     ])  # fmt: skip
+
+
+LAST = 1e9  # in place of a figure that is unknown: behind all that are known
+
+
+def _worth(
+    spec: RobotSpec, catalog: Catalog, order: NDArray[np.int64], required: Required, margin: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """What each controller adds to the objective of each candidate, less is better: shape (controllers, 1 or more).
+
+    What no objective counts is 0 of all. A margin is the largest that a controller leaves.
+    """
+    table, found = catalog.controllers, np.zeros((len(order), 1))
+    for name, weight in spec.select.weights.items():
+        if name == "energy":
+            stage = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES}).stage
+            current = np.maximum(required.rms, 1e-9)
+            lost = stage.loss + stage.resistance * current + stage.standby / current
+            found = found + weight * np.nan_to_num(lost, nan=LAST) / spec.supply.nominal
+        elif name == "margin":
+            found = found + weight / (1.0 + np.maximum(margin, -0.999))
+        else:
+            found = found + weight * parts_share(name, table, catalog)[order][:, None]
+    return found
+
+
+def parts_share(name: str, table: Table[Any], catalog: Catalog) -> NDArray[np.float64]:
+    """Figure of parts that an objective sums, in that of a typical motor; unknown ones behind all others, by mass.
+
+    Of what turns with the motor the inertia, where the objective is a figure of the motor's current.
+    """
+    if name == "energy" and table.section == "brakes":
+        return np.asarray(np.nan_to_num(released_power(table), nan=LAST), float)
+    column = {"mass": "mass", "price": "price", "length": "added_length"}.get(name, "inertia")
+    if column not in table.columns or name == "power" or (name == "length" and table.section != "brakes"):
+        return np.zeros(len(table))
+    figure, of_motors = table[column], catalog.motors["rotor_inertia" if column == "inertia" else name]
+    typical = np.median(known) if len(known := of_motors[~np.isnan(of_motors)]) else 1.0
+    found: NDArray[np.float64] = np.where(np.isnan(figure), LAST + np.nan_to_num(table["mass"]), figure / typical)
+    return found
+
+
+def _best(
+    order: NDArray[np.int64],
+    enough: NDArray[np.bool_],
+    lacking: NDArray[np.int8],
+    worth: NDArray[np.float64],
+    otherwise: NDArray[np.int64],
+) -> NDArray[np.int64]:
+    """Of those that are enough one of which the fewest figures are lacking: of them the best, then the first."""
+    if not len(order):
+        return otherwise
+    fewest = np.where(enough, lacking, np.int8(99)).min(axis=0)
+    if worth.shape[1] == 1:  # the same order for all
+        rank = np.argsort(np.argsort(worth, axis=0, kind="stable"), axis=0).astype(np.int16)
+        place = np.where(enough & (lacking == fewest), rank, np.int16(len(order))).argmin(axis=0)
+    else:
+        place = np.where(enough & (lacking == fewest), worth, np.inf).argmin(axis=0)
+    return np.where(fewest < 99, order[place], otherwise)
 
 
 HANGING = (  # checks of a drive that hang on its controller and on its cycle, beside what ``controllers`` looks at
@@ -233,24 +309,6 @@ def room_on_bus(spec: RobotSpec, table: Table[Any], usable: Usable) -> NDArray[n
     highest = spec.supply.highest
     room: NDArray[np.float64] = 0.5 * least_capacitance(current, highest) * (most**2 - highest**2)
     return room
-
-
-def _beside(column: NDArray[Any], order: NDArray[np.int64]) -> NDArray[Any]:
-    """A figure of controllers in order, one in each row: for columns of candidates beside it."""
-    return column[order][:, None]
-
-
-def _first(
-    order: NDArray[np.int64], mask: NDArray[np.bool_], lacking: NDArray[np.int8], otherwise: NDArray[np.int64]
-) -> NDArray[np.int64]:
-    """Of those that a mask allows one of which the fewest figures are lacking: of them the first in order."""
-    found, fewest = otherwise.copy(), np.full(len(otherwise), 99, np.int8)
-    lacks = np.broadcast_to(lacking, mask.shape)
-    for place in reversed(range(len(order))):  # one that lacks no more goes before those behind it
-        better = mask[place] & (lacks[place] <= fewest)
-        np.copyto(found, order[place], where=better)
-        np.copyto(fewest, lacks[place], where=better)
-    return found
 
 
 def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:

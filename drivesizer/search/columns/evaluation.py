@@ -18,7 +18,7 @@ from drivesizer.results.sizing import Check, Status
 from drivesizer.search.columns import paper as paper_rule
 from drivesizer.search.columns.brakes import counts_check, encoders_for, offered_brakes, offered_encoders
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows
-from drivesizer.search.columns.controllers import controllers
+from drivesizer.search.columns.controllers import Required, controllers
 from drivesizer.search.columns.limits_over_time import Exactly, Wanted
 from drivesizer.search.columns.offers import placed, scattered
 from drivesizer.search.columns.paper import motor_requirements, vehicle
@@ -41,8 +41,16 @@ _NEEDED = {"length": "length", "mass": "mass", "diameter": "diameter", "backlash
 
 def at_ends(problem: Problem) -> tuple[Problem, Problem]:
     """The problem with estimated figures at the favourable and at the unfavourable end of their bands."""
-    favourable, unfavourable = (replace(problem, catalog=end) for end in problem.catalog.ends)
-    return favourable, unfavourable
+    middle = problem.catalog
+
+    def ends() -> tuple[
+        Catalog, ...
+    ]:  # encoders and controllers, which are chosen by their masses, do not hang on the end
+        same = {name: middle.table(name) for name in ("encoders", "controllers")}
+        return tuple(end.with_tables(same, {}) for end in middle.ends)
+
+    favourable, unfavourable = middle.once("both ends", ends)
+    return replace(problem, catalog=favourable), replace(problem, catalog=unfavourable)
 
 
 def estimated(problem: Problem, candidates: Candidates, method: str = "physics") -> NDArray[np.int64]:
@@ -218,7 +226,7 @@ def _with_controllers(found: Evaluation) -> Evaluation:
     motor = Rows(catalog.motors, sets.motor)
     torques = found.shaft["rms_torque_at_motor"].value, paper_rule.largest_torque_at_motor(found.shaft)
     currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
-    controller = controllers(spec, catalog, sets.motor, *currents)
+    controller = controllers(spec, catalog, sets.motor, Required(*currents))
     total = catalog.gearheads["ratio"].take(sets.gearhead) * sets.belt
     speed = found.wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
     encoder = encoders_for(spec, offered_encoders(spec, catalog), sets.motor, speed, total)

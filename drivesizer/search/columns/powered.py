@@ -21,7 +21,7 @@ from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import line_frequency
 from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import HANGING, Speeds, controllers, no_better_than, room_on_bus
+from drivesizer.search.columns.controllers import HANGING, Required, controllers, no_better_than, room_on_bus
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed
 from drivesizer.search.columns.limits_over_time import (
     Exactly,
@@ -90,6 +90,11 @@ def powered(
     return Powered(row, [available, *found.checks], figures)
 
 
+_OF_CONTROLLER = (
+    "controller_continuous_current", "controller_peak_current", "controller_speed", "encoder_frequency",
+)  # fmt: skip
+
+
 class _Found(NamedTuple):
     """Checks and bounds of candidates with some controllers."""
 
@@ -106,6 +111,12 @@ class _Found(NamedTuple):
         """Of some of the candidates."""
         rows = np.flatnonzero(rows) if rows.dtype == bool else rows
         return _Found([check.on(rows) for check in self.checks], [(on(a, rows), on(b, rows)) for a, b in self.pairs])
+
+    def margin(self, of_controller: bool) -> Array:
+        """The smallest margin of the checks that hang on the controller, or of the others."""
+        some = [c for c in self.checks if (c.name in _OF_CONTROLLER or c.name in HANGING) == of_controller]
+        found: Array = np.minimum.reduce([check.tightness for check in some])
+        return found
 
     @property
     def lacking(self) -> NDArray[np.int64]:
@@ -124,15 +135,6 @@ class _Found(NamedTuple):
             [check.with_rows(rows, other.on(of)) for check, other in zip(self.checks, new.checks, strict=True)],
             [both(*pair) for pair in zip(self.pairs, new.pairs, strict=True)],
         )
-
-
-class _Required(NamedTuple):
-    """Demands on controllers for each candidate."""
-
-    motor: NDArray[np.int64]  # row of its motor
-    rms: Array  # A
-    largest: Array  # A
-    speeds: Speeds
 
 
 class _Cases(NamedTuple):
@@ -156,31 +158,33 @@ class _Cases(NamedTuple):
             cycles=cycles, moving=moving, stresses=stresses, parts=self.parts.on(rows), exactly=exactly
         )
 
-    @property
-    def required(self) -> _Required:
-        """Requirement in the worst of all cases, with the margins that the spec requires."""
-        spec, motor = self.problem.spec, self.parts.motor
-        more, faster = 1.0 + spec.margins.torque, 1.0 + spec.margins.speed
-        lasting = 1.0 + max(controller_needed(case.spec, spec.margins.torque) for case in self.problem.cases)
-        rms = lasting * np.maximum.reduce([c.demand.rms_current for c in self.moving])
-        largest = more * np.maximum.reduce([u.current.value for u in self.stresses])
-        electrical = faster * np.maximum.reduce([electrical_speed(c.demand, motor) for c in self.moving])
-        lines = faster * np.maximum.reduce([line_frequency(c.demand, self.parts.encoder) for c in self.moving])
-        return _Required(
-            motor.rows, rms, largest, Speeds(electrical, lines if spec.wants_encoder else np.zeros_like(lines))
-        )
-
     def controllers(
-        self, voltage: Sequence[Array], barred: NDArray[np.bool_] | None = None, known: NDArray[np.bool_] | None = None
+        self,
+        voltage: Sequence[Array],
+        barred: NDArray[np.bool_] | None = None,
+        known: NDArray[np.bool_] | None = None,
+        beaten: Array | None = None,
     ) -> NDArray[np.int64]:
-        """The smallest that suffices in the worst of all cases, as far as that is known before its own limits are."""
-        spec, usable, required = self.problem.spec, self.offered.controllers, self.required
-        volts = (1.0 + spec.margins.speed) * np.maximum.reduce(list(voltage))
-        demand = required.rms, required.largest, volts, required.speeds
-        return controllers(spec, self.problem.catalog, required.motor, *demand, usable, barred, known).row
+        """The best that suffices in the worst of all cases, as far as that is known before its own limits are."""
+        spec, motor, moving = self.problem.spec, self.parts.motor, self.moving
+        lines = np.maximum.reduce([line_frequency(c.demand, self.parts.encoder) for c in moving])
+        required = Required(
+            np.maximum.reduce([c.demand.rms_current for c in moving]),
+            np.maximum.reduce([u.current.value for u in self.stresses]),
+            np.maximum.reduce(list(voltage)),
+            np.maximum.reduce([electrical_speed(c.demand, motor) for c in moving]),
+            lines if spec.wants_encoder else None,
+            max(controller_needed(case.spec, spec.margins.torque) for case in self.problem.cases),
+            spec.margins.torque,
+            spec.margins.speed,
+        )
+        usable = self.offered.controllers
+        return controllers(spec, self.problem.catalog, motor.rows, required, usable, barred, known, beaten).row
 
-    def others(self, found: _Found, barred: NDArray[np.bool_], known: NDArray[np.bool_]) -> NDArray[np.int64]:
-        """Of those that are not barred the smallest that may suffice, -1 where none may.
+    def others(
+        self, found: _Found, barred: NDArray[np.bool_], known: NDArray[np.bool_], beaten: Array | None
+    ) -> NDArray[np.int64]:
+        """Of those that are not barred the best that may suffice, -1 where none may.
 
         Of candidates that fail nothing one of which all is ``known``, at the highest voltage where that is open. Leads
         take of the voltage that was found: then it is that of a cold winding.
@@ -189,7 +193,7 @@ class _Cases(NamedTuple):
         volts = [np.where(opened, np.nan_to_num(high.voltage, nan=np.inf), low.voltage) for low, high in found.pairs]
         if self.problem.spec.resists:
             volts = [u.cold_voltage.value for u in self.stresses]
-        return self.controllers(volts, barred, known)
+        return self.controllers(volts, barred, known, beaten)
 
     def beyond_supply(self, found: _Found) -> NDArray[np.bool_]:
         """Candidates whose motor takes more voltage than the supply has, with any controller."""
@@ -279,6 +283,7 @@ def _walked(
     in place of one that only leaves a check unknown. Where all that are listed fail others may exist: it has none.
     """
     usable, table = case.offered.controllers, case.problem.catalog.controllers
+    by_margin = case.problem.spec.select.objective == "margin"
     if not len(rows := rows[_wanting(case, row, found)[rows]]):
         return row, found
     no_better, place = no_better_than(case.problem.spec, table, usable), np.zeros(len(table), np.int64)
@@ -286,16 +291,23 @@ def _walked(
     barred, one, new = np.zeros((len(usable.order), len(rows)), bool), row[rows], found.on(rows)
     while len(rows):
         full = case.full_bus(new, place[one])
-        barred |= (usable.order[:, None] == one) | _pointless(new, no_better, place[one], full)
+        pointless = _pointless(new, no_better, place[one], full)
+        if by_margin:  # one that passes may leave more
+            pointless &= new.failed() | (new.lacking > 0)
+        barred |= (usable.order[:, None] == one) | pointless
         now = found.on(rows)
         fails = now.failed()
-        one = case.some(rows).others(new, barred, ~fails)
+        beaten = np.where(fails | (now.lacking > 0), -np.inf, now.margin(True)) if by_margin else None
+        one = case.some(rows).others(new, barred, ~fails, beaten)
         going = (one >= 0) | fails & usable.partial[case.parts.motor.rows[rows]]
         rows, barred, one, now, new = rows[going], barred[:, going], one[going], now.on(going), new.on(going)
         if not len(rows):
             break
         new = case.some(rows).judged(one)
         fewer = (new.failed() < now.failed()) | ~(new.failed() | now.failed()) & (new.lacking < now.lacking)
+        if by_margin:
+            equal = (new.failed() == now.failed()) & (new.lacking == now.lacking)
+            fewer |= equal & (new.margin(True) > now.margin(True) * (1.0 + 1e-9))
         better = np.flatnonzero(fewer)
         row, found = put(row, rows[better], one[better]), found.replaced(rows[better], new, better)
         going = (one >= 0) & ~new.failed(others=True) & _wanting(case.some(rows), row[rows], found.on(rows))
@@ -322,6 +334,8 @@ def _pointless(
 def _wanting(case: _Cases, row: NDArray[np.int64], found: _Found) -> NDArray[np.bool_]:
     """Candidates with whose controller a check fails or is unknown that another one may meet."""
     unmet: NDArray[np.bool_] = np.logical_or.reduce([~check.passed for check in found.checks if check.name in HANGING])
+    if case.problem.spec.select.objective == "margin":
+        unmet |= found.margin(True) < found.margin(False)
     unmet &= (row >= 0) & ~found.failed(others=True) & ~case.beyond_supply(found)
     if not unmet.any():
         return unmet

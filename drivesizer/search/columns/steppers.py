@@ -34,7 +34,7 @@ from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import controllers
+from drivesizer.search.columns.controllers import Required, controllers
 from drivesizer.search.columns.limits_over_time import bus_limit
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.mounting import controller_needed
@@ -97,8 +97,8 @@ def stepped(
     catalog, motor = problem.catalog, parts.motor
     current = motor["nominal_current"]
     thin = max(controller_needed(case.spec, 0.0) for case in problem.cases)
-    rms = current if not thin else current * (1.0 + thin)
-    chosen = controllers(problem.spec, catalog, motor.rows, rms, amplitude(current), usable=offered.controllers)
+    required = Required(current, amplitude(current), lasting=thin)
+    chosen = controllers(problem.spec, catalog, motor.rows, required, offered.controllers)
     given = None if parts.controller is None else parts.controller.rows
     row = chosen.row if given is None else np.where(given == FREE, chosen.row, given)
     parts = parts._replace(controller=Rows(catalog.controllers, row))
