@@ -17,7 +17,7 @@ from second_start import second_start
 
 DAY = 10_000_000  # samples
 FEW = 1000
-_LONG = 40_000  # from 32 768 segments on a cycle is looked through by machine code
+_LONG = 40_000
 _AT_ONCE = 100_000
 _STEP = 0.01  # s
 SPEC = """\
@@ -68,7 +68,7 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=200_000, help="that are sized, at most a day's 10 million")
     samples = parser.parse_args().samples
     with second_start() as folder:
-        taken(folder, _LONG)  # compiles the catalogue and the modules, and makes the machine code of long cycles
+        taken(folder, _LONG)  # compiles the catalogue and the modules, and makes the machine code
         few, many = taken(folder, FEW), taken(folder, samples)
     for count, (seconds, megabytes) in ((FEW, few), (samples, many)):
         print(f"{count:12,} samples{seconds:12.1f} s of the processor{megabytes:12,.0f} MB")

@@ -251,18 +251,19 @@ def over_cycle(
     b, course, time = bodies_of(d), not math.isnan(start[0]), 0.0
     w, h = start
     none = Top(-math.inf, -math.inf, 0.0)
-    current, winding, voltage, power = none, none, none, none
+    current, winding, voltage, power, least = none, none, none, none, w
     square_time = mean_time = copper = 0.0
-    above, store = Above(0.0, 0.0, -1.0), Store(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    above, store = Above(0.0, 0.0, -1.0, 0.0), Store(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     drawn = returned = heat = motor = unlike = 0.0
-    written, pending, stores = 0, no_piece(), level >= ENERGY and d.kept > 0.0
+    pending = Piece(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    written, stores = 0, level >= ENERGY and d.kept > 0.0
     parts = max(cuts, 1)
     for k in range(count):
         s, steady = segment_of(d, c, k, cycle)
         pieces = pieces_of(d, s, steady)
         for n in range(pieces):
             p = part(s, n, pieces)
-            rises = Rises(held.rise, held.rise, held.mean)
+            rises, at_w, at_h = Rises(held.rise, held.rise, held.mean), w, h
             if course:
                 law = heating(d, b, p)
                 more_w, more_h, mean = added(law, spread(law, p.t), p.t, w, h)
@@ -274,7 +275,7 @@ def over_cycle(
                     if steady:  # nothing else changes: its warmest moment stands at its warmer end
                         rises = Rises(w, top, w + mean) if more_w >= 0.0 else Rises(top, w + more_w, w + mean)
                 w, h = w + more_w, h + more_h
-                winding = larger(winding, w, time + p.t)
+                winding, least = larger(winding, w, time + p.t), min(least, w)
             square = mean_square(p.I_0, p.I_1)
             square_time, mean_time = square_time + p.t * square, mean_time + p.t * rises.mean
             copper += p.t * (d.R + d.R_rise * rises.mean) * square
@@ -295,7 +296,10 @@ def over_cycle(
                     drawn, returned, heat = drawn + f.drawn, returned + f.returned, heat + f.source_heat
                     motor, unlike = motor + (f.motor_drawn - f.motor_returned), unlike + f.unlike
                     if level >= ACCOUNT:
-                        piece = piece_of(q, of, f)
+                        piece = Piece(
+                            q.t, q.I_0, q.I_1, q.w_0, q.w_1, of.start, of.end, of.mean, at_w, at_h, f.drawn, f.returned,
+                            f.source_heat, f.motor_drawn, f.motor_returned, f.power, f.least,
+                        )  # fmt: skip
                         if cuts == 0 and pending.returned == 0.0 and piece.returned == 0.0:
                             pending = joined(pending, piece)
                         else:
@@ -308,26 +312,14 @@ def over_cycle(
     return Figures(
         math.sqrt(square_time / time), current.value, current.time,
         winding.value if course else held.highest, winding.time if course else math.nan, mean_time / time,
-        start[0], start[1],
+        least, start[0], start[1], w, h,
         voltage.value, voltage.time, copper / time,
         longest_above(above, time) if level >= POWER and not math.isnan(d.limit) else math.nan,
+        above.in_all if level >= POWER and not math.isnan(d.limit) else math.nan,
         power.value if level >= POWER else math.nan, power.time if level >= POWER else math.nan,
         drawn if level >= ENERGY else math.nan, returned if level >= ENERGY else math.nan,
         heat if level >= ENERGY else math.nan, most_stored(store) if stores else (0.0 if level >= ENERGY else math.nan),
         motor if level >= ACCOUNT else math.nan, unlike if level >= ACCOUNT else math.nan, float(written),
-    )  # fmt: skip
-
-
-def no_piece() -> Piece:
-    """A piece without duration."""
-    return Piece(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-def piece_of(s: Segment, r: Rises, f: Fed) -> Piece:
-    """A piece of the course over time."""
-    return Piece(
-        s.t, s.I_0, s.I_1, s.w_0, s.w_1, r.start, r.end, r.mean, f.drawn, f.returned, f.source_heat, f.motor_drawn,
-        f.motor_returned, f.power, f.least,
     )  # fmt: skip
 
 
@@ -338,8 +330,8 @@ def joined(a: Piece, b: Piece) -> Piece:
     t = a.duration + b.duration
     return Piece(
         t, a.I_0, b.I_1, a.w_0, b.w_1, a.rise_0, b.rise_1, (a.duration * a.rise_mean + b.duration * b.rise_mean) / t,
-        a.drawn + b.drawn, a.returned + b.returned, a.source_heat + b.source_heat, a.motor_drawn + b.motor_drawn,
-        a.motor_returned + b.motor_returned, max(a.most, b.most), min(a.least, b.least),
+        a.winding, a.housing, a.drawn + b.drawn, a.returned + b.returned, a.source_heat + b.source_heat,
+        a.motor_drawn + b.motor_drawn, a.motor_returned + b.motor_returned, max(a.most, b.most), min(a.least, b.least),
     )  # fmt: skip
 
 
@@ -365,7 +357,9 @@ def count_pieces(d: Drive, c: Course, count: int) -> int:
 def one_drive(d: Drive, c: Course, count: int, cycle: int, level: int, cuts: int, rows: Array) -> Figures:
     """A drive over a cycle; one whose winding runs away is held at its permitted rise."""
     held, unknown = Held(d.held, d.held_mean, math.nan), (math.nan, math.nan)
-    start = periodic_start(d, c, count, cycle) if d.course > 0.0 else unknown
+    start = (d.winding_start, d.housing_start) if d.course > 0.0 else unknown
+    if d.course > 0.0 and math.isnan(d.winding_start):
+        start = periodic_start(d, c, count, cycle)
     away = Held(d.permitted, d.permitted, math.inf)
     if math.isinf(start[0] + start[1]):
         held, start = away, unknown
@@ -380,7 +374,7 @@ def drive_of(x: Array) -> Drive:
     """A drive of a row."""
     return Drive(
         x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14], x[15], x[16],
-        x[17], x[18], x[19], x[20], x[21], x[22], x[23], x[24], x[25], x[26], x[27], x[28], x[29], x[30],
+        x[17], x[18], x[19], x[20], x[21], x[22], x[23], x[24], x[25], x[26], x[27], x[28], x[29], x[30], x[31], x[32],
     )  # fmt: skip
 
 

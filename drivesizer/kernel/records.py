@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import nan
 from typing import Any, NamedTuple
 
 __all__ = ["Drive", "Figures", "Piece"]
@@ -45,6 +46,8 @@ class Drive(NamedTuple):
     drives: Any  # 1, alike at this source
     kept: Any  # 1, share of what is returned that stays on the bus
     limit: Any  # A, of which the time above counts
+    winding_start: Any = nan  # K, rises with which a cycle begins; NaN: those with which it ends, too
+    housing_start: Any = nan
 
 
 class Figures(NamedTuple):
@@ -56,12 +59,16 @@ class Figures(NamedTuple):
     winding: Any  # K, highest rise; infinite: it runs away; NaN: it is held
     winding_time: Any  # s
     winding_mean: Any  # K, over time
+    winding_least: Any  # K, at ends of pieces
     winding_start: Any  # K, where the cycle begins
     housing_start: Any  # K
+    winding_end: Any  # K, where it ends
+    housing_end: Any  # K
     voltage: Any  # V, largest, the winding as warm as it then is
     voltage_time: Any  # s
     copper: Any  # W, mean heat of the winding
     above: Any  # s, longest without a break above the limit
+    above_in_all: Any  # s, all such time
     power: Any  # W, largest into the stage
     power_time: Any  # s
     drawn: Any  # J, at the stage
@@ -84,6 +91,8 @@ class Piece(NamedTuple):
     rise_0: Any  # K, of the winding as voltages take it
     rise_1: Any
     rise_mean: Any  # K
+    winding: Any  # K, rises at its start
+    housing: Any  # K
     drawn: Any  # J, at the stage without standby power
     returned: Any  # J
     source_heat: Any  # J

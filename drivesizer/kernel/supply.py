@@ -34,11 +34,12 @@ class Top(NamedTuple):
 
 
 class Above(NamedTuple):
-    """Times above a limit so far: the longest, the end of what is above at first, the begin of the last [s]."""
+    """Times above a limit so far: the longest, the end of what is above at first, the begin of the last, all [s]."""
 
     longest: float
     end: float
     begin: float  # below 0: it was never below the limit
+    in_all: float
 
 
 class Store(NamedTuple):
@@ -187,10 +188,11 @@ def time_above(above: Above, limit: float, I_0: float, I_1: float, start: float,
     """Times above a limit with a piece more."""
     enter, leave = below(limit, I_0, I_1)
     if enter > 1.0:
-        return above
+        return Above(above.longest, above.end, above.begin, above.in_all + t)
+    in_all, begin = above.in_all + t * (1.0 - (leave - enter)), start + leave * t
     if above.begin < 0.0:
-        return Above(above.longest, start + enter * t, start + leave * t)
-    return Above(max(above.longest, start + enter * t - above.begin), above.end, start + leave * t)
+        return Above(above.longest, start + enter * t, begin, in_all)
+    return Above(max(above.longest, start + enter * t - above.begin), above.end, begin, in_all)
 
 
 def longest_above(above: Above, total: float) -> float:

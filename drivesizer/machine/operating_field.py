@@ -14,13 +14,12 @@ from drivesizer.catalog.parts import OneRow, one_row
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.part_curves import torque_of_part
 from drivesizer.machine.set_cycle import SetCycle, turned
-from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead, at_gearhead
+from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead, CycleAtBelt
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
-from drivesizer.physics.waveform import balanced, wave
 from drivesizer.physics.winding import heat, housing_loss, volts_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.mounting import loss_at_flange, rise_left
@@ -59,21 +58,13 @@ class Operation(NamedTuple):
 
 def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
     """A drive at constant speeds."""
-    torque, speed = np.broadcast_arrays(torque, speed)
-    functions = np.zeros((torque.size, 1, 6))
-    functions[:, 0, DRIVING] = np.maximum(torque, 0.0).ravel()
-    functions[:, 0, BRAKING] = np.minimum(torque, 0.0).ravel()
-    functions[:, 0, DIRECTION] = np.sign(speed).ravel()
-    functions[:, 0, SPEED] = speed.ravel()
-    k_t = found.motor["torque_constant"]
-    ends = wave(
-        np.ones(torque.size), np.repeat(functions, 2, axis=1), found.demands.coefficients, found.volts, k_t
-    )  # fmt: skip
-    current, voltage = (x[0, :, 0].reshape(torque.shape) for x in (ends.current, ends.voltage))
-    taken = balanced(ends, found.demands.surplus(k_t), speed.reshape(-1, 1))
-    every = taken.current.shape[1] // torque.size
-    electrical = (taken.current * taken.voltage)[0, ::every, 0].reshape(torque.shape)
-    mechanical = torque * speed
+    c, k_t, ambient = found.demands.coefficients[0], found.motor["torque_constant"], found.spec.environment.ambient
+    own = c[DIRECTION] * np.sign(speed) + c[SPEED] * speed
+    current = (c[DRIVING] * np.maximum(torque, 0.0) + c[BRAKING] * np.minimum(torque, 0.0) + own) / k_t
+    hot = resistance_at(resistance_25(found.motor), found.winding if np.isfinite(found.winding) else ambient)
+    voltage = hot * current + found.demands.back_emf * found.demands.total_ratio * speed
+    surplus = found.demands.surplus(k_t) * speed * current  # what the two constants differ by is lost both ways
+    electrical, mechanical = current * voltage + np.maximum(-2.0 * surplus, 0.0), torque * speed
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(mechanical > 0.0, mechanical / electrical, np.maximum(electrical / mechanical, 0.0))
     return Operation(current, voltage, np.where(mechanical == 0.0, np.nan, share))
@@ -125,7 +116,7 @@ def hot_winding(found: OperatingField) -> str:
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     """The field of a drive's motor, and the cycle of a spec in it."""
     motor, gearhead, encoder = (one_row(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
-    cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
+    cycle = CycleAtBelt(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
     if drive_set.steps:
         demand = turned(spec, drive_set)[1]
     else:
@@ -249,6 +240,6 @@ def _cycle(cycle: AtGearhead, demand: Demands) -> tuple[Ends, Ends]:
 
 def _rms(cycle: AtGearhead, demand: Demands, drive_set: DriveSet) -> tuple[float, float]:
     """RMS speed [rad/s], and the torque there that draws the RMS current [N*m]."""
-    w = float(np.sqrt(cycle.moments[SPEED, SPEED]) * demand.total_ratio[0])
+    w = float(np.sqrt(cycle.moment(SPEED, SPEED)) * demand.total_ratio[0])
     torque = drive_set.motor.torque_constant * demand.rms_current[0] - _friction(demand, w)
     return w, float(np.maximum(torque, 0.0))

@@ -13,7 +13,6 @@ from drivesizer.catalog.parts import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.view.mounted import STEPPER
 from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, gear_loss
 from drivesizer.physics.figures import Figures
-from drivesizer.physics.heat_step import State, cold, overload_time, steady_state
 from drivesizer.physics.stepper import pull_out_torque, rescaled_torque
 from drivesizer.physics.thermal import (
     DATA_TEMPERATURE,
@@ -23,6 +22,7 @@ from drivesizer.physics.thermal import (
     resistance_25,
     two_bodies,
 )
+from drivesizer.physics.two_bodies import State, overload_time, steady_state
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import DriveParts
 
@@ -247,6 +247,7 @@ def overload_times(hit: PartFigures, current: float) -> tuple[float, float]:
         rubbing, iron = housing_loss(hit, np.ones(1))
         loss = float(rubbing[0] * hit["nominal_speed"] + iron[0] * hit["nominal_speed"] ** 2)
     housing = steady_state(bodies, DATA_TEMPERATURE, hit["nominal_current"], loss).housing
-    starts = (cold(DATA_TEMPERATURE), State(housing, housing))
-    from_cold, from_warm = (overload_time(bodies, DATA_TEMPERATURE, at, limit, current) for at in starts)
+    from_cold, from_warm = (
+        overload_time(bodies, DATA_TEMPERATURE, State(T, T), limit, current) for T in (DATA_TEMPERATURE, housing)
+    )
     return from_cold, from_warm

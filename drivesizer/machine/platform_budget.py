@@ -17,7 +17,7 @@ from drivesizer.load_cases.of_machine import requirement_checks
 from drivesizer.load_cases.platform import dynamics_of, ground_of, platform_assumptions, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import MassBudget, mass_budget
-from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, at_gearhead
+from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import lost_in_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import coefficients
@@ -177,7 +177,7 @@ def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> 
     """Limits of a drive in steady motion, as columns over speeds and torques at its wheel."""
     speeds, torques = (np.stack([x, x], axis=1) for x in (speed, torque))
     cycle = LoadCycle("steady motion", np.ones_like(speed), speeds, np.zeros_like(speeds), torques)
-    at = at_gearhead(driven_shaft_cycle(spec, cycle), drive.belt_efficiency).behind(drive.belt_ratio)
+    at = CycleAtBelt(driven_shaft_cycle(spec, cycle), drive.belt_efficiency).behind(drive.belt_ratio)
     motor, gearhead, controller = one_row(drive.motor), one_row(drive.gearhead), one_row(drive.controller)
     own = coefficients(at.acts, motor, gearhead, one_row(drive.encoder), drive.brake_inertia)
     f, ratio, ambient = at.functions[:, 0], drive.gearhead.ratio, spec.environment.ambient

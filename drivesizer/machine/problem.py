@@ -17,7 +17,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.load_cases.of_machine import cycle_of_shift, load_cases
 from drivesizer.machine.braking import with_parts_of_supply
 from drivesizer.physics.belt import LEAST_IN_MESH, centre_distance, shortest_recommended, teeth_in_mesh
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.thermal import with_plate
 from drivesizer.results.problem import SHIFT, BeltDrives, LoadCase, Problem
 from drivesizer.spec.drive import Pulleys
@@ -286,7 +286,7 @@ def _case(name: str, number: int, spec: RobotSpec, quickest: float) -> LoadCase:
         rests = np.logical_not(cycle.speed.any(axis=1) | cycle.acceleration.any(axis=1))
         cycle = replace(cycle, torque=np.where(rests[:, None], 0.0, cycle.torque))
         spec = spec.with_brake_released(float(cycle.duration[~rests].sum()) / cycle.total)
-    at_belt = at_gearhead(cycle, spec.belt_efficiency, quickest)
+    at_belt = CycleAtBelt(cycle, spec.belt_efficiency, quickest)
     return LoadCase(name=name, number=number, spec=spec, at_belt=at_belt)
 
 

@@ -14,7 +14,7 @@ from drivesizer.kernel.evaluate import number_of_pieces, pieces
 from drivesizer.kernel.records import Drive
 from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.machine.set_cycle import SetCycle, driven, turned
-from drivesizer.physics.braking import burning, burnt_energy, largest_mean, largest_pulse
+from drivesizer.physics.braking import burning, burnt_energy, largest_mean, largest_pulse, most_stored
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.figures import Figures
@@ -22,7 +22,6 @@ from drivesizer.physics.load_cycle import integral
 from drivesizer.physics.motor_demand import Demands, mean_gear_loss
 from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
 from drivesizer.physics.stepper import copper_loss, electrical_energy, idle_loss
-from drivesizer.physics.waveform import Wave, largest_power, most_stored
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
@@ -96,25 +95,18 @@ _DRAWN = ("drawn", "bus_drawn", "peak", "motor_drawn", "most")
 
 def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, merged: bool = False) -> DrivePower:
     """Power over one cycle in periodic steady state; unknown where the winding's temperature is."""
+    feed = spec.feed_of(drive_set.controller, drive_set.brake)
     if drive_set.steps:
-        feed = spec.feed_of(drive_set.controller, drive_set.brake)
         return _stepper_power(spec, one_row(drive_set.motor), *turned(spec, drive_set, base), feed)
     drive, cycle, demand, _ = driven(spec, drive_set, base)
-    return _of_a_servo(spec, drive, cycle, demand, spec.feed_of(drive_set.controller, drive_set.brake), merged)
-
-
-def power_of(found: SetCycle) -> DrivePower:
-    """The same of a drive whose cycle is at hand."""
-    if found.motor["kind"][0] == "stepper":
-        return _stepper_power(found.spec, found.motor, found.cycle, found.demands, found.feed)
-    return _of_a_servo(found.spec, found.drive, found.cycle, found.demands, found.feed, False)
+    return _of_a_servo(spec, drive, cycle, demand, feed, merged)
 
 
 def _of_a_servo(
     spec: RobotSpec, drive: Drive, cycle: AtGearhead, demand: Demands, feed: Feed, merged: bool
 ) -> DrivePower:
     """The same by the kernel."""
-    sets = spec.load.alike if demand.complete.all() else np.nan  # an incomplete demand is only a lower bound
+    sets = spec.load.alike if demand.complete.all() else nan  # an incomplete demand is only a lower bound
     count = number_of_pieces(drive, cycle.load_cycle)
     cuts = 0 if merged and count > _MOST else max(1, min(_FINEST, _MOST // count))
     _, found = pieces(drive, cycle.load_cycle, cuts)
@@ -136,39 +128,39 @@ def _of_a_servo(
     )
 
 
-def stepper_loss(spec: RobotSpec, motor: Figures, speed: Array) -> Array:
-    """Loss of a stepper's windings by the speeds at both ends of segments [W]."""
-    return np.asarray(copper_loss(*(motor[x][0] for x in ("nominal_current", "resistance")))
-                      * idle_loss(speed, spec.control.idle_current))  # fmt: skip
-
-
 def _stepper_power(spec: RobotSpec, motor: Figures, cycle: AtGearhead, demand: Demands, feed: Feed) -> DrivePower:
     """The same of steppers: torque times speed and the loss of their rated current, which flows at any time."""
-    functions, duration, standby = cycle.functions, cycle.load_cycle.duration, float(feed.stage.standby)
-    torque = functions @ demand.coefficients[0]
-    speed = functions[:, :, SPEED] * demand.total_ratio[0]
-    loss = stepper_loss(spec, motor, speed)
-    piece, torque, speed = np.ones(1), torque[:, None], speed[:, None]  # every piece a motor of its own
-    drawn, returned, peak = electrical_energy(piece, torque, speed, loss + standby)
-    own_drawn, own_returned, _ = electrical_energy(piece, torque, speed, loss)
-    back = electrical_energy(piece, -torque, speed, -loss - standby)[2]
-    turning = Wave(piece, torque, speed)  # its power is a product of two lines too
-    net = (largest_power(x)[0] for x in (turning, turning._replace(voltage=-speed)))
-    sets = spec.load.alike if demand.complete.all() else np.nan
+    torque, speed = cycle.line(demand.coefficients[0])[:, None], _motor_speed(cycle, demand)[:, None]
+    loss = _stepper_loss(spec, motor, speed[:, 0])
+    piece = np.ones(1)  # every piece a motor of its own
+    drawn, returned, most, least = electrical_energy(piece, torque, speed, loss + feed.stage.standby)
+    own_drawn, own_returned, _, _ = electrical_energy(piece, torque, speed, loss)
+    sets = spec.load.alike if demand.complete.all() else nan
     return DrivePower(
-        duration=duration,
+        duration=cycle.load_cycle.duration,
         drawn=sets * drawn,
         bus_drawn=sets * drawn,
         returned=sets * returned,
-        peak=sets * peak,
-        returned_peak=sets * back,
+        peak=sets * np.maximum(most, 0.0),
+        returned_peak=sets * np.maximum(-least, 0.0),
         motor_drawn=sets * own_drawn,
         motor_returned=sets * own_returned,
         resisted=np.zeros_like(drawn),
-        most=sets * (next(net) + loss + standby),
-        least=sets * (loss + standby - next(net)),
+        most=sets * most,
+        least=sets * least,
         distance=distance_of(spec, cycle.load_cycle),
     )
+
+
+def _motor_speed(cycle: AtGearhead, demand: Demands) -> Array:
+    """Speed of the motor at both ends of each segment [rad/s]."""
+    return np.asarray(cycle.load_cycle.speed * cycle.belt * demand.total_ratio[0])
+
+
+def _stepper_loss(spec: RobotSpec, motor: Figures, speed: Array) -> Array:
+    """Loss of a stepper's windings in each segment [W]."""
+    rated = copper_loss(motor["nominal_current"][0], motor["resistance"][0])
+    return np.asarray(rated * idle_loss(speed, spec.control.idle_current))
 
 
 def together(powers: Sequence[DrivePower]) -> DrivePower:
@@ -207,7 +199,7 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
 # Each is the integral of a product of straight lines, exact; those at the motor's shaft are a coefficient of the
 # drive model times a moment of its functions (see ``physics``). Where the makers' k_e and k_t differ, so do the
 # electrical and the mechanical power of the winding: the difference is counted with the motor's friction and iron,
-# as a loss whichever direction the power flows (see ``waveform.balanced``).
+# as a loss whichever direction the power flows (see ``kernel.supply``).
 
 
 class EnergyFlow(NamedTuple):
@@ -244,51 +236,39 @@ class EnergyFlow(NamedTuple):
 
 def energy_flow(found: SetCycle) -> EnergyFlow:
     """The energies of one drive's cycle, times the number of drives."""
-    stepper, power = bool(found.motor["kind"][0] == "stepper"), power_of(found)
+    spec, at, demand, total = found.spec, found.cycle, found.demands, found.cycle.load_cycle.total
+    stepper = bool(found.motor["kind"][0] == "stepper")
+    if stepper:
+        power = _stepper_power(spec, found.motor, at, demand, found.feed)
+        loss = _stepper_loss(spec, found.motor, _motor_speed(at, demand))
+        copper, coulomb, unlike = float(loss @ at.load_cycle.duration) / total, 0.0, 0.0  # of friction: in its pull-out
+    else:
+        power = _of_a_servo(spec, found.drive, at, demand, found.feed, False)
+        copper, coulomb = float(found.figures.copper[0]), float(friction(found.motor)[0][0])
+        unlike = float(found.figures.unlike[0]) / total
     lost = power.bus_drawn - power.motor_drawn - (power.returned - power.motor_returned)  # 0 where no stage loses any
     drawn, resisted, returned, controller = (
-        power.mean(x) / found.spec.load.alike for x in (power.drawn, power.resisted, power.returned, lost)
+        power.mean(x) / spec.load.alike for x in (power.drawn, power.resisted, power.returned, lost)
     )
-    means = _mechanical_power(found, stepper) | {
-        "drawn": drawn,
-        "supply": resisted,
-        "controller": controller - found.released,
-        "brake": found.released,
-        "returned": returned,
-        "stored": returned * found.spec.supply.regeneration,
-        "copper": _stepper_copper(found) if stepper else float(found.figures.copper[0]),
-    }
-    sets = found.spec.load.motors * found.cycle.load_cycle.total
-    known = bool(found.demands.complete.all()) if stepper else found.known
-    unknown = set() if known else set(means) - _OF_THE_LOAD
-    return EnergyFlow(**{name: np.nan if name in unknown else sets * value for name, value in means.items()})
-
-
-_OF_THE_LOAD = {"gearhead", "belt", "load"}
-
-
-def _stepper_copper(found: SetCycle) -> float:
-    """Mean heat of a stepper's windings [W]."""
-    cycle, speed = found.cycle.load_cycle, found.cycle.functions[:, :, SPEED] * found.demands.total_ratio[0]
-    return float((stepper_loss(found.spec, found.motor, speed) * cycle.duration).sum() / cycle.total)
-
-
-def _mechanical_power(found: SetCycle, stepper: bool) -> dict[str, float]:
-    """Mechanical power, means over the cycle [W]."""
-    cycle, moments = found.cycle.load_cycle, found.cycle.moments
-    c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])
-    (coulomb,), _ = ((0.0,), 0.0) if stepper else friction(found.motor)  # a stepper's is in its pull-out torque
-    driving, braking = moments[DRIVING, SPEED], moments[BRAKING, SPEED]  # at the gearhead's output
-    turned = moments[DIRECTION, SPEED] * i  # rad/s, of the motor, absolute
-    work = integral(cycle.duration, cycle.torque, cycle.speed) / cycle.total
-    return {
-        "friction": float(coulomb * turned + c[SPEED] * i * moments[SPEED, SPEED])
-        + (0.0 if stepper else float(found.figures.unlike[0]) / cycle.total),
-        "gearhead": float(mean_gear_loss(found.cycle, found.gearhead)[0]),
-        "belt": float(driving + braking - work),
-        "load": work,
-        "rotor": float(c[ACCELERATION] * i * moments[ACCELERATION, SPEED]),
-    }
+    c, i = demand.coefficients[0], float(demand.total_ratio[0])
+    work = integral(at.load_cycle.duration, at.load_cycle.torque, at.load_cycle.speed) / total
+    known = bool(demand.complete.all()) if stepper else found.known
+    sets = spec.load.motors * total
+    own = sets if known else nan
+    return EnergyFlow(
+        drawn=own * drawn,
+        supply=own * resisted,
+        controller=own * (controller - found.released),
+        copper=own * copper,
+        friction=own * (coulomb * at.moment(DIRECTION, SPEED) * i + c[SPEED] * i * at.moment(SPEED, SPEED) + unlike),
+        gearhead=sets * float(mean_gear_loss(at, found.gearhead)[0]),
+        belt=sets * (at.moment(DRIVING, SPEED) + at.moment(BRAKING, SPEED) - work),
+        load=sets * work,
+        rotor=own * c[ACCELERATION] * i * at.moment(ACCELERATION, SPEED),
+        returned=own * returned,
+        stored=own * returned * spec.supply.regeneration,
+        brake=own * found.released,
+    )
 
 
 # -- Energy to and from the bus of a machine over one of its load cases, all drives together.
@@ -371,8 +351,7 @@ class Regenerated(NamedTuple):
             return nan
         if self.energy > float(self.drawn.sum()):
             return inf
-        steps = np.stack([-self.drawn, self.returned], axis=1).reshape(1, -1)
-        return float(most_stored(steps)[0])
+        return most_stored(np.stack([-self.drawn, self.returned], axis=1).ravel())
 
     def highest_voltage(self, more: float = 0.0) -> float:
         """Highest voltage of the bus without a brake resistor [V]; NaN where its capacitance is unknown.

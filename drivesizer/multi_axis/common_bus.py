@@ -28,7 +28,7 @@ from drivesizer.multi_axis.phases import (
     summed_up,
     worst_start,
 )
-from drivesizer.physics.cycle_at_gearhead import CycleAtBelt, at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.power_stage import Feed
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.machine import Exceeded
@@ -151,7 +151,7 @@ def waiting(case: LoadCase, until: float) -> CycleAtBelt:
     cycle = load_cycle(case.spec.waiting(dict.fromkeys([name for name, _ in case.spec.load_cases], until)))
     held = static_torque(cycle)
     cycle = with_rest(cycle, until, 0.0 if isnan(held) else held)
-    return at_gearhead(cycle, case.spec.belt_efficiency, case.at_belt.quickest)
+    return CycleAtBelt(cycle, case.spec.belt_efficiency, case.at_belt.quickest)
 
 
 def unknown_at_rest(cases: Sequence[LoadCase]) -> str:

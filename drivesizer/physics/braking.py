@@ -185,7 +185,6 @@ def stop(inertia: Any, speed: Any, brake: Any, load: Any, engage_time: Any) -> S
 _E24 = (1.0, 1.1, 1.2, 1.3, 1.5, 1.6, 1.8, 2.0, 2.2, 2.4, 2.7, 3.0, 3.3, 3.6, 3.9, 4.3, 4.7, 5.1, 5.6, 6.2, 6.8,
         7.5, 8.2, 9.1)  # fmt: skip
 _NEARLY = 1e-9  # relative
-_PART = 1 << 16  # ends of pieces of a long cycle at a time
 
 
 def storable_energy(capacitance: Any, chopper: Any, supply: Any) -> Any:
@@ -307,6 +306,28 @@ def least_bus_capacitance(stored: Any, limit: Any, supply: Any) -> Any:
         return np.where(np.asarray(stored) == 0.0, 0.0, np.where(room <= 0.0, inf, 2.0 * stored / room))
 
 
+def most_stored(steps: Array) -> float:
+    """Largest rise of a running sum over a cycle that repeats: peak of a store that is empty at first.
+
+    Parameters
+    ----------
+    steps
+        What comes in, one step after the other, and below 0 what goes out.
+
+    Returns
+    -------
+    float
+        In their unit.
+
+    Examples
+    --------
+    >>> most_stored(np.array([8.0, -5.0, 4.0, -9.0]))
+    8.0
+    """
+    sums = np.append(0.0, np.cumsum(np.tile(steps, 2)))
+    return float(np.minimum((sums - np.minimum.accumulate(sums)).max(), np.maximum(steps, 0.0).sum()))
+
+
 def burnt_energy(drawn: Array, returned: Array, capacity: float) -> Array:
     """Energy burnt in each piece of a cycle that repeats, the bus storing what it can [J].
 
@@ -335,9 +356,8 @@ def burnt_energy(drawn: Array, returned: Array, capacity: float) -> Array:
         return returned.copy()
     held = capacity if returned.sum() > drawn.sum() else 0.0  # where a periodic store is at some moment of its cycle
     burnt = np.zeros(len(drawn))
-    for first in [*range(0, len(drawn), _PART)] * 2:  # from that moment on the second time has the periodic course
-        steps = zip(drawn[first : first + _PART].tolist(), returned[first : first + _PART].tolist(), strict=True)
-        for piece, (out, into) in enumerate(steps, first):
+    for _ in range(2):  # from that moment on the second time has the periodic course
+        for piece, (out, into) in enumerate(zip(drawn.tolist(), returned.tolist(), strict=True)):
             held = max(held - out, 0.0) + into
             over = max(held - capacity, 0.0)
             held, burnt[piece] = held - over, over
@@ -434,21 +454,10 @@ def largest_mean(duration: Array, energy: Array, window: float) -> float:
     total, per_cycle = float(duration.sum()), float(energy.sum())
     whole = floor(window / total)
     rest = window - whole * total
-    ends, sums = _twice_summed(duration), _twice_summed(energy)
-    most = -inf
-    for first in range(0, len(ends), _PART):
-        some = ends[first : first + _PART]
-        starts = np.concatenate([some[some <= total], some[(some >= rest) & (some - rest <= total)] - rest])
-        in_window = np.interp(starts + rest, ends, sums) - np.interp(starts, ends, sums)
-        most = max(most, float(in_window.max(initial=-inf)))
+    ends, sums = (np.append(0.0, np.cumsum(np.tile(x, 2))) for x in (duration, energy))  # over two cycles
+    starts = np.concatenate([ends[ends <= total], ends[(ends >= rest) & (ends - rest <= total)] - rest])
+    most = float((np.interp(starts + rest, ends, sums) - np.interp(starts, ends, sums)).max())
     return max((whole * per_cycle + most) / window, per_cycle / total)
-
-
-def _twice_summed(values: Array) -> Array:
-    """Running sums over two cycles, from 0 on."""
-    found = np.zeros(2 * len(values) + 1)
-    found[1:].reshape(2, -1)[:] = values
-    return np.cumsum(found, out=found)
 
 
 def largest_pulse(duration: Array, energy: Array, continuous: float = 0.0) -> float:

@@ -1,15 +1,16 @@
-"""A load cycle at the gearhead's output, behind one belt: exact, integrated once, whatever motor turns it.
+"""A load cycle at the gearhead's output, behind one belt or the belts of candidates: exact, integrated once.
 
 For one load cycle and one belt the motor's torque is linear in six functions of time at the gearhead's output:
 driving torque, braking torque, torque at rest, acceleration, direction and speed. So mean squares are quadratic forms
 in one 6 x 6 matrix of exact segment integrals, and peaks lie at the few ends of segments that ``extremes`` keeps.
-Another belt ratio scales the functions, so that nothing is integrated twice.
-All of it takes several load cycles too, side by side along a last axis: those of samples.
+Another belt ratio scales the functions, so that nothing is integrated twice. The functions of a long cycle are there
+part by part, for all of them take much room. Several load cycles go side by side along a last axis: those of samples.
 Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
@@ -18,88 +19,165 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics import load_cycle as cycles
 from drivesizer.physics.extremes import Extremes, extremes, extremes_of, first_largest
 from drivesizer.physics.figures import product
 from drivesizer.physics.gear_life import turned_load
-from drivesizer.physics.groups import layout as at
-from drivesizer.physics.groups.census import Census, census
-from drivesizer.physics.load_cycle import (
-    Figure,
-    Scalars,
-    belt_factors,
-    directed_torque,
-    end_times,
-    moments,
-    piece_counts,
-    scalars,
-    scalars_by_census,
-    six_functions,
-)
-from drivesizer.physics.waveform import Wave, energy
+from drivesizer.physics.load_cycle import Figure
 
 __all__ = [
     "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "ROUNDING", "SPEED", "AtGearhead", "CycleAtBelt",
-    "Peak", "at_gearhead", "bounded", "lacking",
+    "Peak", "Scalars", "bounded", "lacking",
 ]  # fmt: skip
 
 _FEW = 16  # points, of which the largest of each is found quicker column by column
+_PART = 1 << 16  # segments of a long cycle whose functions are there at a time
 ROUNDING = 1e-9  # share of a function's largest value that is 0 but for rounding
-_FINEST = 200  # pieces of a segment at most
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 Array = NDArray[np.float64]
 
 
+class Scalars(NamedTuple):
+    """Single figures of a load cycle at the gearhead's output; of several cycles columns."""
+
+    rms_torque: Figure  # N*m, while running; of a cycle that never runs over all of it
+    peak_torque: Figure  # N*m
+    held: Figure  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
+    load_torque: Figure  # N*m, largest at the load
+    mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
+    sustained_speed: Figure  # rad/s, what it exceeds for longer than shortly
+    mean_power: Figure  # W, transmitted in either direction while running
+    peak_power: Figure  # W
+
+
+# by which power of the belt's ratio each of them grows
+_BY_RATIO = dict(zip(Scalars._fields, (-1, -1, -1, 0, 1, 1, 0, 0), strict=True))
+
+
 @dataclass(frozen=True, eq=False)
 class CycleAtBelt:
-    """A load cycle, or several, through a belt of ratio 1, its efficiency included."""
+    r"""A load cycle, or several, through a belt of ratio 1; the direction of power decides on which side its loss is.
 
-    load_cycle: Any  # at the load: a LoadCycle, or several with the same fields as columns
-    acts: NDArray[np.bool_]  # which of them are ever not 0
-    moments: Array  # means of their products over the cycle: (6, 6) or (6, 6, cycles)
-    quickest: float  # s, shortest time constant of the windings
-    efficiency: Figure = 1.0  # of the belt, that is in the functions
-    census: Census | None = None  # of a long cycle what it is made of
+    .. math:: T_g = \frac{T}{e} \; (T w > 0), \quad T e \; (T w < 0), \quad T \; (w = 0)
+    """
+
+    load_cycle: Any  # at the load, split at changes of direction: a LoadCycle, or several as columns
+    efficiency: Figure = 1.0  # of the belt, the same when driven backward; of all cycles, or of each
+    quickest: float = inf  # s, shortest time constant of the windings
     coarse: dict[tuple[str, float], Any] = field(default_factory=dict)  # what was computed of it, by use and number
-
-    @cached_property
-    def time(self) -> Array:
-        """Time at both ends of each segment [s]: shape (segments, 2, ...)."""
-        return end_times(self.load_cycle.duration)
-
-    @cached_property
-    def scalars(self) -> Scalars:
-        """Single figures of it, computed on first use; of several cycles columns."""
-        if self.census is not None:
-            return scalars_by_census(self.load_cycle, self.census, float(self.efficiency), float(self.peak_speed))
-        return scalars(self.load_cycle, self.torque, self.efficiency)
-
-    @cached_property
-    def peak_speed(self) -> Figure:
-        """Highest speed [rad/s]."""
-        if self.census is not None:
-            return float(self.census.of(at.MOST_W).max())
-        found = np.abs(self.load_cycle.speed).max(axis=(0, 1))
-        return float(found) if self.load_cycle.speed.ndim == 2 else found
 
     @cached_property
     def functions(self) -> Array:
         """The six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)."""
-        return np.stack(
-            six_functions(self.load_cycle, self.efficiency), axis=2 if self.load_cycle.torque.ndim == 2 else 0
-        )
+        return self._functions(slice(None))
+
+    def _functions(self, some: slice) -> Array:
+        """The six of some segments."""
+        speed, torque = self.load_cycle.speed[some], self.torque[some]
+        running = np.any(speed != 0.0, axis=1)[:, None]
+        drives = (cycles.middle(self.load_cycle.torque[some]) * cycles.middle(speed))[:, None] > 0.0
+        six = (
+            np.where(running & drives, torque, 0.0),
+            np.where(running & ~drives, torque, 0.0),
+            np.where(running, 0.0, torque),
+            *(np.broadcast_to(x, torque.shape)
+              for x in (self.load_cycle.acceleration[some], np.sign(cycles.middle(speed))[:, None], speed)),
+        )  # fmt: skip
+        return np.stack(six, axis=2 if torque.ndim == 2 else 0)
 
     @property
-    def factors(self) -> Array:
-        """Factors by which the belt changes torques that drive, brake and hold [1]."""
-        return belt_factors(self.efficiency)
+    def parts(self) -> Iterator[tuple[slice, Array]]:
+        """Of one cycle: so many segments at a time, and their functions."""
+        count = len(self.load_cycle.duration)
+        if count <= _PART:
+            yield slice(0, count), self.functions
+            return
+        for first in range(0, count, _PART):
+            some = slice(first, min(first + _PART, count))
+            yield some, self._functions(some)
+
+    @cached_property
+    def acts(self) -> NDArray[np.bool_]:
+        """Mask of the functions that are ever not 0: (6,)."""
+        if self.load_cycle.torque.ndim == 3:
+            return np.array([one.any() for one in self.functions])
+        found: NDArray[np.bool_] = np.any([f.any(axis=(0, 1)) for _, f in self.parts], axis=0)
+        return found
+
+    @cached_property
+    def moments(self) -> Array:
+        """Means of products of the functions over the cycle: (6, 6) or (6, 6, cycles)."""
+        duration, total = self.load_cycle.duration, self.load_cycle.total
+        if self.load_cycle.torque.ndim == 3:
+            share, active = duration / total, np.flatnonzero(self.acts)
+            found = np.zeros((6, 6, self.functions.shape[-1]))
+            for a in active.tolist():
+                for b in active[active <= a].tolist():
+                    found[a, b] = found[b, a] = cycles.integral(share, self.functions[a], self.functions[b])
+            return found
+        found = np.zeros((6, 6))
+        for some, f in self.parts:
+            (left, right), t = (f[:, 0], f[:, 1]), duration[some, None]
+            found += (t * (2.0 * left + right)).T @ left + (t * (left + 2.0 * right)).T @ right
+        summed: Array = (found + found.T) / (12.0 * total)
+        return summed
+
+    @cached_property
+    def time(self) -> Array:
+        """Time at both ends of each segment [s]: shape (segments, 2, ...)."""
+        return cycles.end_times(self.load_cycle.duration)
+
+    @cached_property
+    def torque(self) -> Array:
+        """Torque at the output, driving, braking and at rest, at both ends of each segment [N*m]."""
+        speed, torque = self.load_cycle.speed, self.load_cycle.torque
+        drives = cycles.middle(torque) * cycles.middle(speed) > 0.0
+        factor = np.where(drives, 1.0 / self.efficiency, self.efficiency)
+        found: Array = torque * np.where(np.any(speed != 0.0, axis=1), factor, 1.0)[:, None]
+        return found
+
+    @cached_property
+    def speed(self) -> Array:
+        """Speed at the output, at both ends of each segment [rad/s]."""
+        found: Array = np.broadcast_to(self.load_cycle.speed, self.load_cycle.torque.shape)
+        return found
+
+    @cached_property
+    def peak_speed(self) -> Figure:
+        """Highest speed [rad/s]."""
+        found = np.maximum(self.load_cycle.speed.max(axis=(0, 1)), -self.load_cycle.speed.min(axis=(0, 1)))
+        return float(found) if self.load_cycle.speed.ndim == 2 else found
+
+    @cached_property
+    def scalars(self) -> Scalars:
+        """Single figures; of one cycle from the segments in which it runs, of several the others as of no time."""
+        cycle, torque, speed = self.load_cycle, self.torque, self.load_cycle.speed
+        running, alone = np.any(speed != 0.0, axis=1), speed.ndim == 2
+        held = running | ~running.any(axis=0)  # a cycle that never runs loads gears at rest
+        time, some = (cycle.duration[held], held) if alone else (np.where(held, cycle.duration, 0.0), slice(None))
+        total, power = time.sum(axis=0), np.abs(cycles.mean_product(torque, speed)[some])
+        rests = ~running & (cycle.duration > 0.0)
+        at_rest = np.where(rests[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
+        at_rest = np.where(at_rest >= 0.0, at_rest, np.nan)
+        found = Scalars(
+            rms_torque=cycles.rms(time, torque[some]),
+            peak_torque=np.abs(torque).max(axis=(0, 1)),
+            held=self.efficiency * np.where(np.isnan(cycle.held), at_rest, cycle.held),
+            load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
+            **cycles.lasting_speeds(cycle.duration, speed),
+            mean_power=(time * power).sum(axis=0) / np.where(total > 0.0, total, 1.0),
+            peak_power=np.abs(torque * speed).max(axis=(0, 1)),
+        )
+        return Scalars(*map(float, found)) if alone else found
 
     @cached_property
     def extremes(self) -> Extremes:
         """Of one cycle: the points at which anything linear in the functions is largest or smallest."""
-        if self.census is not None:
-            high, low, above, below = (self.census.points(front, self.factors) for front in range(4))
-            return extremes_of(high, low, above[0], below[0])
-        return extremes(self.functions, self.time)
+        found = [extremes(f, self.time[some]) for some, f in self.parts]
+        if len(found) == 1:
+            return found[0]
+        high, high_time, low, low_time, above, below = (np.concatenate(same) for same in zip(*found, strict=True))
+        return extremes_of((high, high_time), (low, low_time), above, below)
 
     @cached_property
     def corners(self) -> tuple[Array, Array]:
@@ -112,28 +190,9 @@ class CycleAtBelt:
     @cached_property
     def braked(self) -> Array:
         """Of one cycle: work of each function against the motion, of torques [J]: shape (6,)."""
-        if self.census is not None:
-            return self.census.braked(self.factors)
-        each = np.moveaxis(self.functions, 2, 0)
-        waves = (Wave(self.load_cycle.duration, one[None], each[SPEED, None]) for one in each)  # a long one takes room
-        return np.concatenate([energy(one, storing=False).returned for one in waves])
-
-    @cached_property
-    def pieces(self) -> int:
-        """Of one cycle: the number of pieces of which the quickest winding follows the mean, to 0.1 %."""
-        cycle = self.load_cycle
-        changing = np.any([x[:, 0] != x[:, 1] for x in (cycle.torque, cycle.acceleration, cycle.speed)], axis=0)
-        return int(piece_counts(cycle.duration, np.where(changing, self.quickest, inf), 1e-3).sum())
-
-    @cached_property
-    def torque(self) -> Array:
-        """Torque at the output, driving, braking and at rest, at both ends of each segment [N*m]."""
-        return directed_torque(self.load_cycle, self.efficiency)[0]
-
-    @cached_property
-    def speed(self) -> Array:
-        """Speed at the output, at both ends of each segment [rad/s]."""
-        found: Array = np.broadcast_to(self.load_cycle.speed, self.load_cycle.torque.shape)
+        against = -self.moments[:, SPEED] * self.load_cycle.total
+        found: Array = np.maximum(against, 0.0)  # a torque has one direction of power
+        found[ACCELERATION] = sum(_against(self.load_cycle.duration[some], f) for some, f in self.parts)
         return found
 
     def turned(self, exponent: float) -> Figure:
@@ -143,69 +202,40 @@ class CycleAtBelt:
             store[name] = turned_load(self.load_cycle.duration, self.torque, self.speed, exponent)
         return store[name]
 
-    def behind(self, ratio: float) -> AtGearhead:
-        """The cycle behind a belt of a ratio."""
+    def behind(self, ratio: Figure) -> AtGearhead:
+        """The cycle behind a belt of a ratio, or behind the belts of candidates."""
         return AtGearhead(self, ratio)
 
 
+def _against(duration: Array, functions: Array) -> float:
+    """Work of the acceleration against the motion: acceleration may change its sign within a segment."""
+    (a_0, a_1), (w_0, w_1) = functions[:, :, ACCELERATION].T, functions[:, :, SPEED].T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cut = np.where(a_0 * a_1 < 0.0, a_0 / (a_0 - a_1), 1.0)
+    a, w = a_0 + cut * (a_1 - a_0), w_0 + cut * (w_1 - w_0)
+    first = cut * (2.0 * a_0 * w_0 + a_0 * w + a * w_0 + 2.0 * a * w)
+    then = (1.0 - cut) * (2.0 * a * w + a * w_1 + a_1 * w + 2.0 * a_1 * w_1)
+    return float(duration @ (np.maximum(-first, 0.0) + np.maximum(-then, 0.0)) / 6.0)
+
+
 class AtGearhead:
-    """A load cycle at the gearhead's output, behind one belt."""
+    """A load cycle at the gearhead's output, behind one belt, or behind the belts of candidates: columns."""
 
     def __init__(self, base: CycleAtBelt, ratio: Figure) -> None:
         self.base, self.belt = base, ratio
-        self.scale = np.array([1 / ratio, 1 / ratio, 1 / ratio, ratio, 1.0, ratio])  # of the functions
-        by_pairs = np.outer(self.scale, self.scale).reshape(6, 6, *[1] * (base.moments.ndim - 2))
-        self.moments = base.moments * by_pairs  # means of products over the cycle
+        back, same = 1.0 / ratio, np.ones_like(ratio)
+        self.scale = np.stack([back, back, back, ratio, same, ratio], axis=-1)  # of the functions
 
-    @cached_property
+    def __getattr__(self, name: str) -> Any:
+        """One of ``Scalars`` behind the belt."""
+        if name not in _BY_RATIO:
+            raise AttributeError(name)
+        return getattr(self.base.scalars, name) * self.belt ** _BY_RATIO[name]
+
+    @property
     def peak_speed(self) -> Any:
         """Highest speed at the output [rad/s]."""
         return self.base.peak_speed * self.belt
-
-    @property
-    def load_speed(self) -> Figure:
-        """Highest speed at the load [rad/s]."""
-        return self.base.peak_speed
-
-    @property
-    def load_torque(self) -> Figure:
-        """Largest torque at the load [N*m]."""
-        return self.base.scalars.load_torque
-
-    @property
-    def rms_torque(self) -> Figure:
-        """Torque at the output, RMS while running [N*m]."""
-        return self.base.scalars.rms_torque / self.belt
-
-    @property
-    def peak_torque(self) -> Figure:
-        """Largest torque at the output [N*m]."""
-        return self.base.scalars.peak_torque / self.belt
-
-    @property
-    def held(self) -> Figure:
-        """Largest torque at the output that holds the load at rest [N*m]."""
-        return self.base.scalars.held / self.belt
-
-    @property
-    def mean_speed(self) -> Figure:
-        """Mean speed of the output while running, or what it exceeds for long [rad/s]."""
-        return self.base.scalars.mean_speed * self.belt
-
-    @property
-    def sustained_speed(self) -> Figure:
-        """Speed that the output exceeds for longer than shortly [rad/s]."""
-        return self.base.scalars.sustained_speed * self.belt
-
-    @property
-    def mean_power(self) -> Figure:
-        """Power that is transmitted in either direction, mean while running [W]."""
-        return self.base.scalars.mean_power
-
-    @property
-    def peak_power(self) -> Figure:
-        """Largest power that is transmitted [W]."""
-        return self.base.scalars.peak_power
 
     @property
     def load_cycle(self) -> Any:
@@ -213,43 +243,41 @@ class AtGearhead:
         return self.base.load_cycle
 
     @property
-    def extremes(self) -> Extremes:
-        """The points of the functions at which anything linear in them is largest or smallest."""
-        return self.base.extremes
-
-    @property
-    def braked(self) -> Array:
-        """Work of each function against the motion over the cycle: shape (6,)."""
-        found: Array = self.base.braked * self.scale * self.scale[SPEED]
-        return found
+    def acts(self) -> NDArray[np.bool_]:
+        """Mask of the functions that are ever not 0."""
+        return self.base.acts
 
     @cached_property
     def functions(self) -> Array:
-        """The six functions at both ends of each segment: shape (segments, 2, 6)."""
-        return self._scaled(self.base.functions)
+        """Behind one belt the six functions at both ends of each segment: shape (segments, 2, 6)."""
+        found: Array = self.base.functions * self.scale
+        return found
 
-    def _scaled(self, functions: Array) -> Array:
-        """Functions behind the belt; the same array where it changes nothing, for a long cycle's takes much room."""
-        scaled: Array = functions if (self.scale == 1.0).all() else functions * self.scale
-        return scaled
+    def line(self, c: Array) -> Array:
+        """Behind one belt the sum c f(t) at both ends of each segment, shape (segments, 2); c of shape (6,)."""
+        return np.concatenate([f @ (c * self.scale) for _, f in self.base.parts])
 
     def turned(self, exponent: float) -> Figure:
         """Mean over the cycle of the output torque to an exponent, times speed there."""
         return self.base.turned(exponent) * self.belt ** (1.0 - exponent)
 
     def on(self, rows: Any) -> AtGearhead:
-        """Of some of the candidates, which all are behind this belt (``several_belts`` has those of several)."""
-        return self
+        """Of some of the candidates."""
+        return AtGearhead(self.base, self.belt[rows]) if np.ndim(self.belt) else self
+
+    def moment(self, a: int, b: int) -> Any:
+        """Mean of the product of two functions over the cycle."""
+        return self.base.moments[a, b] * self.scale[..., a] * self.scale[..., b]
+
+    def mean_with(self, c: Array, function: int) -> Array:
+        """Mean over the cycle of c f(t) times one of the functions, of each candidate; c of shape (candidates, 6)."""
+        found: Array = (c * self.scale) @ self.base.moments[:, function] * self.scale[..., function]
+        return found
 
     def slope(self, c: Array) -> Array:
         """Half of the gradient of the mean square of c f(t), by each coefficient: shape (candidates, 6)."""
-        found: Array = c @ self.moments
+        found: Array = (c * self.scale) @ self.base.moments * self.scale
         return found
-
-    @property
-    def acts(self) -> NDArray[np.bool_]:
-        """Mask of the functions that are ever not 0."""
-        return self.base.acts
 
     def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
         """Largest absolute value over the cycle of what is linear in the functions, with coefficients of 0 or more.
@@ -268,8 +296,7 @@ class AtGearhead:
             Of each candidate.
         """
         points, time = self.base.corners
-        points = points * self.scale
-        values = product(coefficients, points.T)
+        values = product(coefficients * self.scale, points.T)
         if left_out is not None and len(rows := np.flatnonzero(lacking(left_out))):
             against = (points < -ROUNDING * np.abs(points).max(axis=0)).astype(float)
             values[rows] = np.where(left_out[rows] @ against.T > 0.0, -np.inf, values[rows])
@@ -284,44 +311,6 @@ class Peak(NamedTuple):
 
     value: Array
     time: Array  # s
-
-
-def at_gearhead(cycle: Any, efficiency: Figure, quickest: float = inf) -> CycleAtBelt:
-    r"""A load cycle, or several, through a belt; the direction of power decides on which side its loss is.
-
-    .. math:: T_g = \frac{T}{i e} \; (T w > 0), \quad \frac{T e}{i} \; (T w < 0), \quad \frac{T}{i} \; (w = 0)
-
-    Parameters
-    ----------
-    cycle
-        At the load, split at changes of direction: a ``LoadCycle``, or a record with the same fields as columns, which
-        may have segments of no duration.
-    efficiency
-        Of the belt [1], the same when driven backward; one figure, or one of each cycle. The ratio comes with
-        ``behind``.
-    quickest
-        Shortest time constant of the windings [s].
-
-    Returns
-    -------
-    CycleAtBelt
-        The cycle behind a belt of ratio 1.
-    """
-    one = cycle.torque.ndim == 2
-    if one and (looked := census(cycle)) is not None:
-        return _by_census(cycle, looked, efficiency, quickest)
-    six = six_functions(cycle, efficiency)
-    duration, total = (cycle.duration, cycle.total) if one else (cycle.duration / cycle.total, 1.0)
-    acts = np.array([function.any() for function in six])
-    found = CycleAtBelt(cycle, acts, moments(duration, total, six, acts), quickest, efficiency)
-    found.__dict__["functions"] = np.stack(six, axis=2 if one else 0)  # at hand
-    return found
-
-
-def _by_census(cycle: Any, looked: Census, efficiency: float, quickest: float) -> CycleAtBelt:
-    """A long load cycle through a belt, by its groups of segments: nothing is made of each segment."""
-    moments = looked.moments(belt_factors(efficiency)) / cycle.total
-    return CycleAtBelt(cycle, looked.acts(), moments, quickest, efficiency, looked)
 
 
 def bounded(value: Array, time: Array, left_out: NDArray[np.bool_] | None) -> Peak:

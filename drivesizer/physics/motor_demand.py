@@ -186,8 +186,8 @@ def mean_gear_loss(at: AtGearhead, gearhead: Figures) -> Array:
     array
         [W], of each gearhead.
     """
-    driving, braking = at.moments[DRIVING, SPEED], at.moments[BRAKING, SPEED]
-    return lost_in_gearhead(driving, braking, at.moments[DIRECTION, SPEED] * gearhead["ratio"], gearhead)
+    driving, braking, speed = (at.moment(k, SPEED) for k in (DRIVING, BRAKING, DIRECTION))
+    return lost_in_gearhead(driving, braking, speed * gearhead["ratio"], gearhead)
 
 
 def flange_loss(at: AtGearhead, gearhead: Figures) -> Array:
@@ -207,5 +207,5 @@ def flange_loss(at: AtGearhead, gearhead: Figures) -> Array:
     """
     if not at.acts[SPEED]:
         return np.zeros(len(gearhead["ratio"]))
-    found: Array = mean_gear_loss(at, gearhead) / at.moments[DIRECTION, SPEED]
+    found: Array = mean_gear_loss(at, gearhead) / at.moment(DIRECTION, SPEED)
     return found

@@ -63,8 +63,8 @@ def idle_loss(speed: Array, idle: float | None) -> Array:
     return np.where(speed.any(axis=1), 1.0, 1.0 if idle is None else idle**2)
 
 
-def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array) -> tuple[Array, Array, Array]:
-    """Energy that motors with a constant loss draw and return over a cycle, and their largest power.
+def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array) -> tuple[Array, ...]:
+    """Energy that motors with a constant loss draw and return over a cycle, and their largest and least power.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
     Returns
     -------
     tuple of arrays
-        Drawn and returned [J], largest power drawn [W], each of shape (motors,).
+        Drawn and returned [J], largest and least power drawn [W], each of shape (motors,).
 
     Examples
     --------
@@ -86,7 +86,7 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
 
     >>> one = np.array([[[-2.0, -2.0]]]), np.array([[[10.0, 0.0]]])
     >>> [float(x[0]) for x in electrical_energy(np.array([1.0]), *one, np.array([5.0]))]
-    [0.625, 5.625, 5.0]
+    [0.625, 5.625, 5.0, -15.0]
     """
     (t0, t1), (w0, w1) = np.moveaxis(torque, 2, 0), np.moveaxis(speed, 2, 0)
     a, b = (t1 - t0) * (w1 - w0), t0 * (w1 - w0) + w0 * (t1 - t0)
@@ -98,10 +98,10 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
     edges = np.sort(np.stack([np.zeros_like(c), *cuts, np.ones_like(c)], axis=2), axis=2)
     work = ((a[..., None] * edges / 3.0 + b[..., None] / 2.0) * edges + c[..., None]) * edges
     parts = duration[..., None] * np.diff(work, axis=2)
-    peak = np.maximum(np.maximum(c, a + b + c), (a * top + b) * top + c).max(axis=1)
+    ends = np.stack([c, a + b + c, (a * top + b) * top + c], axis=2)
     unknown = np.where(np.isnan(c).any(axis=1), np.nan, 0.0)
     drawn, returned = (np.maximum(side, 0.0).sum((1, 2)) + unknown for side in (parts, -parts))
-    return drawn, returned, np.maximum(peak, 0.0) + unknown
+    return drawn, returned, ends.max(axis=(1, 2)), ends.min(axis=(1, 2))
 
 
 # -- Pull-out torque of two-phase stepper motors over speed: by the ideal model, and of printed curves.

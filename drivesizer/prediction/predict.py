@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from drivesizer.catalog.query import Hit
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.drive_train import friction
-from drivesizer.physics.heat_step import State, cold
 from drivesizer.physics.thermal import resistance_at
+from drivesizer.physics.two_bodies import State
 from drivesizer.prediction.set_at_voltage import (
     Heating,
     SampledParts,
@@ -228,7 +228,8 @@ def _thermal(
     if not heating.known:
         return {}, []
     limit = one.motor["max_winding_temperature"]
-    starts = {"cold": cold(given.ambient)} | ({} if isnan(given.warm) else {"warm": State(given.warm, given.warm)})
+    warmths = {"cold": given.ambient, "warm": given.warm}
+    starts = {at: State(T, T) for at, T in warmths.items() if not isnan(T)}
     columns: dict[str, Array] = {}
     if not np.isnan(limit).any():
         columns |= {f"{name}_time_{at}": time_to_limit(heating, start, limit) for at, start in starts.items()}

@@ -19,9 +19,9 @@ from drivesizer.catalog.tolerances import Class, lognormal
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, motor_and_gears
-from drivesizer.physics.heat_step import State, drive, modes, weights
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
 from drivesizer.physics.thermal import TwoBodies, resistance_25, resistance_at, two_bodies
+from drivesizer.physics.two_bodies import State, after
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import EstimatedFigure
 from drivesizer.results.prediction import Conditions
@@ -216,7 +216,7 @@ def _gearhead(gear: Figures, factors: Mapping[str, Array], estimated: set[str]) 
 #
 # Temperatures of winding and housing while the current follows from the winding's temperature: columns over samples.
 #
-# Each step is exact for a constant current (see ``heat_step``); a current that changes with the winding's resistance
+# Each step is exact for a constant current (see ``two_bodies``); a current that changes with the winding's resistance
 # is taken at the mean of the step's ends. Convention: temperatures are absolute.
 
 
@@ -300,24 +300,13 @@ def _at(heating: Heating, start: State) -> tuple[Array, Array]:
 
 def _step(heating: Heating, state: tuple[Array, Array], span: Any) -> tuple[Array, Array]:
     """Temperatures after a span, with the sources at the mean of the winding's temperature before and after."""
-    after = _constant(heating, state, heating.sources(state[0]), span)
-    return _constant(heating, state, heating.sources((state[0] + after[0]) / 2.0), span)
-
-
-def _constant(
-    heating: Heating, state: tuple[Array, Array], sources: tuple[Array, Array], span: Any
-) -> tuple[Array, Array]:
-    """Temperatures after a span at constant current and loss."""
-    body, ambient = heating.bodies, heating.ambient
-    square = sources[0] ** 2
-    mode, constant = modes(body, square), drive(body, ambient, square, sources[1])
-    w, h = (x - ambient for x in state)
-    slopes = [a + b for a, b in zip(mode.slopes(w, h), constant, strict=True)]
-    with np.errstate(over="ignore", invalid="ignore"):
-        weight = weights(mode.fast, mode.slow, np.minimum(span, _LONG / np.abs(mode.slow)) * np.ones_like(mode.fast))
-        pulls = mode.pulls(*slopes)
-        moved = [x + weight.slope * a + weight.pull * b for x, a, b in zip(state, slopes, pulls, strict=True)]
-    return tuple(np.minimum(np.nan_to_num(x, nan=_RUNAWAY, posinf=_RUNAWAY), _RUNAWAY) for x in moved)  # type: ignore[return-value]
+    winding, moved = state[0], state
+    for _ in range(2):
+        current, loss = heating.sources((state[0] + winding) / 2.0)
+        moved = after(heating.bodies, heating.ambient, State(*state), current**2, loss, span)
+        moved = tuple(np.minimum(np.nan_to_num(x, nan=_RUNAWAY), _RUNAWAY) for x in moved)
+        winding = moved[0]
+    return moved
 
 
 _LIMITED = 0.9  # of V/R: a printed stall current below this is a controller's

@@ -135,7 +135,7 @@ def _lessened(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], 
 
 def _affordable(problem: Problem) -> int:
     """Number of drives whose figures may be computed."""
-    return _CELLS // sum(case.at_belt.pieces for case in problem.cases)
+    return _CELLS // sum(len(case.at_belt.load_cycle.duration) for case in problem.cases)
 
 
 def _cheap(problem: Problem, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> dict[str, Array]:

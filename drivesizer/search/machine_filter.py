@@ -102,7 +102,7 @@ def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: C
     braked = felt(cycles[number], Parts(motor, gearhead, encoder, None, brake))
     demand = demands(cycles[number], motor, gearhead, encoder, braked)
     cold = np.asarray(resistance_at(resistance_25(motor), ambient))
-    turning = demand.total_ratio * (demand.coefficients @ cycles[number].moments[:, SPEED])
+    turning = demand.total_ratio * cycles[number].mean_with(demand.coefficients, SPEED)
     at_flange = loss_at_flange(problem.cases[number].spec, cycles[number], gearhead)
     winding = heat(ambient, cycles[number], demand, motor, from_gearhead=at_flange).winding
     known = demand.complete & np.isfinite(winding) & np.isfinite(motor["max_winding_temperature"])
@@ -262,7 +262,7 @@ def machine_filter(
             )
         early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
         rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
-        most = max(_FEWEST, _CELLS // max(case.at_belt.pieces for case in problem.cases))
+        most = max(_FEWEST, _CELLS // max(len(case.at_belt.load_cycle.duration) for case in problem.cases))
         alone = 0 if counted else wanted  # these first: they are at hand, and mostly pass
         for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * wanted, min(most, _MOST)):
             found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best), counted)

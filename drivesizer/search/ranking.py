@@ -547,7 +547,7 @@ def equals_of_the_last(problem: Problem, rank: Rank, order: NDArray[np.int64], t
 
 def waveforms(problem: Problem) -> int:
     """Number of drives whose waveforms may be computed to order them."""
-    return _CELLS_OF_RANK // max(case.at_belt.pieces for case in problem.cases)
+    return _CELLS_OF_RANK // max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
 
 
 def better_but_unknown(problem: Problem, kept: Sifted, rank: Rank, best: NDArray[np.int64]) -> NDArray[np.int64]:

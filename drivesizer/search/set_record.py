@@ -16,13 +16,12 @@ from drivesizer.catalog.parts import one_row
 from drivesizer.machine.budgets import MachineBudget, regeneration
 from drivesizer.machine.part_curves import curves_of, torque_of_part
 from drivesizer.machine.problem import quickest_winding
-from drivesizer.machine.set_cycle import motor_pieces, set_cycle, turned, warm_up, warming
+from drivesizer.machine.set_cycle import motor_pieces, set_cycle, torque_above, turned, warm_up
 from drivesizer.physics.braking import Stop
 from drivesizer.physics.cycle_at_gearhead import SPEED
-from drivesizer.physics.heat_step import State, cold, overload_time
 from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
-from drivesizer.physics.torque_above import torque_above
+from drivesizer.physics.two_bodies import State, overload_time
 from drivesizer.results.check import Check, Figure, Reliability, Status, gravest, verdict
 from drivesizer.results.drive_set import BrakingBudget, DriveParts, DriveSet, MotorPiece, Relaxation
 from drivesizer.results.problem import Problem
@@ -319,10 +318,8 @@ def _static_temperatures(evaluation: Evaluation, parts: DriveParts) -> list[Figu
     case = next((one for one in evaluation.problem.cases if not one.at_belt.acts[SPEED]), None)
     if case is None:
         return []
-    ambient = case.spec.environment.ambient
-    losses = warming(set_cycle(case.spec, parts, case.at_belt))
-    found = warm_up(two_bodies(parts.motor), ambient, losses)
-    ends = (found.highest[0], found.housing[1], found.periodic.housing.max()) if found else (math.nan,) * 3
+    found = warm_up(set_cycle(case.spec, parts, case.at_belt))
+    ends = (found.highest[0], found.housing[1], found.housing_in_cycle.max()) if found else (math.nan,) * 3
     return [
         Figure(name=name, title=title, value=float(value), kind="temperature", unit="degC")
         for (name, title), value in zip(_HELD.items(), ends, strict=True)
@@ -404,7 +401,7 @@ def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, c
     bodies = two_bodies(motor)
     ambient, current = evaluation.spec.environment.ambient, controller.peak_current
     hot = values["winding_temperature"]
-    starts = {"cold": cold(ambient), "warm": State(hot, hot)}
+    starts = {"cold": State(ambient, ambient), "warm": State(hot, hot)}
     return [
         Figure(
             name=f"overload_time_{name}", title=f"Time at the controller's peak current, {name}",

@@ -16,7 +16,7 @@ from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.winding import Parts, heat, stress
 from drivesizer.search.columns import limits_over_time
@@ -367,7 +367,7 @@ def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
     """Those of motors, too, whose back-EMF constant is not their torque constant."""
     spec = spec_of(name, folder)
     pairs = some_pairs(catalog, 200 if name == LONG else 600, f"bounds {name}")
-    at = at_gearhead(load_cycle(spec), spec.belt_efficiency).behind(spec.belt_ratios[0])
+    at = CycleAtBelt(load_cycle(spec), spec.belt_efficiency).behind(spec.belt_ratios[0])
     motor, head = Rows(catalog.motors, pairs.motor), Rows(catalog.gearheads, pairs.gearhead)
     speed = at.peak_speed * head["ratio"]
     chosen = encoders_for(spec, offered_encoders(spec, catalog), pairs.motor, speed, head["ratio"] * at.belt)

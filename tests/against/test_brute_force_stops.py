@@ -19,7 +19,7 @@ from stepper_catalog import ideal_torque, printed_torque, written
 from drivesizer.catalog import Brake, Encoder, Gearhead, Motor, load
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.stepper import PULL_OUT_SHARE
 from drivesizer.physics.winding import Parts
@@ -78,7 +78,7 @@ def test_shocks_of_random_gearheads() -> None:
         })  # fmt: skip
         rows = [{"kind": chance.choice(["planetary", "strain wave"]), "emergency_torque": some(chance, 1, 60),
                  "ratcheting_torque": some(chance, 1, 60)} for _ in range(25)]  # fmt: skip
-        cycle = at_gearhead(load_cycle(spec), spec.belt_efficiency).behind(belt)
+        cycle = CycleAtBelt(load_cycle(spec), spec.belt_efficiency).behind(belt)
         hard, jumps = shock_limits(spec, spec.needs.shock_torque or NAN, cycle, columns(Gearhead, rows))
         torque = shock / belt / (gear if geared else 1.0)  # no loss helps
         for n, row in enumerate(rows):
@@ -164,7 +164,7 @@ def test_emergency_stops_of_random_drives() -> None:
                    "energy_per_stop": some(chance, 0.5, 60), "total_energy": some(chance, 1e3, 2e5),
                    "emergency_stops": some(chance, 100, 2000), "shaft": chance.choice(["", "load"])}
                   for _ in range(30)]  # fmt: skip
-        cycle = at_gearhead(load_cycle(lift.spec), 0.9).behind(lift.belt)
+        cycle = CycleAtBelt(load_cycle(lift.spec), 0.9).behind(lift.belt)
         motor, gearhead, brake = (columns(*pair) for pair in ((Motor, motors), (Gearhead, gears), (Brake, brakes)))
         encoder = columns(Encoder, [{}] * 30)
         felt = at_motor(brake, "inertia", gearhead["ratio"] * lift.belt)

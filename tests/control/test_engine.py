@@ -27,7 +27,7 @@ from drivesizer.control.engine import (
 from drivesizer.control.gains import design
 from drivesizer.control.loop_models import from_error, voltage_open_loop
 from drivesizer.errors import InputError
-from drivesizer.physics.heat_step import State, steady_state
+from drivesizer.physics.two_bodies import State, steady_state
 from drivesizer.sizing import explain
 
 # --- the modes and the machine

@@ -11,8 +11,8 @@ from engine_tasks import FAR, MOTOR, PERIOD, figure, gains, machine, open_drive,
 
 from drivesizer.control.engine import Drive, MotorHeat, Supply, Task, simulate
 from drivesizer.control.validation import Cascade
-from drivesizer.physics.heat_step import State, steady_state
 from drivesizer.physics.thermal import TwoBodies
+from drivesizer.physics.two_bodies import State, steady_state
 
 # --- regenerated energy
 

@@ -11,7 +11,7 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import at_shaft
 from drivesizer.loads.stage_losses import FixedGear, through_gear
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle, integral
 from drivesizer.search.columns.limits import load_limits, lost_at_load
 from drivesizer.search.uncertainty.uncertain_figures import applied
@@ -115,7 +115,7 @@ def test_before_the_belt_as_behind_it():
     assert tension.demand == pytest.approx(np.abs(at_load.torque).max() / 0.03)
     assert speed.demand == pytest.approx(np.abs(at_load.speed).max() * 0.03)
     for spec, torque in ((behind, one), (before, at_load)):  # at the belt's own driven pulley
-        at_belt = at_gearhead(load_cycle(spec), spec.belt_efficiency).behind(1.5)
+        at_belt = CycleAtBelt(load_cycle(spec), spec.belt_efficiency).behind(1.5)
         found = {check.name: float(np.max(check.demand)) for check in load_limits(spec, at_belt)}
         assert found["belt_tension"] == pytest.approx(np.abs(torque.torque).max() / 0.03)
 

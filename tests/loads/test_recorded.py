@@ -12,7 +12,7 @@ from drivesizer.files import csv_columns
 from drivesizer.load_cases import load_cycle
 from drivesizer.loads import recorded
 from drivesizer.physics import motion_curves
-from drivesizer.physics.cycle_at_gearhead import AT_REST, at_gearhead
+from drivesizer.physics.cycle_at_gearhead import AT_REST, CycleAtBelt
 from drivesizer.physics.load_cycle import integral, rms
 from drivesizer.physics.motion_curves import local_parabola
 from drivesizer.spec.robot import load_spec
@@ -183,7 +183,7 @@ def test_rest_in_a_recording_remains_rest_when_it_is_smoothed(shaft, name, windo
     cycle = shaft(SPEED if name == "speed" else POSITION, time, column, held, smoothing=f"{window} s")
     stands = cycle.time[:, 0] > 2.0 + window / 2 + 0.002
     assert not cycle.speed[stands].any() and cycle.speed[~stands].any()
-    at = at_gearhead(cycle, 0.8).behind(1.0)
+    at = CycleAtBelt(cycle, 0.8).behind(1.0)
     assert at.functions[stands][:, :, AT_REST] == pytest.approx(3.0)  # held, not driven through 80 %
     assert at.held == pytest.approx(0.8 * 3.0)  # of which a brake before the belt feels so much
 

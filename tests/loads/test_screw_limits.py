@@ -10,7 +10,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.requirements import screw_requirements
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.search.columns.limits import load_limits
 from drivesizer.spec.robot import load_spec, read_spec
 
@@ -33,7 +33,7 @@ def spec_of(load=UPRIGHT, motion=MOTION, **sections):
 
 
 def checks_of(spec):
-    return {check.name: check for check in load_limits(spec, at_gearhead(load_cycle(spec), 1.0).behind(1.0))}
+    return {check.name: check for check in load_limits(spec, CycleAtBelt(load_cycle(spec), 1.0).behind(1.0))}
 
 
 def test_vertical_conveyance_of_thk():

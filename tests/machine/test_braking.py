@@ -7,8 +7,9 @@ import math
 import random
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from kernel_cycles import supplied
+from kernel_cycles import motor_power
 
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
@@ -59,15 +60,12 @@ def check(one: DriveSet, name: str):
 def _walked(spec: RobotSpec, one: DriveSet, chopper: float, steps: int = 400) -> tuple[float, float, float]:
     """Energy burnt in the third cycle, largest power and longest braking's energy; the capacitor by its voltage."""
     found = set_cycle(spec, one)
-    wave = supplied(found)
     C, volts = spec.supply.capacitance or 0.0, spec.supply.highest
     low, burnt, peak, run, longest = volts, 0.0, 0.0, 0.0, 0.0
     for cycle in range(3):
-        for lasts, I, V in zip(wave.duration.tolist(), wave.current[0].tolist(), wave.voltage[0].tolist(), strict=True):
+        for piece, lasts in enumerate(found.pieces.duration.tolist()):
             dt = lasts / steps
-            for k in range(steps):
-                at = (k + 0.5) / steps
-                power = (I[0] + at * (I[1] - I[0])) * (V[0] + at * (V[1] - V[0]))
+            for power in motor_power(found, piece, (np.arange(steps) + 0.5) / steps).tolist():
                 square = volts**2 - 2.0 * power * dt / C if C else (low**2 if power >= 0.0 else math.inf)
                 over = 0.0
                 if square > chopper**2:

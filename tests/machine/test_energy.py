@@ -17,7 +17,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.loads.kinds import AXES
 from drivesizer.machine.problem import problem
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import demands
 from drivesizer.search.columns.candidates import Candidates
@@ -139,7 +139,7 @@ def asked_of(cycle, catalog, belt=1.6):
 
     sets = sets_of(catalog, belt)
     motor, head = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
-    at = at_gearhead(cycle.split(), 0.93).behind(belt)
+    at = CycleAtBelt(cycle.split(), 0.93).behind(belt)
     found = demands(at, motor, head, Rows(catalog.encoders, np.full(3, -1)))
     highest = at.peak(found.coefficients)
     gear = [at.rms_torque, at.peak_torque, at.peak_speed, at.mean_speed, at.mean_power, at.peak_power]

@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Motor
-from drivesizer.catalog.parts import OneRow
-from drivesizer.catalog.tables import NO_GEARHEAD
+from drivesizer.catalog.parts import NO_GEARHEAD, OneRow
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.set_cycle import motor_pieces
 from drivesizer.output.json import documents
 from drivesizer.output.report.sections.cycle import PIECES
 from drivesizer.output.report.sections.section import Content
 from drivesizer.output.terminal.sizing import sizing
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.motor_demand import demands
 from drivesizer.spec.robot import load_spec
 
@@ -26,7 +25,7 @@ MOTOR = Motor(rotor_inertia=0.00629e-4, torque_constant=0.05, no_load_current=0.
 
 def pieces_of(load, motion, motor=MOTOR, ratio=1.0):
     spec = load_spec({"name": "x", "load": load, "motion": motion, "supply": {"nominal": "48 V"}})
-    cycle = at_gearhead(load_cycle(spec), 1.0).behind(1.0)
+    cycle = CycleAtBelt(load_cycle(spec), 1.0).behind(1.0)
     gearhead = replace(NO_GEARHEAD, ratio=ratio, efficiency=0.8 if ratio != 1.0 else 1.0)
     demand = demands(cycle, OneRow(motor), OneRow(gearhead), OneRow(None))
     return motor_pieces(cycle, demand, motor.torque_constant), demand, cycle

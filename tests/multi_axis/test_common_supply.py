@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kernel_cycles import supplied
+from kernel_cycles import motor_power
 
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
@@ -143,14 +143,10 @@ def test_sums_are_those_of_the_drives_waveforms(shelf, drive):
 def _waveform(one: AxisPower, time: np.ndarray) -> np.ndarray:
     """Electrical power of the motor at moments of its cycle; its controller loses nothing."""
     found = set_cycle(one.problem.spec, one.one, one.problem.cases[0].at_belt)
-    wave, standby = supplied(found), float(found.feed.stage.standby)
-    ends = np.cumsum(wave.duration)
+    duration, ends = found.pieces.duration, np.cumsum(found.pieces.duration)
     place = np.minimum(np.searchsorted(ends, time), len(ends) - 1)
-    share = np.clip((time - ends[place] + wave.duration[place]) / wave.duration[place], 0.0, 1.0)
-    current, voltage = (
-        x[0, place, 0] + share * (x[0, place, 1] - x[0, place, 0]) for x in (wave.current, wave.voltage)
-    )
-    return current * voltage + standby
+    share = np.clip((time - ends[place] + duration[place]) / duration[place], 0.0, 1.0)
+    return motor_power(found, place, share) + float(found.feed.stage.standby)
 
 
 def test_an_axis_that_is_done_waits_at_rest(shelf, drive):

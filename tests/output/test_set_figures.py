@@ -7,20 +7,26 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from starters import BODIES, starter
+from starters import starter
 from synthetic_validation import labels
 
-from drivesizer.machine.set_cycle import Warming, set_cycle, warm_up
+from drivesizer.machine.set_cycle import WarmUp, set_cycle
 from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.parts import parts_list
 from drivesizer.output.report.figures import choice, cycle, field
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.sections.summary import parts_table
+from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
+
+
+def hot(found):
+    """Resistance of the winding at its mean temperature."""
+    return float(resistance_at(resistance_25(found.motor), found.winding)[0])
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +131,7 @@ def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
     cases = [("", found)]
     (axes,) = canvas(field.efficiency_map, cases, 18.9).axes
     motor, head = result.sets[0].motor, result.sets[0].gearhead
-    R, k, I_0, i, e = (float(found.hot[0]), motor.torque_constant, motor.no_load_current, head.ratio, head.efficiency)
+    R, k, I_0, i, e = (hot(found), motor.torque_constant, motor.no_load_current, head.ratio, head.efficiency)
     seen = 0
     for lines in axes.collections:
         levels = getattr(lines, "levels", ())
@@ -160,7 +166,7 @@ def test_the_best_of_the_map_is_no_better_than_the_handbook_allows(result):
     found = set_cycle(result.spec, result.sets[0])
     shown = field.efficiency_field([("", found)], 18.9)
     motor, share = result.sets[0].motor, shown.field.efficiency[:, shown.torque > 0.0]
-    limit = (1.0 - sqrt(motor.no_load_current * float(found.hot[0]) / 18.9)) ** 2
+    limit = (1.0 - sqrt(motor.no_load_current * hot(found) / 18.9)) ** 2
     best = np.nanmax(np.where(shown.field.voltage[:, shown.torque > 0.0] <= 18.9, share, 0.0))
     assert 0.97 * limit < best / result.sets[0].gearhead.efficiency <= limit * (1.0 + 1e-9)
 
@@ -190,18 +196,22 @@ def test_current_and_voltage_are_drawn_with_the_limits_in_sight(canvas, result):
 
 
 def test_temperatures_are_drawn_with_their_limits(canvas):
-    found = warm_up(BODIES, 298.15, Warming(np.array([5.0, 25.0]), np.array([9.0, 0.2]), np.array([0.1, 0.1])))
+    rises = np.array([20.0, 30.0, 20.0])
+    found = WarmUp(time=np.array([0.0, 30.0, 60.0, 90.0]), lowest=rises + 298.15, highest=rises + 303.15,
+                   housing=np.append(298.15, rises + 290.0), in_cycle=np.array([0.0, 5.0, 30.0]),
+                   winding_in_cycle=rises + 298.15, housing_in_cycle=rises + 290.0, peak=328.15,
+                   peak_time=5.0)  # fmt: skip
     figure = canvas(cycle.temperatures, found, 298.15, 373.15)
     way, repeats = figure.axes
     for axes in (way, repeats):
         across = {line.get_ydata()[0] for line in axes.lines if len(line.get_ydata()) == 2}
         assert {25.0, 100.0} <= {round(y, 9) for y in across}
     (peak,) = [line for line in repeats.lines if line.get_marker() == "o"]
-    assert peak.get_ydata()[0] == pytest.approx(found.periodic.winding_peak - 273.15)
+    assert peak.get_ydata()[0] == pytest.approx(55.0)
     assert peak.get_xdata()[0] == pytest.approx(5.0)  # the end of the pulse
     (housing,) = [line for line in way.lines if len(line.get_ydata()) > 2]
     assert housing.get_ydata()[0] == pytest.approx(25.0)
-    assert housing.get_ydata()[-1] == pytest.approx(found.periodic.housing_mean - 273.15, abs=1.2)
+    assert housing.get_ydata()[-1] == pytest.approx(rises[-1] + 290.0 - 273.15)
     said = labels(cycle.temperatures(found, 298.15, 373.15))
     assert {"temperature (°C)", "time in the cycle (s)", "permitted 100 °C", "ambient 25 °C", "from cold"} <= said
     assert "permitted" not in " ".join(labels(cycle.temperatures(found, 298.15, nan)))

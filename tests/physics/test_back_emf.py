@@ -16,7 +16,6 @@ from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import energy_flow
 from drivesizer.output.export.fmu_motor import FIGURES, Drive
 from drivesizer.physics.drive_train import back_emf_constant
-from drivesizer.physics.waveform import Wave, balanced, energy, largest_power, lost
 from drivesizer.sizing import explain, explained
 from drivesizer.spec.robot import load_spec
 
@@ -197,24 +196,6 @@ def test_the_catalogue_check_finds_constants_that_differ(shop):
 
 
 # --- where the difference goes
-
-
-def test_power_of_two_constants_by_hand():
-    """R 1 ohm, k_t 0.1, k_e 0.12, w 100 rad/s, I from +10 to -10 A in 2 s.
-
-    Driving, 1 s: the integral of R I^2 is 33.33 J, of k_e w I 60 J; drawn 93.33 J.
-    Braking, 1 s: R I^2 33.33 J, k_t w |I| 50 J of mechanical work, of which 10 J are lost: 40 J come out of the
-    magnets. P(t) = 100 t^2 - 80 t with I = 10 t: below 0 until t = 0.8, there -8.533 J, then 1.867 J.
-    """
-    found = Wave(np.array([2.0]), np.array([[[10.0, -10.0]]]), np.array([[[22.0, 2.0]]]))
-    surplus, speed = np.array([0.02]), np.array([[100.0, 100.0]])
-    taken = balanced(found, surplus, speed)
-    sums = energy(taken, storing=False)
-    assert sums.drawn == pytest.approx(93.3333 + 1.8667, rel=1e-5)
-    assert sums.returned == pytest.approx(8.5333, rel=1e-5)
-    assert lost(found, surplus, speed) == pytest.approx(20.0)
-    assert largest_power(taken)[0] == pytest.approx(220.0)
-    assert balanced(found, 0.0 * surplus, speed) is found
 
 
 def test_a_load_that_is_lowered_gives_no_more_than_its_weight(shop):

@@ -9,7 +9,6 @@ import warnings
 import numpy as np
 import pytest
 
-from drivesizer.physics import braking as brake_resistor
 from drivesizer.physics.braking import (
     burning,
     burnt_energy,
@@ -226,15 +225,3 @@ def test_derating_needs_both_ends_of_its_line():
     assert math.isnan(derated_power(450.0, 318.15, 313.15, math.nan))
     assert derated_power(450.0, 318.15, math.nan, math.nan) == 450.0
     assert derated_power(10.0, 400.0, 298.15, 348.15) == 0.0
-
-
-@pytest.mark.parametrize("window", [0.7, 40.0, 300.0])
-def test_the_worst_window_of_a_long_cycle_is_found_part_by_part(window, monkeypatch):
-    """To the bit the same, energies burnt among them."""
-    rng = np.random.default_rng(3)
-    duration, drawn, returned = rng.uniform(0.1, 1.0, 211), rng.uniform(size=211), rng.uniform(size=211)
-    burnt = burnt_energy(drawn, returned, 1.5)
-    whole = largest_mean(duration, burnt, window)
-    monkeypatch.setattr(brake_resistor, "_PART", 10)
-    np.testing.assert_array_equal(burnt_energy(drawn, returned, 1.5), burnt)
-    assert largest_mean(duration, burnt, window) == whole > 0.0

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.extremes import extremes, first_largest, undominated
 from drivesizer.physics.load_cycle import LoadCycle
 
@@ -83,13 +83,13 @@ def noisy(count):
 
 def test_a_long_noisy_recording():
     cycle = noisy(36_000)
-    base = at_gearhead(cycle.split(), 0.93)
+    base = CycleAtBelt(cycle.split(), 0.93)
     kept = assert_carries(base.functions, 11, 200)
     assert len(kept.high) + len(kept.low) < 0.1 * base.functions.size / 6  # of what there was
 
 
 def test_the_peak_of_a_long_recording_is_that_of_every_moment():
-    at = at_gearhead(noisy(9000).split(), 0.93).behind(1.7)
+    at = CycleAtBelt(noisy(9000).split(), 0.93).behind(1.7)
     c = coefficients(100, 3)
     values = at.functions.reshape(-1, 6) @ c.T
     found = at.peak(c)

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.gear_life import gear_life, mean_load, turned_load
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.search.columns.shaft_limits import life_of_gearheads
@@ -93,6 +93,6 @@ def test_lives_of_random_gearheads_over_random_cycles():
             for _ in range(12)
         ]  # fmt: skip
         columns = {name: np.array([gear[name] for gear in gears]) for name in gears[0]}
-        found = life_of_gearheads(at_gearhead(cycle, efficiency).behind(belt), columns)
+        found = life_of_gearheads(CycleAtBelt(cycle, efficiency).behind(belt), columns)
         expected = [plainly(cycle, efficiency, belt, gear) for gear in gears]
         assert found == pytest.approx(expected, rel=2e-3, nan_ok=True)

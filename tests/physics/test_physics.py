@@ -20,7 +20,7 @@ from drivesizer.load_cases.profile import trapezoid
 from drivesizer.loads.course import Profile
 from drivesizer.machine.problem import problem
 from drivesizer.output.json import documents as json_documents
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.drive_train import gear_loss
 from drivesizer.physics.motor_demand import demands
 from drivesizer.results.ratings import supply_voltage_limit
@@ -80,7 +80,7 @@ def test_random_pairs_by_hand(catalog, slope, name):
     rows = random.Random(f"{name} {slope}").sample(range(len(catalog.motor_gearhead.left)), 150)
     m, g = catalog.motor_gearhead.left[rows], catalog.motor_gearhead.right[rows]
     motor, head = Rows(catalog.motors, m), Rows(catalog.gearheads, g)
-    at = at_gearhead(load_cycle(spec, profile), 0.92).behind(1.35)
+    at = CycleAtBelt(load_cycle(spec, profile), 0.92).behind(1.35)
     asked = demands(at, motor, head, Rows(catalog.encoders, np.full(len(rows), -1)))
     current = at.peak(asked.coefficients).value / motor["torque_constant"]
     compared, segments = 0, segments_by_hand(spec, profile)

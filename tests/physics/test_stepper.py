@@ -154,11 +154,12 @@ def test_energy_by_small_pieces() -> None:
     torque[0, 1] = torque[0, 1, 0]  # steady pieces as well
     speed[0, 1] = speed[0, 1, 0]
     loss = draw.uniform(2.0, 20.0, 4)
-    drawn, returned, peak = electrical_energy(duration, torque, speed, loss)
+    drawn, returned, most, least = electrical_energy(duration, torque, speed, loss)
     share = (np.arange(20_000) + 0.5) / 20_000
     power = loss[:, None, None] + np.multiply(
         *(x[..., :1] + share * (x[..., 1:] - x[..., :1]) for x in (torque, speed))
     )
     assert drawn == pytest.approx((np.maximum(power, 0.0).mean(axis=2) * duration).sum(axis=1), rel=1e-6)
     assert returned == pytest.approx((np.maximum(-power, 0.0).mean(axis=2) * duration).sum(axis=1), rel=1e-6)
-    assert peak == pytest.approx(power.max(axis=(1, 2)), rel=1e-3)
+    assert most == pytest.approx(power.max(axis=(1, 2)), rel=1e-3)
+    assert least == pytest.approx(power.min(axis=(1, 2)), rel=1e-3)

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivesizer.physics.heat_step import cold, steady_state
 from drivesizer.physics.thermal import (
     COPPER,
     DATA_TEMPERATURE,
@@ -20,6 +19,7 @@ from drivesizer.physics.thermal import (
     nominal_current,
     steady_winding_temperature,
 )
+from drivesizer.physics.two_bodies import State, steady_state
 
 CELSIUS = 273.15
 
@@ -101,7 +101,7 @@ def test_two_bodies_by_hand():
     assert winding - housing == pytest.approx(3.0 * copper, abs=1e-10)
     assert housing - DATA_TEMPERATURE == pytest.approx(7.0 * (copper + 0.6), abs=1e-10)
     assert (motor.capacity_w, motor.capacity_h) == (11.0 / 3.0, 400.0 / 7.0)
-    assert cold(300.0) == (300.0, 300.0) == pytest.approx(steady_state(motor, 300.0, 0.0))
+    assert State(300.0, 300.0) == (300.0, 300.0) == pytest.approx(steady_state(motor, 300.0, 0.0))
 
 
 @given(st.floats(250.0, 350.0), st.floats(0.05, 100.0), st.floats(0.5, 60.0), st.floats(0.0, 0.9))

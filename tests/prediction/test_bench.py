@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
-from drivesizer.physics.heat_step import State, cold, overload_time
 from drivesizer.physics.thermal import TwoBodies
+from drivesizer.physics.two_bodies import State, overload_time
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.prediction.set_at_voltage import Heating, in_the_long_run, over_time, time_to_limit
 from drivesizer.results.prediction import Conditions
@@ -185,20 +185,20 @@ def test_temperatures_at_a_constant_voltage_are_those_of_an_integrator():
 
     times = np.linspace(0.0, 1800.0, 241)
     exact = solve_ivp(slopes, (0, 1800), [ROOM, ROOM], rtol=1e-9, atol=1e-9, t_eval=times, method="LSODA").y
-    winding, housing = over_time(heating, cold(ROOM), times)
+    winding, housing = over_time(heating, State(ROOM, ROOM), times)
     assert np.abs(winding[:, 0] - exact[0]).max() < 0.3 and np.abs(housing[:, 0] - exact[1]).max() < 0.1  # K
     settled = in_the_long_run(heating)
     assert np.allclose(np.ravel(settled), solve_ivp(slopes, (0, 5e4), [ROOM, ROOM], rtol=1e-9, method="LSODA").y[:, -1],
                        rtol=1e-5)  # fmt: skip
     crossed = solve_ivp(slopes, (0, 1800), [ROOM, ROOM], rtol=1e-10, atol=1e-10, method="LSODA",
                         events=lambda _, x: x[0] - 398.15).t_events[0][0]  # fmt: skip
-    assert time_to_limit(heating, cold(ROOM), 398.15)[0] == pytest.approx(crossed, rel=5e-3)
+    assert time_to_limit(heating, State(ROOM, ROOM), 398.15)[0] == pytest.approx(crossed, rel=5e-3)
 
 
 @pytest.mark.parametrize("current", [1.1, 2.0, 6.0])
 def test_time_to_the_limit_at_a_constant_current_is_that_of_one_motor(current):
     heating = Heating(BODIES, ROOM, lambda w: (current + 0.0 * w, 0.0 * w))
-    for start in (cold(ROOM), State(350.0, 350.0), State(420.0, 400.0)):
+    for start in (State(ROOM, ROOM), State(350.0, 350.0), State(420.0, 400.0)):
         one = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)
         expected = overload_time(one, ROOM, start, 398.15, current)
         assert time_to_limit(heating, start, 398.15)[0] == pytest.approx(expected, rel=1e-9)
@@ -212,5 +212,7 @@ def test_a_stalled_brushless_motor_is_hottest_in_one_phase():
                      tau_h=motor["motor_time_constant"])  # fmt: skip
     torque = 1.7 * motor["nominal_torque"]
     found = of(motor, hold=torque)
-    alone = overload_time(mean, ROOM, cold(ROOM), motor["max_winding_temperature"], nominal(found, "hold_current"))
+    alone = overload_time(
+        mean, ROOM, State(ROOM, ROOM), motor["max_winding_temperature"], nominal(found, "hold_current")
+    )
     assert 0.0 < nominal(found, "hold_time_cold") < alone

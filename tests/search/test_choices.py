@@ -131,7 +131,7 @@ def test_the_best_of_all_that_pass_is_among_them(belt_axis):
 def test_where_waveforms_take_long_bounds_pick(belt_axis, monkeypatch):
     """Of a tenth of the drives that pass: by one figure of the catalogue the best, else seldom far from it."""
     problem, every, whole, columns = belt_axis
-    monkeypatch.setattr("drivesizer.search.choices._CELLS", 40 * problem.cases[0].at_belt.pieces)
+    monkeypatch.setattr("drivesizer.search.choices._CELLS", 40 * len(problem.cases[0].at_belt.load_cycle.duration))
     found = chosen(problem, every)
     assert not found.whole and len(found.drives) <= 45 < found.passing / 6
     among, draw = places(whole, found), np.random.default_rng(5)

@@ -8,7 +8,7 @@ from specs import poorer
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.physics.groups import census
+from drivesizer.physics import cycle_at_gearhead
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.spec.robot import read_spec
@@ -69,9 +69,8 @@ def test_a_long_cycle_has_the_figures_of_a_short_one(supply, seed, torque, catal
     given = problem_of(tmp_path, catalog, supply, seed, torque)
     sets = some(given, 120, seed)
     whole = evaluate(given, sets)
-    monkeypatch.setattr(census, "SHORT", 10)
+    monkeypatch.setattr(cycle_at_gearhead, "_PART", 10)
     given = problem_of(tmp_path, catalog, supply, seed, torque)
-    assert given.cases[0].at_belt.census
     passed = evaluate(given, sets)
     known = 0
     for name, column in whole.figures.items():
@@ -92,7 +91,6 @@ def test_a_long_cycle_has_the_figures_of_a_short_one(supply, seed, torque, catal
 
 def test_threads_change_nothing(catalog, tmp_path, monkeypatch):
     """One drive after the other, or several at once: to the last bit."""
-    monkeypatch.setattr(census, "SHORT", 10)
     found = []
     for threads in ("1", "3", ""):
         monkeypatch.setenv("OMP_NUM_THREADS", threads)

@@ -9,7 +9,7 @@ from drivesizer.catalog import Gearhead
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.search.columns.limits import gearhead_limits, load_limits
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads
 from drivesizer.search.uncertainty.uncertain_figures import applied
@@ -32,7 +32,7 @@ def spec_of(life, load=SCREW, **sections):
 
 def lives_of(spec, **figures):
     """The life checks of a gearhead: required hours, and whether it passes, fails or is unknown."""
-    cycle = at_gearhead(load_cycle(spec), 1.0).behind(1.0)
+    cycle = CycleAtBelt(load_cycle(spec), 1.0).behind(1.0)
     gearhead = {name: np.atleast_1d(figure) for name, figure in asdict(replace(Gearhead(), **figures)).items()}
     found = [*load_limits(spec, cycle), *gearhead_limits(spec, cycle, gearhead),
              *loads_on_gearheads(spec, cycle, None, gearhead)]  # fmt: skip

@@ -249,12 +249,11 @@ def test_assumptions_say_it():
 
 def lost_in_gears(found):
     """What the motor gives at its shaft less what friction and the load take, mean over a cycle [W]."""
-    c, moments, i = found.demands.coefficients[0], found.cycle.moments, float(found.demands.total_ratio[0])
+    c, i = found.demands.coefficients[0], float(found.demands.total_ratio[0])
+    by_speed = [found.cycle.moment(k, 5) for k in range(6)]
     (own,), (viscous,) = friction(found.motor)
-    given = i * float(c @ moments[:, 5])
-    rubbed = own * i * moments[4, 5] + viscous * i * i * moments[5, 5]
-    accelerated = i * c[3] * moments[3, 5]
-    return given - rubbed - accelerated - moments[0, 5] - moments[1, 5]
+    given, rubbed = i * float(c @ by_speed), own * i * by_speed[4] + viscous * i * i * by_speed[5]
+    return given - rubbed - i * c[3] * by_speed[3] - by_speed[0] - by_speed[1]
 
 
 def test_it_warms_housing_and_winding(printed):
@@ -276,7 +275,7 @@ def test_it_warms_housing_and_winding(printed):
     assert rise == pytest.approx(alone / (1 - COPPER * heating * float(cool.demands.rms_current[0]) ** 2), rel=1e-6)
     assert winding(whole).demand - winding(without).demand == pytest.approx(rise, rel=0.1)
     ran = [motor_heat(spec, one)[0] for spec in specs]
-    turned = cool.cycle.moments[4, 5] * one.gearhead.ratio
+    turned = cool.cycle.moment(4, 5) * one.gearhead.ratio
     assert (ran[1].loss_torque - ran[0].loss_torque) * turned == pytest.approx(loss)
 
 

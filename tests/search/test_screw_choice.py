@@ -12,7 +12,7 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.output.json import documents
 from drivesizer.output.parts import machine_parts
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.results.problem import for_drive, with_screw
 from drivesizer.search import shortlist
 from drivesizer.search.columns.limits import load_limits
@@ -83,7 +83,7 @@ def typed(screw, **changes):
 def holds(screw):
     """Whether a typed screw passes all of its own checks, on the whole load cycle."""
     spec = spec_of(typed(screw))
-    checks = load_limits(spec, at_gearhead(load_cycle(spec), 1.0).behind(1.0))
+    checks = load_limits(spec, CycleAtBelt(load_cycle(spec), 1.0).behind(1.0))
     assert len(checks) == 5
     return all(check.passed.all() for check in checks)
 

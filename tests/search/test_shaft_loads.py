@@ -9,7 +9,7 @@ import pytest
 from drivesizer.catalog.parts import DIRECT
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.gear_life import (
     bearing_life,
     bevel_share,
@@ -36,7 +36,7 @@ def spec_of(load=RACK, motion=MOTION, **sections):
 
 
 def at(spec, belt=1.0):
-    return at_gearhead(load_cycle(spec), spec.belt_efficiency).behind(belt)
+    return CycleAtBelt(load_cycle(spec), spec.belt_efficiency).behind(belt)
 
 
 def loads_of(spec, belt=1.0):

@@ -23,7 +23,7 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import remaining_torque
 from drivesizer.loads.course import Profile
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import DriveParts
@@ -126,7 +126,7 @@ def _heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None, lis
         return None, []
     coulomb, viscous = (float(x[0]) for x in housing_loss(figures, np.ones(1)))
     if spec.mounting and spec.mounting.gear_loss_share:
-        cycle = at_gearhead(load_cycle(spec), drive_set.belt_efficiency, math.inf).behind(drive_set.belt_ratio)
+        cycle = CycleAtBelt(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
         gearhead = drive_set.gearhead
         coulomb += float(loss_at_flange(spec, cycle, one_row(gearhead))[0]) / gearhead.ratio
     lacks = math.isnan(coulomb) or math.isnan(viscous)

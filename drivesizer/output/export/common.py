@@ -22,9 +22,8 @@ from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remaining_torque
 from drivesizer.loads.lever import Lever
 from drivesizer.machine.part_curves import torque_of_drive
-from drivesizer.machine.set_cycle import set_cycle, warming
+from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.heat_cycle import periodic_heat
 from drivesizer.physics.thermal import TwoBodies, current_derating, rated_ambient, two_bodies
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import DriveSet
@@ -449,8 +448,8 @@ def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
     cycle = set_cycle(spec, found) if bodies.known else None
     if cycle is None or not cycle.known:
         return nan
-    heat = periodic_heat(bodies, spec.environment.ambient, *warming(cycle))
-    return heat.housing_mean if isfinite(heat.housing_mean) else nan
+    mean = float(bodies.housing(spec.environment.ambient, cycle.winding, cycle.heat.mean[0]))
+    return mean if isfinite(cycle.figures.winding[0]) else nan
 
 
 # The designed loops as one torque law on angle and speed of the motor: what simulators and ROS have a place for.

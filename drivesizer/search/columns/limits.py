@@ -86,7 +86,7 @@ def _belt_limits(spec: RobotSpec, belt: BeltStage, cycle: AtGearhead, drive: Bel
         pull = cycle.load_torque / (diameter / 2)
         found.append(at_most("belt_tension", pull, belt.max_tension, needed=spec.margins.torque))
     if diameter is not None and belt.max_speed is not None:
-        fast = cycle.load_speed * diameter / 2
+        fast = cycle.base.peak_speed * diameter / 2
         found.append(at_most("belt_speed", fast, belt.max_speed, needed=spec.margins.speed))
     if drive is not None:  # passed by selection: the smallest pulleys with enough teeth are taken
         held = drive.teeth_in_mesh
@@ -169,7 +169,7 @@ def moving_limits(
     """Limits of a combination in motion that the moments decide; that of the winding by its mean, which is no more."""
     motor, ambient = parts.motor, spec.environment.ambient
     torque, speed = motor_needed(spec), spec.margins.speed
-    mean = cycle.moments[DIRECTION, SPEED] * demand.total_ratio
+    mean = cycle.moment(DIRECTION, SPEED) * demand.total_ratio
     found = [
         at_most("motor_speed", demand.peak_speed, motor["max_speed"], needed=speed),
         nominal_current_limit(demand.rms_current, motor, ambient, torque),

@@ -12,7 +12,6 @@ from drivesizer.kernel.drives import drives_of, held
 from drivesizer.kernel.evaluate import ENERGY, POWER, evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
-from drivesizer.physics.figures import product
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
 from drivesizer.physics.thermal import resistance_25, resistance_at
@@ -20,7 +19,6 @@ from drivesizer.physics.winding import (
     Heat,
     Parts,
     Stress,
-    behind_one,
     on,
     replaced,
     temperature_at_most,
@@ -210,11 +208,10 @@ def _most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) 
     share = _kept_on_the_bus(spec)
     if not share > 0.0:
         return np.zeros_like(demand.rms_current)
-    cycle, demand = behind_one(cycle, demand)
-    ratio, c, acting = demand.total_ratio, demand.coefficients, np.flatnonzero(cycle.braked)
-    returned = ratio * product(c[:, acting], cycle.braked[acting, None])[:, 0]
+    ratio, c, acting = demand.total_ratio, demand.coefficients, np.flatnonzero(cycle.base.braked)
+    returned = ratio * cycle.belt * ((c * cycle.scale)[:, acting] @ cycle.base.braked[acting])
     heat = np.asarray(resistance_at(resistance_25(motor), spec.environment.ambient)) * demand.rms_current**2
-    work = ratio * product(c, cycle.moments[:, SPEED, None])[:, 0]
+    work = ratio * cycle.mean_with(c, SPEED)
     draws = heat + work > _ROUNDING * (heat + np.abs(work))  # mean power at least
     return np.where(draws, share * returned * (1.0 + _ROUNDING), np.inf)
 

@@ -14,7 +14,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.estimates.estimate import assumed_mass
 from drivesizer.catalog.parts import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
-from drivesizer.physics.winding import AtGearheads
+from drivesizer.physics.winding import belts_of
 from drivesizer.results.check_columns import CheckColumn, worst_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
@@ -144,8 +144,8 @@ def limits_behind_each(
     count: int,
 ) -> list[CheckColumn]:
     """Limits that hang on the belt itself: those behind each belt put together."""
-    parts = cycle.parts if isinstance(cycle, AtGearheads) else [(cycle, slice(0, count))]
-    return scattered([(rows, compute(at, problem.belt_drive(at.belt), rows)) for at, rows in parts], count)
+    found = [(rows, compute(at, problem.belt_drive(at.belt), rows)) for at, rows in belts_of(cycle, count)]
+    return scattered(found, count)
 
 
 def scattered(found: Sequence[tuple[Any, list[CheckColumn]]], count: int) -> list[CheckColumn]:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.view.mounted import has_steppers
-from drivesizer.physics.cycle_at_gearhead import AtGearhead
+from drivesizer.physics.cycle_at_gearhead import AtGearhead, CycleAtBelt
 from drivesizer.physics.motor_demand import demands
-from drivesizer.physics.winding import AtGearheads, Parts, belts_of, heat, on
+from drivesizer.physics.winding import Parts, belts_of, heat, on
 from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.search.columns.brakes import at_motor, brake_limits, brakes_for, counts_check, encoders_for
@@ -77,7 +77,7 @@ class _Parts(NamedTuple):
     load: list[_Judged]  # behind each belt, of one row
     gearhead: list[CheckColumn]  # of all gearheads behind the first belt, then behind the next
     motor: _Judged
-    behind: list[list[AtGearhead]]  # the load cycle of each case behind each belt
+    bases: list[CycleAtBelt]  # the load cycle of each case
 
 
 def by_their_parts(problem: Problem, offered: Offers, crossed: Crossed, margins: bool) -> Iterator[Started]:
@@ -100,18 +100,12 @@ def _of_the_catalog(problem: Problem, offered: Offers, belts: Sequence[float], m
     motor = [*offered.motor_limits, *counts_check(problem.spec, catalog, offered.encoders.last)]
     every = Rows(catalog.gearheads, np.tile(np.arange(count), len(belts)))
     behind = [[case.at_belt.behind(belt) for belt in belts] for case in problem.cases]
-    which = np.repeat(np.arange(len(belts)), count)
     return _Parts(
         [_judged(_loads(problem, cycles), 1, margins) for cycles in zip(*behind, strict=True)],
-        _gearheads(problem, [_behind_each(ats, which) for ats in behind], every),
+        _gearheads(problem, [case.at_belt.behind(np.repeat(belts, count)) for case in problem.cases], every),
         _judged(motor, len(catalog.motors), margins),
-        behind,
+        [case.at_belt for case in problem.cases],
     )
-
-
-def _behind_each(ats: Sequence[AtGearhead], which: NDArray[np.int64]) -> AtGearhead:
-    """A load cycle behind several belts; ``which``: number of each candidate's belt, never falling."""
-    return AtGearheads(ats, which).on(slice(None))
 
 
 def _loads(problem: Problem, cycles: Sequence[AtGearhead]) -> list[CheckColumn]:
@@ -235,7 +229,7 @@ def _several(counts: Sequence[int], most: int) -> Iterator[slice]:
 
 def belts_together(problem: Problem) -> int:
     """Number of belts whose load cycles are held at a time."""
-    kept = max(0 if case.at_belt.census else case.at_belt.pieces for case in problem.cases)
+    kept = max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
     return _MANY_BELTS if kept <= _SHORT and not has_steppers(problem.catalog) else _BELTS
 
 
@@ -251,7 +245,7 @@ def _started(crossed: Crossed, some: _Numbers, parts: _Parts, gearheads: _Gearhe
     if margins:
         of_load = np.concatenate([one.amount.margin for one in parts.load])
         margin = np.minimum.reduce([gearheads.amount.margin[place], motor.margin[sets.motor], of_load[some.belt]])
-    cycles = [_behind_each(ats, some.belt) for ats in parts.behind]
+    cycles = [base.behind(sets.belt) for base in parts.bases]
     return Started(sets, Sieve(crossed.number(*some), unknown, doublings, margin, margins), cycles)
 
 
@@ -260,10 +254,9 @@ def all_of_them(problem: Problem, offered: Offers, sets: Candidates) -> Iterator
     counts = np.unique(sets.belt, return_counts=True)[1]
     for rows in _several(counts.tolist(), belts_together(problem)) if len(counts) else ():
         some = sets.on(rows)
-        belts, which = np.unique(some.belt, return_inverse=True)
-        cycles = [_behind_each([case.at_belt.behind(x) for x in belts.tolist()], which) for case in problem.cases]
+        cycles = [case.at_belt.behind(some.belt) for case in problem.cases]
         checks = [
-            *_loads_of_each(problem, cycles, len(which)),
+            *_loads_of_each(problem, cycles, len(some.belt)),
             *_gearheads(problem, cycles, Rows(problem.catalog.gearheads, some.gearhead)),
             *(check.on(some.motor) for check in offered.motor_limits),
         ]
@@ -440,9 +433,9 @@ def _brakes_of_each(
     if offered.brakes is None:
         return None
     found, count = list[tuple[slice, NDArray[np.int64]]](), len(parts.motor.rows)
-    for rows in belts_of(cycles[0], count):
-        some = None if given is None else given[rows]
-        brake = brakes_of(problem, offered, [cycle.on(rows) for cycle in cycles], parts.on(rows), some)
+    for at, rows in belts_of(cycles[0], count):
+        some, behind = None if given is None else given[rows], [cycle.base.behind(at.belt) for cycle in cycles]
+        brake = brakes_of(problem, offered, behind, parts.on(rows), some)
         found.append((rows, brake.rows if brake else np.full(0, -1)))
     return Rows(problem.catalog.brakes, placed(found, count, np.int64))
 
@@ -464,10 +457,10 @@ def _powered(
 
 def _places(problem: Problem, moved: _Moved) -> list[slice]:
     """Candidates that are looked at together: behind as many belts as their waveforms have room."""
-    steppers, pieces = has_steppers(problem.catalog), max(c.base.pieces for c in moved.cycles)
+    steppers, pieces = has_steppers(problem.catalog), max(len(c.load_cycle.duration) for c in moved.cycles)
     most = _CELLS // pieces if pieces <= _SHORT else _MOST
     found = list[slice]()
-    for rows in belts_of(moved.cycles[0], len(moved.parts.motor.rows)):
+    for _, rows in belts_of(moved.cycles[0], len(moved.parts.motor.rows)):
         start = found[-1].start if found else 0
         if found and (steppers or rows.stop - start <= most):
             found[-1] = slice(start, rows.stop)

@@ -29,7 +29,7 @@ from drivesizer.physics.stepper import (
     natural_frequency,
     start_speed_with,
 )
-from drivesizer.physics.winding import Parts, scales
+from drivesizer.physics.winding import Parts
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
@@ -167,8 +167,7 @@ def _at_belt(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
 
     So candidates behind any belt are computed in one go.
     """
-    scale = scales(cycle, len(demand.total_ratio))
-    return demand.coefficients * scale, demand.total_ratio * scale[:, SPEED]
+    return demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
 
 
 def _worst(
@@ -293,9 +292,9 @@ def _draw(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wan
     for some in (rows[k] for k in _slices(len(rows), max(_CELLS // len(functions), 1))):
         torque = np.einsum("nk,sek->nse", c[some], functions)
         speed = functions[None, :, :, SPEED] * ratio[some, None, None]
-        columns[:, some] = electrical_energy(
-            cycle.load_cycle.duration, torque, speed, loss[some, None] * share + standby[some, None]
-        )
+        lost = loss[some, None] * share + standby[some, None]
+        drawn, returned, most, _ = electrical_energy(cycle.load_cycle.duration, torque, speed, lost)
+        columns[:, some] = drawn, returned, np.maximum(most, 0.0)
     return _Draw(*np.where(demand.complete, columns, np.nan))
 
 

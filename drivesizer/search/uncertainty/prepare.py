@@ -12,7 +12,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import WheelLoad, cycles_of, dynamics_of, trajectory_of, wheel_load
-from drivesizer.physics.cycle_at_gearhead import at_gearhead
+from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.problem import Problem
 from drivesizer.search.uncertainty.sampled_battery import AtSamples, Feeding, feeding
@@ -194,7 +194,7 @@ def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequ
     specs, ats = [], []
     for case in one.cases:
         spec = _with_columns(case, one, rows)
-        base = at_gearhead(case.cycle.on(rows), spec.belt_efficiency)
+        base = CycleAtBelt(case.cycle.on(rows), spec.belt_efficiency)
         specs.append(spec)
         ats.append({belt: AtSamples(base, belt) for belt in belts})
     return Block(

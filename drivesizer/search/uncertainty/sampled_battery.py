@@ -51,14 +51,14 @@ class AtSamples(AtGearhead):
         found = np.zeros_like(columns)
         for b in self.active:
             for a in self.active:
-                found[b] += columns[a] * self.moments[a, b]
+                found[b] += columns[a] * self.moment(a, b)
         return found.T
 
     def mean_with(self, c: Array, function: int) -> Array:
         """Mean over each sample's cycle of c f(t) times one of the functions; c of shape (samples, 6)."""
-        found = np.zeros(max(len(c), self.moments.shape[-1]))
+        found = np.zeros(max(len(c), self.base.moments.shape[-1]))
         for k in self.active:
-            found += c[:, k] * self.moments[k, function]
+            found += c[:, k] * self.moment(k, function)
         return found
 
     def line(self, c: Array) -> Array:

@@ -259,8 +259,8 @@ def _drawn(spec: Any, at: AtSamples, required: Demands, parts: Parts) -> Draw:
     )
     total = loss + np.broadcast_to(spec.feed(parts.controller).stage.standby, len(torque))[:, None]
     turning = speed * np.broadcast_to(required.total_ratio, len(torque))[:, None, None]
-    columns = electrical_energy(at.load_cycle.duration.T, torque, turning, total)
-    return Draw(*(np.where(required.complete, x, np.nan) for x in columns))
+    drawn, returned, most, _ = electrical_energy(at.load_cycle.duration.T, torque, turning, total)
+    return Draw(*(np.where(required.complete, x, np.nan) for x in (drawn, returned, np.maximum(most, 0.0))))
 
 
 def _heated(spec: Any, at: AtSamples) -> Array:

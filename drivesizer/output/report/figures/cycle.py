@@ -15,12 +15,12 @@ from drivesizer.control.validation import Validation
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import trajectory_of
 from drivesizer.load_cases.profile import SPEED, profile_of
-from drivesizer.machine.set_cycle import SetCycle, WarmUp, waveform
+from drivesizer.machine.set_cycle import SetCycle, WarmUp
 from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.report.figures import style
 from drivesizer.output.report.figures.field import TOGETHER
 from drivesizer.output.report.figures.style import CASES, COLOURS, Window, figure, placed, reads
-from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.load_cycle import LoadCycle, end_times
 from drivesizer.results.prediction import Prediction
 from drivesizer.spec.motions import Track, Trapezoid, Waypoints
 from drivesizer.spec.robot import RobotSpec
@@ -289,10 +289,11 @@ def current_and_voltage(
     cases = cases[:MOST_WHEELS]
     traces = []
     for name, found in cases:
-        ends = waveform(found)
-        time = np.cumsum(ends.duration)
-        columns = {"current": ends.current[0].ravel(), "voltage": ends.voltage[0].ravel()}
-        traces.append(Trace(name, np.stack([time - ends.duration, time], axis=1).ravel(), columns))
+        d, p = found.drive, found.pieces
+        current, speed, rise = (np.stack(x, axis=1) for x in ((p.I_0, p.I_1), (p.w_0, p.w_1), (p.rise_0, p.rise_1)))
+        voltage = d.emf * speed + (d.R + d.R_rise * rise) * current
+        columns = {"current": current.ravel(), "voltage": voltage.ravel()}
+        traces.append(Trace(name, end_times(p.duration).ravel(), columns))
     known = [tuple(one for one in limits if math.isfinite(one[1])) for limits in (currents, voltages)]
     rows = (Row("current", "current", "A", known[0]), Row("voltage", "voltage", "V", known[1]))
     draw = each_over_time if len(cases) > TOGETHER else over_time
@@ -372,7 +373,7 @@ def _celsius(kelvin: Any) -> Any:
 def temperatures(figure: Figure, found: WarmUp, ambient: float, permitted: float) -> None:
     """Two diagrams: the way from cold, with the winding in each cycle as a band, and one cycle of those that repeat."""
     ((way, cycle),) = placed(figure, 2.05, 1, 2, top=0.42, gaps=(0.0, 0.16))
-    unit, repeats = time_unit(found.time[-1]), found.periodic
+    unit, repeats = time_unit(found.time[-1]), found.in_cycle
     time = from_si(found.time, unit, "time")
     low, high = (_celsius(np.append(x[0], x)) for x in (found.lowest, found.highest))
     way.fill_between(time, low, high, step="pre", label="winding, in each cycle", linewidth=0.6,
@@ -381,12 +382,12 @@ def temperatures(figure: Figure, found: WarmUp, ambient: float, permitted: float
     housing: dict[str, Any] = {"color": COLOURS["blue"], "linestyle": (0, (5, 2))}
     way.plot(time, _celsius(found.housing), label="housing", **housing)
     way.set(xlim=(0.0, time[-1]), xlabel=reads("time from cold", unit), title="from cold")
-    unit = time_unit(repeats.time[-1])
-    time = from_si(repeats.time, unit, "time")
-    for values, look in ((repeats.winding, winding), (repeats.housing, housing)):
-        rows = style.thinned(repeats.time, values, Window("", 0.0, float(repeats.time[-1])))
+    unit = time_unit(repeats[-1])
+    time = from_si(repeats, unit, "time")
+    for values, look in ((found.winding_in_cycle, winding), (found.housing_in_cycle, housing)):
+        rows = style.thinned(repeats, values, Window("", 0.0, float(repeats[-1])))
         cycle.plot(time[rows], _celsius(values[rows]), **look)
-    peak = (float(from_si(repeats.winding_peak_time, unit, "time")), float(_celsius(repeats.winding_peak)))
+    peak = (float(from_si(found.peak_time, unit, "time")), float(_celsius(found.peak)))
     cycle.plot(*peak, "o", markersize=4, color=COLOURS["vermillion"])
     style.beside(cycle, f"{peak[1]:.1f} °C", peak, (4, 4))
     cycle.set(xlim=(0.0, time[-1]), xlabel=reads("time in the cycle", unit), title="over the cycle that repeats")
@@ -395,7 +396,7 @@ def temperatures(figure: Figure, found: WarmUp, ambient: float, permitted: float
         for name, value, dashes in limits:
             said = f"{name} {_celsius(value):.4g} °C" if axes is cycle else ""
             style.limit(axes, _celsius(value), said, dashes)
-    rise = np.nanmax([permitted, repeats.winding_peak]) - ambient
+    rise = np.nanmax([permitted, found.peak]) - ambient
     way.set_ylim(_celsius(ambient) - 0.04 * rise, _celsius(ambient) + 1.12 * rise)
     way.set_ylabel("temperature (°C)")
     style.heading(figure, *way.get_legend_handles_labels(), 3)

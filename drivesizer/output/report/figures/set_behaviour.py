@@ -11,7 +11,7 @@ from drivesizer.control.path_following.runs import follow_runs
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import Driving, WheelLoad, driving, with_trajectory
 from drivesizer.machine.platform_budget import PermittedSpeeds, permitted_speeds
-from drivesizer.machine.set_cycle import SetCycle, WarmUp, set_cycle, warm_up, warming
+from drivesizer.machine.set_cycle import SetCycle, WarmUp, set_cycle, warm_up
 from drivesizer.machine.supply_power import EnergyFlow, energy_flow
 from drivesizer.output.report.figures.cycle import (
     MOST_WHEELS,
@@ -25,7 +25,7 @@ from drivesizer.output.report.figures.machine import path_and_errors, speed_by_d
 from drivesizer.output.report.figures.style import Drawing
 from drivesizer.output.report.lines.rows import first_wheel
 from drivesizer.physics.stepper import copper_loss, idle_loss
-from drivesizer.physics.thermal import current_derating, rated_ambient, two_bodies
+from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
@@ -79,12 +79,11 @@ class Behaviour:
         """The load case in which the winding gets warmest, and how; None where its course is unknown."""
         known = []
         for name, found in self.cycles:
-            ambient = found.spec.environment.ambient
-            warm = warm_up(two_bodies(found.motor.part), ambient, warming(found)) if found.known else None
+            warm = warm_up(found) if found.known else None
             if warm is None:
                 return None
             known.append((name, warm))
-        return max(known, key=lambda pair: pair[1].periodic.winding_peak)
+        return max(known, key=lambda pair: pair[1].peak)
 
     @cached_property
     def permitted(self) -> PermittedSpeeds | None:
@@ -166,7 +165,7 @@ class Behaviour:
             cycle, idle = found.cycle.load_cycle, found.spec.control.idle_current
             copper = copper_loss(motor.nominal_current, motor.resistance)
             copper *= float(idle_loss(cycle.speed, idle) @ cycle.duration) / cycle.total
-        winding = float(found.winding[0]) if found.known else float("nan")
+        winding = found.winding if found.known else float("nan")
         housing = winding - motor.thermal_resistance_winding * copper
         rows = [
             ("Copper loss, mean", copper, "W", "power"),

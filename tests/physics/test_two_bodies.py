@@ -1,0 +1,241 @@
+"""Winding and housing: a span against SciPy's matrix exponential, a cycle and an overload against its integrator.
+
+Resistances, time constants and durations differ everywhere: no ratio is 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from math import exp, inf, isnan, log, nan, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from kernel_cycles import warmed
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies
+from drivesizer.physics.two_bodies import State, after, overload_time, steady_state
+
+MOTOR = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)  # an RE 25, near enough
+QUICK = TwoBodies(R_25=0.7, R_th1=2.3, R_th2=5.9, tau_w=4.1, tau_h=37.0)  # settles within a few periods
+ONE = TwoBodies(R_25=1.9, R_th1=4.0, R_th2=1e-9, tau_w=8.0, tau_h=0.5)  # its housing keeps the ambient's temperature
+AMBIENT = 304.0  # K
+COLD = State(AMBIENT, AMBIENT)
+NAMES = [figure.name for figure in fields(TwoBodies)]
+
+
+def slopes(motor, square, loss):
+    """The law as it stands in the module's docstring, in absolute temperatures."""
+    C_w, C_h = motor.tau_w / motor.R_th1, motor.tau_h / motor.R_th2
+
+    def law(_, x):
+        through = (x[0] - x[1]) / motor.R_th1
+        copper = motor.R_25 * square * (1.0 + COPPER * (x[0] - DATA_TEMPERATURE))
+        return [(copper - through) / C_w, (loss + through - (x[1] - AMBIENT) / motor.R_th2) / C_h]
+
+    return law
+
+
+def exact(motor, start, t, square, loss):
+    """The state after a time, by SciPy's matrix exponential of law and constant together."""
+    law = slopes(motor, square, loss)
+    constant = np.array(law(0.0, [0.0, 0.0]))
+    matrix = np.zeros((3, 3))
+    matrix[:2, 0], matrix[:2, 1] = law(0.0, [1.0, 0.0]) - constant, law(0.0, [0.0, 1.0]) - constant
+    matrix[:2, 2] = constant
+    return (expm(matrix * t) @ [*start, 1.0])[:2]
+
+
+@st.composite
+def motors(draw):
+    ranges = ((0.05, 90.0), (0.3, 30.0), (0.9, 60.0), (0.7, 70.0), (90.0, 2300.0))
+    return TwoBodies(**{name: draw(st.floats(*ends)) for name, ends in zip(NAMES, ranges, strict=True)})
+
+
+def random_motors(random, n):
+    ranges = ((0.05, 90.0), (0.3, 30.0), (0.9, 60.0), (0.7, 70.0), (9.0, 2300.0))
+    return TwoBodies(**{
+        name: np.exp(random.uniform(*np.log(ends), n)) for name, ends in zip(NAMES, ranges, strict=True)
+    })  # fmt: skip
+
+
+def random_cycle(random, motors, hottest=4.0):
+    """Durations, mean square currents (some beyond what can be borne for long) and housing losses; with pauses."""
+    n, S = len(motors.R_25), int(random.integers(2, 8))
+    dt = random.exponential(1.0, S) * 10.0 ** random.uniform(-2.0, 3.5)
+    limit = 1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2))
+    share = random.uniform(0.0, 1.0, (n, S)) ** random.uniform(0.3, 6.0, (n, 1))
+    share *= hottest ** random.uniform(-2.0, 1.0, (n, 1))
+    rise = random.uniform(0.0, 1.0, (n, S)) ** 3 * 10.0 ** random.uniform(-1.0, 3.0, (n, 1))
+    pauses = random.random((2, n, S)) < 0.3
+    return dt, np.where(pauses[0], 0.0, share * limit[:, None]), np.where(pauses[1], 0.0, rise / motors.R_th2[:, None])
+
+
+# --- over a span and in the long run
+
+
+@given(motors(), st.floats(0.0, 60.0), st.floats(0.0, 60.0), st.floats(0.0, 3.0), st.floats(0.0, 40.0),
+       st.floats(1e-4, 100.0))  # fmt: skip
+def test_a_span_ends_where_the_matrix_exponential_says(motor, warm_w, warm_h, share, rise, t):
+    start, square = (
+        State(AMBIENT + warm_w, AMBIENT + warm_h),
+        share / (COPPER * motor.R_25 * (motor.R_th1 + motor.R_th2)),
+    )
+    expected = exact(motor, start, t, square, rise / motor.R_th2)
+    found = after(motor, AMBIENT, start, square, rise / motor.R_th2, t)
+    if expected[0] < 1e4:
+        assert tuple(found) == pytest.approx(tuple(expected), rel=1e-9)
+    else:
+        assert found.winding > 5e3
+
+
+@given(motors(), st.floats(0.0, 0.95), st.floats(0.0, 40.0))
+def test_what_is_steady_stays(motor, share, rise):
+    current = sqrt(share / (COPPER * motor.R_25 * (motor.R_th1 + motor.R_th2)))
+    steady = steady_state(motor, AMBIENT, current, rise / motor.R_th2)
+    assert slopes(motor, current**2, rise / motor.R_th2)(0.0, steady) == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert tuple(after(motor, AMBIENT, steady, current**2, rise / motor.R_th2, 900.0)) == pytest.approx(
+        steady, rel=1e-9
+    )
+
+
+def test_more_heat_than_can_be_carried_off_runs_away():
+    limit = 1.0 / (COPPER * MOTOR.R_25 * (MOTOR.R_th1 + MOTOR.R_th2))
+    assert steady_state(MOTOR, AMBIENT, sqrt(limit * 1.001)) == (inf, inf)
+    assert after(MOTOR, AMBIENT, COLD, limit * 1.001, 0.0, 1e9).winding > 1e9
+    assert np.isfinite(steady_state(MOTOR, AMBIENT, sqrt(limit * 0.999))).all()
+
+
+# --- over a cycle
+
+
+def test_scipy_settles_to_the_peaks_of_the_kernel():
+    motors = TwoBodies(**{name: np.array([getattr(QUICK, name), other])
+                          for name, other in zip(NAMES, (2.9, 1.2, 3.3, 2.6, 21.0), strict=True)})  # fmt: skip
+    dt, squares = np.array([2.0, 5.5, 9.0]), np.array([[30.0, 1.7, 0.0], [0.4, 21.0, 2.0]])
+    losses = np.array([[0.9], [2.1]])
+    found = warmed(motors, AMBIENT, dt, squares, losses)
+    for n in range(2):
+        motor, state, warmest = TwoBodies(**{x: float(getattr(motors, x)[n]) for x in NAMES}), COLD, np.zeros(2)
+        for step in [99.0] * 70 + [0.05]:
+            warmest = state
+            for t, square in zip(dt, squares[n], strict=True):
+                y = solve_ivp(slopes(motor, square, losses[n, 0]), (0.0, t), state, method="DOP853", rtol=1e-12,
+                              atol=1e-10, max_step=step).y  # fmt: skip
+                state, warmest = y[:, -1], np.maximum(warmest, y.max(axis=1))
+        assert found.peak[n] == pytest.approx(warmest[0], abs=1e-4)  # K: dense samples miss a rounded top by their step
+
+
+def test_one_body_on_and_off_by_hand():
+    """Each half is one exponential."""
+    on, off, square = 3.0, 5.0, 6.0
+    growth = 1.0 - COPPER * ONE.R_th1 * ONE.R_25 * square
+    limit = ONE.R_th1 * ONE.R_25 * square * (1.0 + COPPER * (AMBIENT - DATA_TEMPERATURE)) / growth
+    warming, cooling = exp(-on * growth / ONE.tau_w), exp(-off / ONE.tau_w)
+    one = TwoBodies(**{name: np.array([getattr(ONE, name)]) for name in NAMES})
+    found = warmed(one, AMBIENT, [on, off], [[square, 0.0]], 0.0)
+    assert found.peak[0] - AMBIENT == pytest.approx(limit * (1.0 - warming) / (1.0 - warming * cooling), abs=1e-6)
+    assert found.peak_time[0] == on
+
+
+def test_a_pulse_beyond_the_limit_is_borne_with_a_pause_and_not_without():
+    one = TwoBodies(**{name: np.array([getattr(MOTOR, name)]) for name in NAMES})
+    square = 3.0 / (COPPER * MOTOR.R_25 * (MOTOR.R_th1 + MOTOR.R_th2))
+    assert warmed(one, AMBIENT, [1.5, 14.0], [[square, 0.0]], 0.0).peak[0] < inf
+    for seconds, factor in ((9.0, 1.0), (1e4, 9.0), (1e8, 9.0)):  # beyond what a float holds
+        assert warmed(one, AMBIENT, [seconds, 14.0], [[square * factor, 0.0]], 0.0).peak[0] == inf
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_motors_that_run_away_or_are_unknown_do_not_mind_the_others(seed):
+    random = np.random.default_rng(seed)
+    motors = random_motors(random, 400)
+    dt, squares, losses = random_cycle(random, motors, hottest=9.0)
+    for n, name in enumerate(NAMES):
+        getattr(motors, name)[n] = (nan, 0.0, inf, -1.0)[(seed + n) % 4]
+    squares[7, 0], losses[8, 1] = nan, nan
+    found = warmed(motors, AMBIENT, dt, squares, losses)
+    assert np.isnan(found.peak[[0, 1, 2, 3, 4, 7, 8]]).all() and not np.isnan(found.peak[9:]).any()
+    kept = np.isfinite(found.peak)
+    assert 20 < kept.sum() < 390
+    again = warmed(TwoBodies(**{x: getattr(motors, x)[kept] for x in NAMES}), AMBIENT, dt, squares[kept], losses[kept])
+    assert again.peak == pytest.approx(found.peak[kept], rel=1e-12)
+
+
+# --- overload
+
+
+def test_overload_of_one_body_by_hand():
+    growth = 1.0 - COPPER * ONE.R_th1 * ONE.R_25 * 5.0**2
+    limit = ONE.R_th1 * ONE.R_25 * 5.0**2 * (1.0 + COPPER * (AMBIENT - DATA_TEMPERATURE)) / growth
+    time = -ONE.tau_w / growth * log(1.0 - 60.0 / limit)
+    assert overload_time(ONE, AMBIENT, COLD, AMBIENT + 60.0, 5.0) == pytest.approx(time, rel=1e-7)
+
+
+@pytest.mark.parametrize(("start", "current", "loss"), [
+    pytest.param(COLD, 4.0, 0.0, id="cold"),
+    pytest.param(steady_state(MOTOR, AMBIENT, 0.9, 0.2), 4.0, 0.2, id="warm"),
+    pytest.param(State(AMBIENT + 60.0, AMBIENT), 1.4, 0.7, id="winding falls towards a cold housing first"),
+    pytest.param(COLD, 12.0, 0.0, id="runs away"),
+    pytest.param(COLD, 0.0, 9.0, id="friction alone"),
+])  # fmt: skip
+def test_overload_against_scipy(start, current, loss):
+    T_max = AMBIENT + 80.0
+
+    def limit(_, x):
+        return x[0] - T_max
+
+    limit.terminal = True
+    found = solve_ivp(slopes(MOTOR, current**2, loss), (0.0, 4000.0), start, method="DOP853", rtol=1e-12, atol=1e-10,
+                      events=limit, max_step=20.0)  # fmt: skip
+    assert found.t_events[0].size == 1
+    time = overload_time(MOTOR, AMBIENT, start, T_max, current, loss)
+    assert time == pytest.approx(found.t_events[0][0], rel=1e-7)
+
+
+@given(motors(), st.floats(0.0, 60.0), st.floats(0.0, 60.0), st.floats(0.01, 30.0), st.floats(0.0, 40.0))
+def test_the_winding_is_at_its_limit_when_the_time_is_over(motor, warm_w, warm_h, share, rise):
+    start, T_max = State(AMBIENT + warm_w, AMBIENT + warm_h), AMBIENT + 70.0
+    square = share / (COPPER * motor.R_25 * (motor.R_th1 + motor.R_th2))
+    loss = rise / motor.R_th2
+    time = overload_time(motor, AMBIENT, start, T_max, sqrt(square), loss)
+    if time < inf:
+        assert exact(motor, start, time, square, loss)[0] == pytest.approx(T_max, abs=1e-7)
+        assert max(exact(motor, start, time * s, square, loss)[0] for s in (0.01, 0.2, 0.5, 0.9, 0.999)) <= T_max + 1e-9
+    else:
+        assert steady_state(motor, AMBIENT, sqrt(square), loss).winding <= T_max + 1e-6
+        times = np.linspace(0.0, 20.0 * motor.tau_h, 300)
+        assert max(exact(motor, start, t, square, loss)[0] for t in times) < T_max + 1e-6
+
+
+def test_overload_that_never_ends_or_never_begins():
+    for start, T_max, current in (
+        (COLD, 373.15, 1.0),  # settles below
+        (COLD, 373.15, 0.0),
+        (State(AMBIENT + 30.0, AMBIENT), 373.15, 0.0),  # only cools
+        (COLD, inf, 4.0),
+    ):
+        assert overload_time(MOTOR, AMBIENT, start, T_max, current) == inf
+    for start in (State(373.15, AMBIENT), State(380.0, AMBIENT), steady_state(MOTOR, AMBIENT, 12.0)):
+        assert overload_time(MOTOR, AMBIENT, start, 373.15, 4.0) == 0.0
+
+
+def test_a_hot_housing_lifts_the_winding_over_its_limit_for_a_while():
+    start, settled = State(AMBIENT, AMBIENT + 110.0), steady_state(MOTOR, AMBIENT, 0.5)
+    assert settled.winding < AMBIENT + 80.0
+    time = overload_time(MOTOR, AMBIENT, start, AMBIENT + 80.0, 0.5)
+    assert exact(MOTOR, start, time, 0.25, 0.0)[0] == pytest.approx(AMBIENT + 80.0, abs=1e-8)
+    assert overload_time(MOTOR, AMBIENT, start, AMBIENT + 108.0, 0.5) == inf  # its top is lower than that
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("figure", [nan, 0.0, inf])
+def test_a_missing_figure_gives_nothing(name, figure):
+    motor = replace(MOTOR, **{name: figure})
+    assert isnan(steady_state(motor, AMBIENT, 1.0).winding)
+    assert isnan(overload_time(motor, AMBIENT, COLD, 398.15, 4.0))
+    for arguments in [(nan, 4.0, 0.1), (398.15, nan, 0.1), (398.15, 4.0, nan)]:
+        assert isnan(overload_time(MOTOR, AMBIENT, COLD, *arguments))
