@@ -150,6 +150,14 @@ def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
             "drives", "brakes", "60 %"} <= labels(field.efficiency_map(cases, 18.9))  # fmt: skip
 
 
+def test_the_map_of_a_drive_far_below_the_usual_lines_has_its_own(canvas, result):
+    best = result.sets[0]
+    weak = replace(best, gearhead=replace(best.gearhead, efficiency=0.09))
+    (axes,) = canvas(field.efficiency_map, [("", set_cycle(result.spec, weak))], 18.9).axes
+    drawn = [len(getattr(lines, "levels", ())) for lines in axes.collections]
+    assert max(drawn) >= 3
+
+
 def test_the_cycle_stands_in_the_map_with_its_torques_and_speeds(canvas, result):
     """By hand: 1.5 m/s on a wheel of 152.4 mm through a belt of 1.1 : 1, and the beside check's largest torque."""
     best = result.sets[0]

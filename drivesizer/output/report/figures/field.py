@@ -255,6 +255,7 @@ def _lines(axes: Axes, found: OperatingField, unit: str, reach: float, *, plain:
 
 
 LEVELS = (30, 40, 50, 60, 65, 70, 75, 80, 83, 86, 88, 90, 92, 94, 96)  # %, of the lines that may be drawn
+_LEAST, _FEW = 3, 6  # of them: with less, as many even ones as there is room for
 _FINE = 48, 56  # points of the field in torque, each way, and in speed
 _CROWDED = 1.8  # power by which the torques crowd to 0, where the efficiency changes most
 _FAR_BEYOND_CYCLE = 4.0  # times the cycle's torque; a gearhead that is rated for more would leave the cycle no room
@@ -318,6 +319,7 @@ def efficiency_map(figure: Figure, cases: list[tuple[str, SetCycle]], voltage: f
 def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
     """Iso-lines with their percentage, each direction of power for itself, and the end of the voltage."""
     from matplotlib.colors import LinearSegmentedColormap
+    from matplotlib.ticker import MaxNLocator
 
     across, up = from_si(found.torque, unit, "torque"), _rpm(found.speed)
     reached = ~(np.abs(found.field.voltage) > found.voltage)
@@ -326,8 +328,13 @@ def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
     for side in (found.torque > 0.0, found.torque < 0.0):
         values = share[:, side]
         known = values[np.isfinite(values)]
-        levels = [level for level in LEVELS if len(known) and known.min() < level < known.max()]
-        if side.sum() < 2 or not levels:
+        if side.sum() < 2 or not len(known):
+            continue
+        levels = [level for level in LEVELS if known.min() < level < known.max()]
+        if len(levels) < _LEAST:  # of a drive that friction keeps far below those
+            ticks = MaxNLocator(_FEW, steps=[1, 2, 5, 10]).tick_values(max(float(known.min()), 0.0), float(known.max()))
+            levels = [level for level in ticks.tolist() if known.min() < level < known.max()]
+        if not levels:
             continue
         axes.contourf(across[side], up, values, [0.0, *levels, 100.0], cmap=shades, zorder=0.5)
         lines = axes.contour(across[side], up, values, levels, colors=COLOURS["grey"], linewidths=0.6)
