@@ -231,6 +231,11 @@ class Gains:
         """Period of the one loop [s], by the name of a cascade's."""
         return self.period
 
+    @property
+    def current_steps(self) -> int:
+        """Periods of a current loop in one of this, which has none inside."""
+        return 1
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stepping:

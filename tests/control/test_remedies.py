@@ -6,7 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
+from typer.testing import CliRunner
 
+from drivesizer.cli import app
 from drivesizer.control.remedies import rounded_ramps
 from drivesizer.control.validation import Validation
 from drivesizer.load_cases.profile import profile_of
@@ -102,3 +104,19 @@ def test_a_drive_that_passes_is_left_alone(sizing):
     found = validate(free, sizing.sets[0])
     assert with_remedies(found, free, sizing.sets) is found
     assert not found.tried
+
+
+def test_axis_by_axis_of_a_machine(tmp_path):
+    """Entered under the axis, or with the option that names it: the same loop as that of a machine of one axis."""
+    own = {name: FIELDS[name] for name in ("load", "motion", "transmission")}
+    table = {"load": {"kind": "rotary_table", "inertia": "0.02 kg*m^2"}, "transmission": [{"kind": "gearhead"}],
+             "motion": {"speed": "20 rpm", "acceleration_time": "0.5 s", "cruise_time": "1 s"}}  # fmt: skip
+    shared = {name: FIELDS[name] for name in ("name", "supply", "select")}
+    path = tmp_path / "machine.yaml"
+    path.write_text(yaml.safe_dump({**shared, "axes": {"shuttle": own, "table": table}}))
+    found = CliRunner().invoke(app, ["validate", str(path)], env={"COLUMNS": "200"})
+    assert found.exit_code == 1 and "FAIL: shuttle" in found.stdout
+    said = found.stdout.partition("shuttle: What helps in the loop")[2]
+    assert "axes.shuttle.motion: {profile: s_curve, distance: 73.8 m" in said
+    assert "axes.shuttle.control.bandwidth: " in said and "--axis shuttle --set " in said
+    assert "table: What helps" not in found.stdout

@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop.run import ClosedLoop
-from drivesizer.control.drive_train import Mode, Regime, modes
+from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.loop_models import (
     OUTPUTS,
-    System,
     closed,
     position_open_loop,
     velocity_open_loop,
@@ -79,17 +78,21 @@ class _Course(NamedTuple):
 
 def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
     """The whole motion or stretches of it, and what is left out, as a sentence."""
-    task, h = case.task, case.controller.velocity_period
+    task, h, c = case.task, case.controller.velocity_period, case.controller
+    settling = max(  # time in which the slowest transient of all loops fades [s]
+        loop.period * math.log(_SETTLED) / math.log(min(max(loop.pole_radius, 0.1), 1.0 - 1e-12))
+        for loop in case.loops.all
+    )
     start = task.time[0]
     corners = np.unique(np.concatenate([task.time, [t for t in task.load_time if start < t < task.time[-1]]]))
     speed = np.interp(corners, task.time, task.speed)
     more = np.interp(corners, task.load_time, task.load_torque) if len(task.load_time) else np.zeros(len(corners))
-    slow = h * (max(case.controller.velocity_steps, 1) if isinstance(case.controller, Cascade) else 1)
+    slow = h * (max(c.velocity_steps, 1) if isinstance(c, Cascade) else 1)
     steady = (np.diff(speed) == 0.0) & (np.diff(more) == 0.0)
-    spare = np.where(steady, np.floor((np.diff(corners) - _settling(case)) / slow).clip(0.0) * slow, 0.0)
+    spare = np.where(steady, np.floor((np.diff(corners) - settling) / slow).clip(0.0) * slow, 0.0)
     gone = np.concatenate([[0.0], np.cumsum(spare)])  # s left out until a corner
     kept = corners - gone
-    most = min(_MOST, _MOST_VALUES // (len(OUTPUTS) * _fine_steps(case.controller)))
+    most = min(_MOST, _MOST_VALUES // (len(OUTPUTS) * c.current_steps))
     count = max(math.ceil((kept[-1] - kept[0]) / slow - 1e-9), 1) * round(slow / h)
     stretches = [(0, count)]
     if count > most:
@@ -108,7 +111,12 @@ def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
         return _Course(t + gone[at], w, slope, load, before)
 
     lasts, simulated = corners[-1] - corners[0], h * sum(end - first for first, end in stretches)
-    said = [] if simulated > 0.999 * lasts else [_shortened(simulated, lasts, around=count > most)]
+    said = []
+    if simulated <= 0.999 * lasts:
+        of = "of a constant stretch as much as it takes to settle"
+        if count > most:
+            of = "those around the engine's largest current, speed error and voltage, each from equilibrium"
+        said = [f"{simulated:.4g} s of {lasts:.6g} s are simulated: {of}"]
     return [course(*stretch) for stretch in stretches], said
 
 
@@ -120,20 +128,6 @@ def _stretches_around(places: list[float], count: int, most: int, step: int) -> 
         begin = found.pop()[0] if found and first <= found[-1][1] else first
         found.append((begin, first + length))
     return [(first * step, end * step) for first, end in found]
-
-
-def _shortened(simulated: float, lasts: float, *, around: bool) -> str:
-    largest = "those around the engine's largest current, speed error and voltage, each from equilibrium"
-    of = largest if around else "of a constant stretch as much as it takes to settle"
-    return f"{simulated:.4g} s of {lasts:.6g} s are simulated: {of}"
-
-
-def _settling(case: ClosedLoop) -> float:
-    """Time in which the slowest transient of all loops fades [s]."""
-    return max(
-        loop.period * math.log(_SETTLED) / math.log(min(max(loop.pole_radius, 0.1), 1.0 - 1e-12))
-        for loop in case.loops.all
-    )
 
 
 def _load_torque(case: ClosedLoop, speed: Array, slope: Array, more: Array) -> Array:
@@ -150,17 +144,18 @@ def _load_torque(case: ClosedLoop, speed: Array, slope: Array, more: Array) -> A
 # --- the closed loop along it
 
 
-def _fine_steps(controller: Gains | Cascade) -> int:
-    return controller.current_steps if isinstance(controller, Cascade) else 1
-
-
 def _simulated(case: ClosedLoop, course: _Course) -> dict[str, Array]:
     """The linear loop over time: reference, speed and error of the load, current, voltage."""
     c, mode = case.controller, modes(case.train)[Regime.FORWARD_DRIVING]
     speed, load = course.speed[:-1], course.load
     fed = _feedforward(c, speed, course.slope)
-    steps = c.velocity_steps if isinstance(c, Cascade) and c.position_kp else 0
-    loop, period = _loop(case, mode), case.controller.velocity_period * max(steps, 1)
+    steps = c.velocity_steps if isinstance(c, Cascade) and c.position_kp and c.position_period else 0
+    if isinstance(c, Gains):
+        opened = voltage_open_loop(case.train, mode, c)
+    else:
+        opened = (position_open_loop if steps else velocity_open_loop)(case.train, mode, c, fine=True)
+    loop = closed(opened, [*[0.0] * (opened.noutputs - 1), 1.0])  # with all its inputs; the last output is fed back
+    period = c.velocity_period * max(steps, 1)
     inputs = np.stack([speed, fed, load])
     if steps:
         angle = np.concatenate([[0.0], np.cumsum(0.5 * (course.speed[1:] + course.speed[:-1]))[:-1]])
@@ -181,7 +176,7 @@ def _simulated(case: ClosedLoop, course: _Course) -> dict[str, Array]:
         loop, period * np.arange(inputs.shape[1] + 1), np.hstack([inputs, inputs[:, -1:]]), begins, squeeze=False
     ).outputs[:, :-1]
     columns = _over_time(found, c, steps)
-    n, fine = _fine_steps(c), case.controller.velocity_period / _fine_steps(c)
+    n, fine = c.current_steps, case.controller.velocity_period / c.current_steps
     time = (course.time[:-1, None] + fine * np.arange(n)).ravel()
     share = np.arange(n) / n
     reference = (speed[:, None] + share * np.diff(course.speed)[:, None]).ravel() / case.train.motor_per_speed
@@ -203,18 +198,6 @@ def _joined(runs: list[dict[str, Array]]) -> dict[str, Array]:
     return {name: np.concatenate([part[name] for part in parts]) for name in runs[0]}
 
 
-def _loop(case: ClosedLoop, mode: Mode) -> System:
-    """The closed loop with all its inputs; the last output is fed back."""
-    train, c = case.train, case.controller
-    if isinstance(c, Gains):
-        opened = voltage_open_loop(train, mode, c)
-    elif c.position_kp and c.position_period:
-        opened = position_open_loop(train, mode, c, fine=True)
-    else:
-        opened = velocity_open_loop(train, mode, c, fine=True)
-    return closed(opened, [*[0.0] * (opened.noutputs - 1), 1.0])
-
-
 def _feedforward(c: Gains | Cascade, speed: Array, slope: Array) -> Array:
     """Current that a cascade adds to its demand by the reference [A]."""
     if isinstance(c, Gains):
@@ -230,7 +213,7 @@ def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Arra
     names = OUTPUTS[:-1] if isinstance(c, Gains) else OUTPUTS
     rows = outputs[:-1].reshape(max(steps, 1), -1, outputs.shape[1])
     rows = rows[:, :-1] if steps else rows  # the counted speed of each period of the velocity loop
-    each = rows.reshape(max(steps, 1), _fine_steps(c), len(names), -1)
+    each = rows.reshape(max(steps, 1), c.current_steps, len(names), -1)
     return {name: each[:, :, k].transpose(2, 0, 1).ravel() for k, name in enumerate(names)}
 
 
@@ -238,31 +221,24 @@ def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Arra
 
 
 def _engine_figures(case: ClosedLoop, series: dict[str, Array]) -> tuple[LinearFigure, ...]:
-    speed, radius, velocity = SPEED[case.spec.load.axis], case.train.radius, case.loops.velocity
+    speed, velocity = SPEED[case.spec.load.axis], case.loops.velocity
     units = {"current": ("current", "A"), "error": speed, "voltage": ("voltage", "V")}
-    of_loop = (
+    found = []
+    for name, (title, column, figure) in _PEAKS.items():
+        value, at, (kind, unit) = math.nan, None, units[column]
+        if series:
+            size = np.abs(series[column])
+            peak = int(np.nanargmax(size))
+            value, at = float(size[peak]), float(series["time"][peak])
+        linear = Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at)
+        own = case.figure(figure) * (case.train.radius if column == "error" else 1.0)
+        found.append(LinearFigure(linear, replace(linear, value=own, at_time=case.figure(f"{figure}_time"))))
+    for name, title, kind, unit in (
         ("bandwidth", "Velocity loop, bandwidth (-3 dB)", "frequency", "Hz"),
         ("phase_margin", "Velocity loop, phase margin", "angle", "deg"),
         ("gain_margin", "Velocity loop, gain margin (factor)", "dimensionless", "1"),
         ("overshoot", "Velocity loop, overshoot of a step", "dimensionless", "%"),
-    )
-    found = []
-    for name, (title, column, figure) in _PEAKS.items():
-        (value, at), (kind, unit) = _peak(series, column), units[column]
-        linear = Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at)
-        factor = radius if column == "error" else 1.0
-        own = replace(linear, value=case.figure(figure) * factor, at_time=case.figure(f"{figure}_time"))
-        found.append(LinearFigure(linear, own))
-    analysed = [
-        LinearFigure(Figure(name=name, title=title, value=getattr(velocity, name), kind=kind, unit=unit))
-        for name, title, kind, unit in of_loop
-    ]
-    return (*found, *analysed)
-
-
-def _peak(series: dict[str, Array], column: str) -> tuple[float, float | None]:
-    if not series:
-        return math.nan, None
-    size = np.abs(series[column])
-    at = int(np.nanargmax(size))
-    return float(size[at]), float(series["time"][at])
+    ):
+        analysed = Figure(name=name, title=title, value=getattr(velocity, name), kind=kind, unit=unit)
+        found.append(LinearFigure(analysed))
+    return tuple(found)

@@ -218,4 +218,5 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
     console.print(table)
     for axis, proof in proofs.items():
         if proof.tried:
+            console.print()
             console.print(tables.tried(proof, f"{axis}: "))
