@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.control.drive_train import DriveTrain, Mode, Regime, modes
 from drivesizer.control.validation import LEAST_PHASE_MARGIN, Cascade, Gains, Loop, Loops, Rates
@@ -34,8 +33,6 @@ __all__ = [
 # (2003) 291-309: the half rule, the PI settings, and tau_c = theta for tight control. .. [2] K. J. Åström, T.
 # Hägglund, *PID Controllers: Theory, Design, and Tuning*, 2nd ed., ISA, 1995, ch. 3: filter of the derivative.
 
-
-_Array = NDArray[np.float64]
 
 RULE = "SIMC PI"
 SOURCE = "S. Skogestad, J. Process Control 13 (2003) 291-309"
@@ -68,66 +65,50 @@ def effective_delay(train: DriveTrain, mode: Mode, period: float) -> tuple[float
 def design(
     spec: RobotSpec, train: DriveTrain, period: float, counts: Counts | None = None, slower: float = 1.0
 ) -> Gains:
-    """Gains of the voltage PI: given by the spec, or by the SIMC rule."""
-    if spec.control.kp is not None:
-        return _given_gains(spec, spec.control.kp, period, counts)
-    tau_1, theta = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], period)
-    periods, late = lags(counts, period)
-    tight, quiet = _least(train, period, counts)
-    least = np.maximum(tight, quiet)
-    tau_c = slower * _time_constant(spec, float(tight.min()), float(least.min()))
+    """Gains of the voltage PI: given by the spec, or by the SIMC rule.
+
+    The time constant of the closed loop is that of a given bandwidth, else the least by delay and noise, for every time
+    of counting; a need that cannot be met fails its check.
+    """
+    c = spec.control
+    if c.kp is not None:
+        for name, gain in (("kp", c.kp), ("ki", c.ki), ("kd", c.kd)):
+            if gain > _LARGEST_GAIN:
+                where, most = spec.where(("control", name)), f"{_LARGEST_GAIN:g}"
+                raise InputError(f"{where}: {gain:g} is no gain of a real controller; expected at most {most}")
+        filter_time = max(period, c.kd / c.kp / _FILTER) if c.kp and c.kd else period if c.kd else 0.0
+        over = max(counts.periods, 1) if counts else 0
+        return Gains(kp=c.kp, ki=c.ki, kd=c.kd, filter_time=filter_time, period=period, counted_over=over, rule=GIVEN,
+                     source="")  # fmt: skip
+    every, (periods, late) = modes(train), lags(counts, period)
+    tau_1, theta = effective_delay(train, every[Regime.FORWARD_DRIVING], period)
+    lightest, _ = effective_delay(train, every[Regime.FORWARD_BRAKING], period)
+    delay = theta + late
+    # braking, the gears' losses help and the loop is faster: even there tau_c is no shorter than the delay
+    least = tight = tau_1 / lightest * 2.0 * delay - delay
+    if counts is not None:
+        least = np.maximum(tight, train.back_emf_constant * tau_1 / most_gain(counts, periods, period) - delay)
+    tau_c = float(least.min())
+    if c.bandwidth is not None:
+        tau_c, shortest_by_delay = 1.0 / (2.0 * math.pi * c.bandwidth), float(tight.min())
+        if tau_c < shortest_by_delay:
+            given = show(c.bandwidth, "Hz", "frequency")
+            highest = show(1.0 / (2.0 * math.pi * shortest_by_delay), "Hz", "frequency", 3)
+            raise InputError(
+                f"{spec.where(('control', 'bandwidth'))}: {given} is faster than the delay of the loop allows; "
+                f"expected at most {highest}"
+            )
+    elif spec.needs.bandwidth is not None:
+        tau_c = max(tau_c, 1.0 / (2.0 * math.pi * spec.needs.bandwidth))
+    tau_c *= slower
     # at a bandwidth that is given, counts may be too noisy: then they are taken as long as the delay allows
     n = shortest(least, tau_c) if tau_c >= least.min() else int(np.flatnonzero(tight <= tau_c)[-1])
     theta += float(late[n])
-    kp = train.back_emf_constant * tau_1 / (tau_c + theta)
-    tau_i = min(tau_1, 4.0 * (tau_c + theta))
+    kp, tau_i = train.back_emf_constant * tau_1 / (tau_c + theta), min(tau_1, 4.0 * (tau_c + theta))
     rule = f"{RULE}, tau_c = {show(tau_c, 'ms', 'time', 3)}{' (tight)' if tau_c == least.min() else ''}"
     return Gains(
         kp=kp, ki=kp / tau_i, kd=0.0, filter_time=0.0, period=period, counted_over=int(periods[n]), rule=rule,
         source=SOURCE,
-    )  # fmt: skip
-
-
-def _least(train: DriveTrain, period: float, counts: Counts | None) -> tuple[_Array, _Array]:
-    """Shortest time constants of the closed loop, by delay and by noise, for every time of counting [s]."""
-    every = modes(train)
-    tau_1, theta = effective_delay(train, every[Regime.FORWARD_DRIVING], period)
-    lightest, _ = effective_delay(train, every[Regime.FORWARD_BRAKING], period)
-    periods, late = lags(counts, period)
-    delay = theta + late
-    # braking, the gears' losses help and the loop is faster: even there tau_c is no shorter than the delay
-    tight = tau_1 / lightest * 2.0 * delay - delay
-    if counts is None:
-        return tight, tight
-    return tight, train.back_emf_constant * tau_1 / most_gain(counts, periods, period) - delay
-
-
-def _time_constant(spec: RobotSpec, tight: float, least: float) -> float:
-    """Time constant of the closed loop [s]: that of the required bandwidth, else the least by delay and noise."""
-    if spec.control.bandwidth is not None:
-        tau_c = 1.0 / (2.0 * math.pi * spec.control.bandwidth)
-        if tau_c < tight:
-            most = show(1.0 / (2.0 * math.pi * tight), "Hz", "frequency", 3)
-            raise InputError(
-                f"{spec.where(('control', 'bandwidth'))}: {show(spec.control.bandwidth, 'Hz', 'frequency')} is faster "
-                f"than the delay of the loop allows; expected at most {most}"
-            )
-        return tau_c
-    if spec.needs.bandwidth is not None:  # a need that cannot be met fails its check
-        return max(least, 1.0 / (2.0 * math.pi * spec.needs.bandwidth))
-    return least
-
-
-def _given_gains(spec: RobotSpec, kp: float, period: float, counts: Counts | None) -> Gains:
-    ki, kd = spec.control.ki, spec.control.kd
-    for name, gain in (("kp", kp), ("ki", ki), ("kd", kd)):
-        if gain > _LARGEST_GAIN:
-            where = spec.where(("control", name))
-            raise InputError(f"{where}: {gain:g} is no gain of a real controller; expected at most {_LARGEST_GAIN:g}")
-    filter_time = max(period, kd / kp / _FILTER) if kp and kd else period if kd else 0.0
-    over = max(counts.periods, 1) if counts else 0
-    return Gains(
-        kp=kp, ki=ki, kd=kd, filter_time=filter_time, period=period, counted_over=over, rule=GIVEN, source=""
     )  # fmt: skip
 
 

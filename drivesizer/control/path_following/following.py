@@ -20,7 +20,7 @@ from drivesizer.platform.dynamics import LEVEL, Dynamics, Ground, contact_loads,
 from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, map_columns, to_robot
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.platform.wheels import EXACT, Misjudged, Platform, Wheel, actual, per_wheel
+from drivesizer.platform.wheels import EXACT, Misjudged, Platform, actual, per_wheel
 
 __all__ = [
     "Followed", "Model", "SpeedLoop", "deviation", "drive", "extremes", "follow", "pose_loop", "sampled", "speed_loop",
@@ -146,18 +146,39 @@ class Arrays:
 
 
 def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: Ground) -> Arrays:
-    """The actual platform and its floor as arrays."""
+    """The actual platform and its floor as arrays.
+
+    Wheel loads are those without a force at the floor [N], less what forces ahead and to the left at 1 m take [1/m].
+    """
     if np.ndim(ground.slope) or np.ndim(ground.uphill):
         raise InputError("following: expected one slope for the whole path")
-    p, n = platform, len(platform.wheels)
-    N0, S = _resting_loads(p, ground)
+    p, n, weight = platform, len(platform.wheels), platform.mass * ground.gravity
+    pull = ground.gravity * math.sin(ground.slope)
+    free = -pull * math.cos(ground.uphill), -pull * math.sin(ground.uphill)  # sliding down: the floor holds nothing
+    N0 = contact_loads(p, ground=ground, accelerated=free)
+    S = [(N0 - contact_loads(p, ground=ground, accelerated=(free[0] + (k == 0), free[1] + (k == 1))))
+         / (p.mass * p.height or math.inf) for k in range(2)]  # fmt: skip
     strength = per_wheel(misjudged.motor, n, "misjudged motor")
     W, K = np.zeros((n, at.COLUMNS)), np.zeros((len(p.casters), at.CASTER_COLUMNS))
     for i, w in enumerate(p.wheels):
-        W[i] = *_wheel(w, i, contact), N0[i], *S[i], 1.0 + strength[i]
-    for j, c in enumerate(p.casters):
-        K[j, : at.CASTER_FX] = c.x, c.y, c.rolling_resistance, N0[n + j], *S[n + j]
-    weight = p.mass * ground.gravity
+        inertia, along = w.inertia + w.rotor_inertia, w.heading + w.roller_angle
+        if w.drive != "blocked" and not inertia > 0.0:
+            raise InputError(f"following: wheel {i + 1} has no inertia; give inertia or rotor_inertia")
+        if not w.held and not w.roller_resistance < contact.friction:
+            raise InputError(
+                f"following: the rollers of wheel {i + 1} resist by {w.roller_resistance:g} of the load, "
+                f"no less than the floor's friction, {contact.friction:g}"
+            )
+        c, s = math.cos(along), math.sin(along)
+        W[i] = (
+            c, s, w.x * s - w.y * c, -s, c, w.x * c + w.y * s,
+            w.radius * math.cos(w.roller_angle), w.radius * math.sin(w.roller_angle), w.radius, inertia or 1.0,
+            w.rolling_resistance, w.roller_resistance, w.friction, float(w.held), _KINDS[w.drive],
+            N0[i], S[0][i], S[1][i], 1.0 + strength[i],
+        )  # fmt: skip
+    for j, caster in enumerate(p.casters):
+        loads = N0[n + j], S[0][n + j], S[1][n + j]
+        K[j, : at.CASTER_FX] = caster.x, caster.y, caster.rolling_resistance, *loads
     B = np.zeros(at.TURNROUND + 1)
     B[: at.HEIGHT + 1] = p.x, p.y, weight, weight * math.sin(ground.slope), ground.uphill, p.height
     B[at.FRICTION :] = contact.friction, contact.slip_speed, contact.creep, contact.turnround
@@ -166,42 +187,9 @@ def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: G
     return Arrays(W, K, B, np.asarray(M, float), np.asarray(C, float), max(math.hypot(*q) for q in p.contacts))
 
 
-def _wheel(w: Wheel, number: int, contact: Contact) -> tuple[float, ...]:
-    """Columns of a wheel up to its load."""
-    inertia = w.inertia + w.rotor_inertia
-    if w.drive != "blocked" and not inertia > 0.0:
-        raise InputError(f"following: wheel {number + 1} has no inertia; give inertia or rotor_inertia")
-    if not w.held and not w.roller_resistance < contact.friction:
-        raise InputError(
-            f"following: the rollers of wheel {number + 1} resist by {w.roller_resistance:g} of the load, "
-            f"no less than the floor's friction, {contact.friction:g}"
-        )
-    along = w.heading + w.roller_angle
-    c, s = math.cos(along), math.sin(along)
-    rows = (c, s, w.x * s - w.y * c, -s, c, w.x * c + w.y * s)
-    turns = w.radius * math.cos(w.roller_angle), w.radius * math.sin(w.roller_angle), w.radius, inertia or 1.0
-    resists = w.rolling_resistance, w.roller_resistance, w.friction
-    return *rows, *turns, *resists, float(w.held), _KINDS[w.drive]
-
-
-def _resting_loads(p: Platform, ground: Ground) -> tuple[Array, Array]:
-    """Loads without a force at the floor [N], and their decrease by forces ahead and to the left at 1 m [1/m]."""
-    pull = ground.gravity * math.sin(ground.slope)
-    upward = pull * math.cos(ground.uphill), pull * math.sin(ground.uphill)
-    free = (-upward[0], -upward[1])  # sliding down freely: the floor holds nothing
-    still = contact_loads(p, ground=ground, accelerated=free)
-    share = [
-        (still - contact_loads(p, ground=ground, accelerated=(free[0] + (k == 0), free[1] + (k == 1))))
-        / (p.mass * p.height or math.inf)
-        for k in range(2)
-    ]
-    return still, np.array(share).T
-
-
 def first_state(a: Arrays, posture: Array, velocity: Array) -> Array:
     """The state of a platform that rolls without slip."""
-    W = a.W
-    turning = W[:, at.AX : at.AT + 1] @ velocity / W[:, at.RA] * (W[:, at.KIND] != 2.0)
+    turning = a.W[:, at.AX : at.AT + 1] @ velocity / a.W[:, at.RA] * (a.W[:, at.KIND] != 2.0)
     return np.concatenate([posture, velocity, turning, np.zeros(at.TALLIES)])
 
 
@@ -333,14 +321,24 @@ def follow(
     for rates, what in zip(trajectory.in_robot(), ("velocity", "acceleration"), strict=True):
         check_allowed(d.kinematics, columns(rates, 3, f"{what} of the trajectory"), f"{what} of the trajectory")
     speeds = speeds or speed_loop(d)
-    _fits(d, speeds, poses)
+    if len(speeds.proportional) != (n := len(d.kinematics.driven)):
+        raise InputError(f"speed loop: expected gains of {n} driven wheels, got {len(speeds.proportional)}")
+    if poses is not None:
+        period, inner = poses.period, speeds.period
+        if period < inner:
+            raise InputError(f"pose loop: period {period:g} s is shorter than {inner:g} s of the speed loops")
+        if not (is_unicycle(d.kinematics) if poses.unicycle else d.kinematics.mobility == 3):
+            raise InputError("pose loop: it does not fit the motions that this platform allows")
     a = arrays(actual(platform, misjudged), misjudged, contact, ground)
     count = _count(trajectory.total, speeds.period)
     plan = sampled(trajectory, np.arange(count) * speeds.period)
     fed = np.zeros((count + 1, len(platform.wheels)))
     if model == "dynamic":
         late = np.concatenate([plan.time[:1] - speeds.period, plan.time]) + _FED * speeds.period
-        fed[:, d.kinematics.driven] = _torques(d, sampled(trajectory, late), ground).T
+        ahead, allowed = sampled(trajectory, late), d.kinematics.motions @ np.linalg.pinv(d.kinematics.motions)
+        # between the ends of a piece a held wheel would slide by rounding
+        eta, rate = (map_columns(allowed, found) for found in ahead.in_robot())
+        fed[:, d.kinematics.driven] = wheel_torques(d, eta, rate, theta=ahead.posture[2], ground=ground).T
     start = first_state(a, plan.posture[:, 0], plan.in_robot()[0][:, 0])
     return _simulate(a, d, plan, speeds, poses, fed, start, tolerance)
 
@@ -377,33 +375,12 @@ def drive(
     return _simulate(a, d, plan, held, None, fed, start, tolerance)
 
 
-def _fits(d: Dynamics, speeds: SpeedLoop, poses: PoseLoop | None) -> None:
-    """Refuse controllers of another platform."""
-    n = len(d.kinematics.driven)
-    if len(speeds.proportional) != n:
-        raise InputError(f"speed loop: expected gains of {n} driven wheels, got {len(speeds.proportional)}")
-    if poses is None:
-        return
-    if poses.period < speeds.period:
-        raise InputError(f"pose loop: period {poses.period:g} s is shorter than {speeds.period:g} s of the speed loops")
-    if not (is_unicycle(d.kinematics) if poses.unicycle else d.kinematics.mobility == 3):
-        raise InputError("pose loop: it does not fit the motions that this platform allows")
-
-
 def _count(total: float, period: float) -> int:
     """Samples in a time."""
     found = math.floor(total / period + 1e-9) + 1
     if not 2 <= found <= _MOST:
         raise InputError(f"following: expected 2 to {_MOST} samples, got {found} of {period:g} s in {total:g} s")
     return found
-
-
-def _torques(d: Dynamics, plan: Planned, ground: Ground) -> Array:
-    """Feedforward of the dynamic model [N*m], shape (n, k)."""
-    S = d.kinematics.motions
-    allowed = S @ np.linalg.pinv(S)  # between the ends of a piece a held wheel would slide by rounding
-    eta, rate = (map_columns(allowed, found) for found in plan.in_robot())
-    return wheel_torques(d, eta, rate, theta=plan.posture[2], ground=ground)
 
 
 def _simulate(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: PoseLoop | None, fed: Array,
@@ -473,20 +450,15 @@ def deviation(f: Followed) -> Deviation:
     wanted, off = f.planned.posture, f.posture - f.planned.posture
     steps = np.abs(np.diff(wanted[2], prepend=wanted[2, 0]))
     travel = np.cumsum(np.hypot(*np.diff(wanted[:2], axis=1, prepend=wanted[:2, :1])))
-    x, y = _direction(f.planned.velocity)
+    velocity = f.planned.velocity
+    size = np.hypot(velocity[0], velocity[1])
+    moves, x, y = size > 1e-9 * (size.max() or 1.0), np.ones_like(size), np.zeros_like(size)
+    if moves.any():  # at rest the last direction, before all motion the first, and x where there is none
+        last = np.maximum.accumulate(np.where(moves, np.arange(len(size)), -1))
+        last[last < 0] = int(moves.argmax())
+        x, y = velocity[:2, last] / size[last]
     along, across = x * off[0] + y * off[1], x * off[1] - y * off[0]
     return Deviation(f.planned.time, travel, np.cumsum(steps), np.hypot(off[0], off[1]), along, across, off[2])
-
-
-def _direction(velocity: Array) -> Array:
-    """Unit vectors of motion, (2, k); at rest the last one, before all motion the first, and x where there is none."""
-    size = np.hypot(velocity[0], velocity[1])
-    moves = size > 1e-9 * (size.max() or 1.0)
-    if not moves.any():
-        return np.stack([np.ones_like(size), np.zeros_like(size)])
-    last = np.maximum.accumulate(np.where(moves, np.arange(len(size)), -1))
-    last[last < 0] = int(moves.argmax())
-    return np.asarray(velocity[:2, last] / size[last])
 
 
 def extremes(f: Followed) -> tuple[Extreme, ...]:
@@ -502,11 +474,9 @@ def extremes(f: Followed) -> tuple[Extreme, ...]:
         ("torque of a wheel", f.torque, "torque", "N*m"),
         ("use of the floor's grip", used, "dimensionless", "%"),
     )
-    return tuple(_extreme(title, values, kind, unit, d) for title, values, kind, unit in rows)
-
-
-def _extreme(title: str, values: Array, kind: str, unit: str, d: Deviation) -> Extreme:
-    """The largest value in size; of all wheels where there are more."""
-    worst = values if values.ndim == 1 else values[np.abs(values).argmax(axis=0), np.arange(values.shape[1])]
-    k = int(np.abs(worst).argmax())
-    return Extreme(title, float(worst[k]), kind, unit, float(d.time[k]), float(d.travel[k]))
+    found = []
+    for title, values, kind, unit in rows:
+        worst = values if values.ndim == 1 else values[np.abs(values).argmax(axis=0), np.arange(values.shape[1])]
+        k = int(np.abs(worst).argmax())
+        found.append(Extreme(title, float(worst[k]), kind, unit, float(d.time[k]), float(d.travel[k])))
+    return tuple(found)
