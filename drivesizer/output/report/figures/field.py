@@ -333,7 +333,7 @@ def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
         levels = [level for level in LEVELS if known.min() < level < known.max()]
         if len(levels) < _LEAST:  # of a drive that friction keeps far below those
             ticks = MaxNLocator(_FEW, steps=[1, 2, 5, 10]).tick_values(max(float(known.min()), 0.0), float(known.max()))
-            levels = [level for level in ticks.tolist() if known.min() < level < known.max()]
+            levels = [float(level) for level in ticks if known.min() < level < known.max()]
         if not levels:
             continue
         axes.contourf(across[side], up, values, [0.0, *levels, 100.0], cmap=shades, zorder=0.5)
