@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from dataclasses import replace
 from importlib import resources
 from math import exp, log
@@ -12,7 +11,6 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, Table, load, shipped
-from drivesizer.catalog.estimates import estimate
 from drivesizer.catalog.estimates.estimate import estimates, estimates_of, shipped_laws, written
 from drivesizer.catalog.estimates.laws import (
     LAWS,
@@ -274,28 +272,3 @@ def test_every_estimate_lies_within_its_band(everything):
     for section in ("motors", "gearheads", "actuators", "encoders"):
         for name, found in estimates(everything.table(section)).items():
             assert (found.low <= found.value).all() and (found.value <= found.high).all(), (section, name)
-
-
-def test_a_changed_law_does_not_read_what_was_kept(tmp_path, monkeypatch, catalog):
-    """Each file that estimates are made with is part of the kept file's name; all others are not."""
-    folders = {"drivesizer.catalog.estimates": tmp_path / "laws", "drivesizer.physics": tmp_path / "physics"}
-    for package, folder in folders.items():
-        shutil.copytree(str(resources.files(package)), folder, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(estimate.resources, "files", folders.__getitem__)
-    monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path / "cache"))
-
-    def kept():
-        estimate.estimates_kept(catalog)
-        (file,) = (tmp_path / "cache").iterdir()
-        return file.name
-
-    before = kept()
-    assert kept() == before
-    names = {"laws.py", "estimate.py", "fitted.json", "constructions.yaml"}
-    assert names <= {file.name for file in (tmp_path / "laws").iterdir()}
-    for file in (*(tmp_path / "laws" / name for name in sorted(names)), tmp_path / "physics" / "thermal.py"):
-        file.write_bytes(file.read_bytes() + b"\n")
-        assert kept() != before, file.name
-        before = kept()
-    (tmp_path / "physics" / "battery.py").write_bytes(b"")
-    assert kept() == before

@@ -189,6 +189,7 @@ def _patterns() -> list[dict[str, str]]:
     return found
 
 
+@cache
 def _construction(name: str) -> str:
     maker, family = name.split("\n", 1)
     fits = (p["construction"] for p in _patterns() if p["maker"] == maker and re.match(p["family"], family))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.estimate import MOUNTED, estimates, estimates_kept
+from drivesizer.catalog.estimates.estimate import MOUNTED, estimates, estimates_of_catalog
 from drivesizer.catalog.estimates.estimate import estimates as estimates_of
 from drivesizer.catalog.parts import DIRECT, columns_of
 from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Source, Table, unique_pairs
@@ -208,7 +208,7 @@ def stepper_view(catalog: Catalog, estimates: bool = True, phase_current: float 
     own = estimates_of(catalog.steppers)
     if "pull_out_share" in own:  # a printed curve needs none
         own["pull_out_share"] = _without_rows(own["pull_out_share"], catalog.pull_outs.stepper)
-    found = replace(catalog, estimates={**estimates_kept(catalog), "steppers": own})
+    found = replace(catalog, estimates={**estimates_of_catalog(catalog), "steppers": own})
     middle, *ends = (_viewed(found.with_tables(completed(found, end), {}), phase_current) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
 

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.estimates.estimate import UNRATED, estimates_kept
+from drivesizer.catalog.estimates.estimate import UNRATED, estimates_of_catalog
 from drivesizer.catalog.parts import DIRECT, EDGES, RELATIONS, columns_of, singular
 from drivesizer.catalog.tables import (
     NO_GEARHEAD_SOURCE,
@@ -154,7 +154,7 @@ def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
         return catalog
     if not estimates:
         return _viewed(_without_rules(catalog))
-    found = replace(catalog, estimates=estimates_kept(catalog))
+    found = replace(catalog, estimates=estimates_of_catalog(catalog))
     if not found.estimates:
         return _viewed(catalog)
     middle, *ends = (_viewed(found.with_tables(completed(found, end), {})) for end in (MIDDLE, *ENDS))
