@@ -18,8 +18,7 @@ from drivesizer.joints.inverse_dynamics import Array, JointMotion
 from drivesizer.joints.places import SLACK, Field, figure_of, file_of, joint_of, unit_of, within
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
-from drivesizer.platform.planner import last_digit
-from drivesizer.platform.trajectory import curve_at_rest, thinned
+from drivesizer.platform.trajectory import curve_at_rest, path_coordinate, refuse_few_digits, speed_at_end, thinned
 from drivesizer.spec.description_record import Joint, Robot
 from drivesizer.spec.robot_section import JointLimits, RobotSection
 from drivesizer.units.kinds import RANGES
@@ -43,10 +42,8 @@ _TIME = "time"
 _FEWEST = 4  # a cubic has four coefficients
 _BEND, _TURN = 1e-3, 1.0 / 32.0  # of a piece: of the largest speed; rad
 _MOST_PARTS, _MOST_PIECES = 256, 200_000  # of an interval; of a trajectory
-_SLOW, _CREEP = 0.25, 0.01  # what is at rest: of the mean speed of two steps; of the largest of all
 _SAME = 1e-6  # rad or m, by which joints that end where they start may be off
 _TINY = 1e-300  # instead of a largest speed of 0
-_EXACT, _MOST_NOISE = 1e-3, 0.2  # m or rad; of the largest acceleration
 
 
 def motion_in(path: Path, robot: Robot, smoothing: float = 0.0) -> JointMotion:
@@ -65,10 +62,17 @@ def motion_in(path: Path, robot: Robot, smoothing: float = 0.0) -> JointMotion:
         raise InputError(f"{path}: rows: {len(values)} found; expected at least {_FEWEST} below the units")
     time = values[:, header.index(_TIME)]
     position = np.array([values[:, header.index(joint.name)] for joint in joints])
-    _moves(path, time, position, smoothing)
+    if not np.ptp(position, axis=1).any():
+        raise InputError(f"{path}: rows: nothing moves; expected a trajectory, or poses as holds")
+    quarter = float(time[-1] - time[0]) / _FEWEST
+    if not smoothing <= quarter:
+        raise InputError(f"{path}: smoothing of {smoothing:g} s is more than {quarter:.4g} s, a quarter of its time")
     if not smoothing:
-        known = dict(zip(header, factors, strict=True))
-        _enough_digits(path, time, position, joints, [known[joint.name] for joint in joints])
+        step = float(np.median(np.diff(time)))
+        gain = np.abs(np.diff(np.diff(position, axis=1) / np.diff(time), axis=1) / step).max(axis=1)
+        for joint, row, most in zip(joints, position, gain.tolist(), strict=True):
+            factor = factors[header.index(joint.name)]
+            refuse_few_digits(f"{path}: {joint.name}", row, factor, step, most, unit_of(joint))
     courses = [_course(path, time, row, joint, smoothing) for row, joint in zip(position, joints, strict=True)]
     return _pieces(path, time, courses, joints)
 
@@ -86,31 +90,6 @@ def _joints(path: Path, line: int, header: Sequence[str], robot: Robot) -> list[
         if name not in robot.joints:
             raise InputError(f"{where}: {quoted(name)} is no joint of {robot.file}{nearest(name, robot.joints)}")
     return [robot.joints[name] for name in names]
-
-
-def _moves(path: Path, time: Array, position: Array, smoothing: float) -> None:
-    if not np.ptp(position, axis=1).any():
-        raise InputError(f"{path}: rows: nothing moves; expected a trajectory, or poses as holds")
-    span = float(time[-1] - time[0])
-    if not smoothing <= span / _FEWEST:
-        raise InputError(
-            f"{path}: smoothing of {smoothing:g} s is more than {span / _FEWEST:.4g} s, a quarter of its time"
-        )
-
-
-def _enough_digits(path: Path, time: Array, position: Array, joints: Sequence[Joint], factors: Sequence[float]) -> None:
-    """Refuse a file whose last digits make up much of its acceleration; coarse ones are taken as exact."""
-    step = float(np.median(np.diff(time)))
-    gain = np.abs(np.diff(np.diff(position, axis=1) / np.diff(time), axis=1) / step)
-    for joint, row, factor, most in zip(joints, position, factors, gain.max(axis=1), strict=True):
-        digit = last_digit(row / factor) * factor
-        noise = 6.0 * digit / step**2
-        if digit <= _EXACT and _MOST_NOISE * most < noise and np.ptp(row) > 0.0:
-            unit = "rad" if joint.turns else "m"
-            raise InputError(
-                f"{path}: {joint.name}: the last digit, {digit:.3g} {unit}, stands for {noise:.3g} {unit}/s^2 every "
-                f"{step:g} s, of {most:.3g} {unit}/s^2 in all; expected more digits, or smoothing"
-            )
 
 
 # --- the curve
@@ -136,7 +115,7 @@ class _Course(NamedTuple):
 def _course(path: Path, time: Array, row: Array, joint: Joint, smoothing: float) -> _Course:
     """The curve of one joint."""
     kept = thinned(time, smoothing)
-    if not _moves_at_ends(time[kept], row[kept]):
+    if not any(speed_at_end(time[kept], row[None, kept], end) for end in (0, -1)):
         return _from_rest(time, row, smoothing)
     gap = float(row[-1] - row[0])
     turns = round(gap / (2.0 * np.pi)) * 2.0 * np.pi if joint.kind == "continuous" else 0.0
@@ -146,17 +125,6 @@ def _course(path: Path, time: Array, row: Array, joint: Joint, smoothing: float)
             "rest at both, or an end as the start, as the cycle repeats"
         )
     return _Course((0, len(time) - 1), (_periodic(time, row, smoothing),))
-
-
-def _moves_at_ends(time: Array, row: Array) -> bool:
-    """Whether a joint is not at rest at one of its ends."""
-    top = np.abs(np.diff(row) / np.diff(time)).max()
-    for here, at in ((slice(None, 3), 0), (slice(-3, None), -1)):
-        t, x = time[here], row[here]
-        slope, mean = local_parabola(t, x, 0.0)[1][at], (x[-1] - x[0]) / (t[-1] - t[0])
-        if slope * np.sign(mean) > max(_SLOW * abs(mean), _CREEP * top):  # against the motion: a bend, no speed
-            return True
-    return False
 
 
 def _from_rest(time: Array, row: Array, smoothing: float) -> _Course:
@@ -289,14 +257,12 @@ def moves_of(section: RobotSection, robot: Robot) -> JointMotion:
         if number and (stop != stops[number - 1]).any():
             made.append(_along(names, stops[number - 1], stop, limits, section.law))
         if pauses[number]:
-            made.append(_rest(names, stop, pauses[number]))
+            still = np.zeros((1, 2, len(names)))
+            made.append(JointMotion(names, np.array([pauses[number]]), still + stop, still, still))
     if not any(one.speed.any() for one in made):
         raise FieldError(("robot", "waypoints"), "nothing moves; expected waypoints at different positions")
-    return JointMotion(names, *(np.concatenate(c) for c in zip(*(_columns(one) for one in made), strict=True)))
-
-
-def _columns(one: JointMotion) -> tuple[Array, Array, Array, Array]:
-    return one.duration, one.position, one.speed, one.acceleration
+    columns = ("duration", "position", "speed", "acceleration")
+    return JointMotion(names, *(np.concatenate([getattr(one, name) for one in made]) for name in columns))
 
 
 def _stops(section: RobotSection, robot: Robot) -> tuple[list[Joint], Array]:
@@ -325,34 +291,26 @@ def _stops(section: RobotSection, robot: Robot) -> tuple[list[Joint], Array]:
 
 
 def _limits(section: RobotSection, robot: Robot, joints: Sequence[Joint]) -> _Limits:
+    """Speed, acceleration and jerk of each joint: its own, those of all, those of the description."""
     for name in section.limits:
         if name != _ALL:
             joint_of(robot, name, ("robot", "limits", name))
-    rows = [_limits_of(section, joint) for joint in joints]
-    return _Limits(*(np.array(column) for column in zip(*rows, strict=True)))
-
-
-def _limits_of(section: RobotSection, joint: Joint) -> tuple[float, float, float]:
-    """Speed, acceleration and jerk of one joint: its own, those of all, those of the description."""
-    found: list[float] = []
-    for what, otherwise in (("speed", joint.velocity), ("acceleration", math.nan), ("jerk", math.inf)):
-        value = otherwise
-        for name in (joint.name, _ALL):
-            given = getattr(section.limits.get(name, JointLimits()), what)
-            if given is not None:
-                value = figure_of(given, joint, ("robot", "limits", name, what))
-                break
-        if not value > 0.0:
-            unit = unit_of(joint) + ("/s" if what == "speed" else "/s^2")
-            message = f"joint {quoted(joint.name)} has no limit of {what}; expected {what} here, e.g. 2 {unit}"
-            raise FieldError(("robot", "limits"), message)
-        found.append(value)
-    return found[0], found[1], found[2]
-
-
-def _rest(names: tuple[str, ...], stop: Array, pause: float) -> JointMotion:
-    still = np.zeros((1, 2, len(names)))
-    return JointMotion(names, np.array([pause]), still + stop, still, still)
+    columns = []
+    for what in ("speed", "acceleration", "jerk"):
+        values = []
+        for joint in joints:
+            value = {"speed": joint.velocity, "acceleration": math.nan, "jerk": math.inf}[what]
+            for name in (_ALL, joint.name):
+                given = getattr(section.limits.get(name, JointLimits()), what)
+                if given is not None:
+                    value = figure_of(given, joint, ("robot", "limits", name, what))
+            if not value > 0.0:
+                unit = unit_of(joint) + ("/s" if what == "speed" else "/s^2")
+                message = f"joint {quoted(joint.name)} has no limit of {what}; expected {what} here, e.g. 2 {unit}"
+                raise FieldError(("robot", "limits"), message)
+            values.append(value)
+        columns.append(np.array(values))
+    return _Limits(*columns)
 
 
 def _along(names: tuple[str, ...], start: Array, end: Array, limits: _Limits, law: str) -> JointMotion:
@@ -379,37 +337,10 @@ def _poly5(speed: float, acceleration: float, jerk: float) -> JointPath:
 
 def _fastest(speed: float, acceleration: float, jerk: float) -> JointPath:
     """The fastest way from 0 to 1 under limits of the path variable."""
-    phases = list(_phases(speed, acceleration, jerk))
-    total = sum(time for time, _, _ in phases)
-    rows: list[tuple[float, Array, Array, Array]] = []
-    s = v = 0.0
-    for time, a, j in phases:
-        count = max(1, math.ceil(_PIECES * time / total))
-        t = np.array(list(pairwise(np.linspace(0.0, time, count + 1))))
-        rows += zip(
-            np.full(count, time / count), s + v * t + a * t**2 / 2.0 + j * t**3 / 6.0, v + a * t + j * t**2 / 2.0,
-            a + j * t, strict=True,
-        )  # fmt: skip
-        s, v = s + v * time + a * time**2 / 2.0 + j * time**3 / 6.0, v + a * time + j * time**2 / 2.0
-    columns = [np.array(column) for column in zip(*rows, strict=True)]
-    columns[2][0, 0] = columns[2][-1, 1] = 0.0  # not what rounding makes of it
-    return JointPath(columns[0], columns[1], columns[2], columns[3])
-
-
-def _phases(speed: float, acceleration: float, jerk: float) -> Iterator[tuple[float, float, float]]:
-    """Duration, acceleration at its start and jerk of each phase that lasts."""
-    if math.isinf(jerk):
-        up = min(speed / acceleration, 1.0 / math.sqrt(acceleration))
-        top = acceleration * up
-        made = [(up, acceleration, 0.0), (1.0 / top - up, 0.0, 0.0), (up, -acceleration, 0.0)]
-    else:
-        bend, level, cruise = fastest_ramp(1.0, speed, acceleration, jerk)
-        a = jerk * bend
-        up_ = [(bend, 0.0, jerk), (level, a, 0.0), (bend, a, -jerk)]
-        down = [(bend, 0.0, -jerk), (level, -a, 0.0), (bend, -a, jerk)]
-        made = [*up_, (cruise, 0.0, 0.0), *down]
-    total = sum(time for time, _, _ in made)
-    return (phase for phase in made if phase[0] > 1e-9 * total)
+    times = fastest_ramp(1.0, speed, acceleration, jerk)
+    bend, level, cruise = times
+    total = bend + level + bend + cruise + bend + level + bend
+    return JointPath(*path_coordinate(times, lambda time, *_: max(1, math.ceil(_PIECES * time / total))))
 
 
 # -- Trajectory of a robot section, inside the limits of its joints.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import isclose, nan
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import course
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.physics.load_cycle import LoadCycle, OwnLimit, middle
+from drivesizer.physics.load_cycle import CYCLE_COLUMNS, LoadCycle, OwnLimit, middle
 from drivesizer.results.check import Check
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.spec.robot import RobotSpec
@@ -56,16 +56,18 @@ def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
             f"{spec.where(('cases',))}: cases that alternate by their shares make {segments} segments; expected at "
             f"most {_MOST}, by shares nearer to one another, or a longer lasting"
         )
+    worst: dict[str, OwnLimit] = {}  # of limits of one name that which is nearest to its demand, or past it most
+    for one in (limit for cycle in cycles for limit in cycle.own):
+        other = worst.get(one.name)
+        if other is None or not one.demand * other.limit <= other.demand * one.limit:
+            worst[one.name] = one
     in_turn = [cycle for n, cycle in zip(repeats, cycles, strict=True) for _ in range(n)]
     return replace(
         cycles[0],
-        duration=np.concatenate([cycle.duration for cycle in in_turn]),
-        speed=np.concatenate([cycle.speed for cycle in in_turn]),
-        acceleration=np.concatenate([cycle.acceleration for cycle in in_turn]),
-        torque=np.concatenate([cycle.torque for cycle in in_turn]),
+        **{name: np.concatenate([getattr(c, name) for c in in_turn]) for name in CYCLE_COLUMNS},  # type: ignore[arg-type]
         inertia=float(np.max([cycle.inertia for cycle in cycles])),
         held=float(np.max([cycle.held for cycle in cycles])),
-        own=_worst([limit for cycle in cycles for limit in cycle.own]),
+        own=tuple(worst.values()),
     )
 
 
@@ -89,40 +91,6 @@ def counts(shares: Sequence[float], times: Sequence[float]) -> list[int]:
     return min(found)[1]
 
 
-def _worst(limits: Sequence[OwnLimit]) -> tuple[OwnLimit, ...]:
-    """Of limits of one name that which is nearest to its demand, or past it most."""
-    worst: dict[str, OwnLimit] = {}
-    for one in limits:
-        other = worst.get(one.name)
-        if other is None or not one.demand * other.limit <= other.demand * one.limit:
-            worst[one.name] = one
-    return tuple(worst.values())
-
-
-# -- Time, distance and highest speed of a machine's motion.
-
-
-class Trip(NamedTuple):
-    """A motion, from its start to its end."""
-
-    time: float  # s
-    distance: float  # m along the path, there and back; NaN of what does not travel
-    top_speed: float  # m/s, or rad/s of a load that turns
-
-
-def trip(spec: RobotSpec) -> Trip:
-    """The motion of a load case, as it is specified; with cases that share its time the motion of all of them."""
-    if spec.platform is not None:
-        from drivesizer.load_cases.platform import trajectory_of
-
-        if trajectory := trajectory_of(spec):
-            fastest = np.hypot(*trajectory.velocity[:2]).max()
-            return Trip(trajectory.total, trajectory.length, float(fastest))
-    cycle = cycle_of_shift(spec)
-    fastest = cycle.radius * float(np.abs(cycle.speed).max())
-    return Trip(cycle.total, distance_of(spec, cycle), float(fastest))
-
-
 def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
     """Distance that a vehicle travels in a cycle."""
     load: Any = spec.load
@@ -138,30 +106,36 @@ def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
 
 def requirement_checks(spec: RobotSpec, required: Requirements) -> tuple[Check, ...]:
     """Time over a distance, speed of the motion, devices; each where it is required."""
-    rotary = spec.load.axis == "rotary"
-    return tuple(column.at((), "budget", rotary=rotary) for column in _columns(spec, required))
-
-
-def _columns(spec: RobotSpec, required: Requirements) -> Iterator[CheckColumn]:
-    found = trip(spec)
+    columns = list[CheckColumn]()
+    time, distance, fastest = _motion(spec)
     if required.travel is not None:
-        time = required.travel.distance / found.distance * found.time
-        yield at_most("travel_time", time, required.travel.within)
+        columns.append(at_most("travel_time", required.travel.distance / distance * time, required.travel.within))
     if required.speed is not None:
-        reached = required.speed if isclose(required.speed, found.top_speed) else found.top_speed  # but for rounding
-        yield at_least("motion_speed", required.speed, reached, by_choice=True)
+        reached = required.speed if isclose(required.speed, fastest) else fastest  # but for rounding
+        columns.append(at_least("motion_speed", required.speed, reached, by_choice=True))
     if required.devices:
-        missing = [name for name in required.devices if name not in _carried(spec)]
+        others = spec.budget.others if spec.budget else ()
+        payloads = spec.platform.payloads if spec.platform else ()
+        carried = {one.name for some in (spec.equipment, others, payloads) for one in some}
+        missing = [name for name in required.devices if name not in carried]
         note = f"not among equipment, budget.others or payloads: {', '.join(missing)}" if missing else ""
         there = len(required.devices) - len(missing)
-        yield at_least("devices", len(required.devices), there, by_choice=True, note=note)
+        columns.append(at_least("devices", len(required.devices), there, by_choice=True, note=note))
+    return tuple(column.at((), "budget", rotary=spec.load.axis == "rotary") for column in columns)
 
 
-def _carried(spec: RobotSpec) -> set[str]:
-    """Names of all that the spec says the machine carries."""
-    others = spec.budget.others if spec.budget else ()
-    payloads = spec.platform.payloads if spec.platform else ()
-    return {one.name for some in (spec.equipment, others, payloads) for one in some}
+def _motion(spec: RobotSpec) -> tuple[float, float, float]:
+    """Time [s], distance there and back [m] and highest speed of a motion; of what does not travel no distance.
+
+    With cases that share its time it is the motion of all of them.
+    """
+    if spec.platform is not None:
+        from drivesizer.load_cases.platform import trajectory_of
+
+        if trajectory := trajectory_of(spec):
+            return trajectory.total, trajectory.length, float(np.hypot(*trajectory.velocity[:2]).max())
+    cycle = cycle_of_shift(spec)
+    return cycle.total, distance_of(spec, cycle), float(cycle.radius * np.abs(cycle.speed).max())
 
 
 # -- Warnings of load cases: a motion that does not end where it started, driven wheels that cannot stand alone.
@@ -178,33 +152,23 @@ _STANDS = 3  # wheels at least
 
 def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
     """A warning where the cycle of a load case ends elsewhere than it starts; empty where it may, or does not."""
-    off = _off(spec)
-    return (_sentence(name, off, spec),) if off else ()
-
-
-def _sentence(name: str, off: float, spec: RobotSpec) -> str:
-    distance = show(abs(off), "deg", "angle", 3) if spec.load.axis == "rotary" else show(abs(off), "mm", "length", 3)
-    of = f" of load case {name}" if name else ""
-    side = "beyond" if off > 0.0 else "short of"
-    return (
-        f"the motion{of} ends {distance} {side} where it starts, and the cycle repeats: bring it back "
-        "(there_and_back: true), or every cycle starts farther on than the one that is sized for"
-    )
-
-
-def _off(spec: RobotSpec) -> float:
-    """Distance of the end of a cycle from its start [m or rad]; 0 where that does not matter."""
-    load = spec.load
-    lever = load.lever
+    lever, rotary = spec.load.lever, spec.load.axis == "rotary"
     pulled = lever is not None and lever.mass * lever.length * lever.share != 0.0
-    if not load.has_end and not pulled:
-        return 0.0
+    if not spec.load.has_end and not pulled:
+        return ()
     moved = course(profile_of(spec))
     travel = moved.duration * moved.speed.mean(axis=1)
     off = float(travel.sum())
     if lever is not None:  # a whole turn brings it back
         off -= _TURN * round(off / _TURN)
-    return off if abs(off) > _ROUNDING * float(abs(travel).sum()) else 0.0
+    if abs(off) <= _ROUNDING * float(abs(travel).sum()):
+        return ()
+    distance = show(abs(off), "deg", "angle", 3) if rotary else show(abs(off), "mm", "length", 3)
+    of, side = f" of load case {name}" if name else "", "beyond" if off > 0.0 else "short of"
+    return (
+        f"the motion{of} ends {distance} {side} where it starts, and the cycle repeats: bring it back "
+        "(there_and_back: true), or every cycle starts farther on than the one that is sized for",
+    )
 
 
 def grip_warning(spec: RobotSpec) -> tuple[str, ...]:
@@ -226,13 +190,12 @@ def grip_warning(spec: RobotSpec) -> tuple[str, ...]:
 
 def load_cases(spec: RobotSpec) -> tuple[tuple[int, str, RobotSpec], ...]:
     """The load cases of a machine as they are sized: one for each driven wheel where its motion is a trajectory."""
-    every = enumerate(spec.load_cases)
-    return tuple((number, *found) for number, (name, case) in every for found in _split(name, case))
+    found: list[tuple[int, str, RobotSpec]] = []
+    for number, (name, case) in enumerate(spec.load_cases):
+        if case.platform is None:
+            found.append((number, name, case))
+        else:
+            from drivesizer.load_cases.platform import wheels
 
-
-def _split(name: str, case: RobotSpec) -> Iterable[tuple[str, RobotSpec]]:
-    if case.platform is None:
-        return ((name, case),)
-    from drivesizer.load_cases.platform import wheels
-
-    return wheels(name, case)
+            found += [(number, *one) for one in wheels(name, case)]
+    return tuple(found)

@@ -21,7 +21,6 @@ from drivesizer.load_cases.profile import profile_of
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.loads.course import Course, Profile
 from drivesizer.loads.hoist import Hoist
-from drivesizer.loads.kinds import Load
 from drivesizer.loads.recorded import ComputedLoad, Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle, rolling_resistance, turning_inertia, wheel_friction
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, rms
@@ -160,15 +159,6 @@ def wheel_load(
     return made
 
 
-def machine_cases(cases: Iterable[tuple[str, Load]]) -> list[tuple[str, list[int]]]:
-    """The load cases of the whole machine: the name of each, and the numbers of those of its wheels."""
-    found: dict[tuple[str, int], list[int]] = {}  # two may have one name, unless they are wheels of one
-    for number, (name, load) in enumerate(cases):
-        key = (load.of, -1) if isinstance(load, WheelLoad) else (name, number)
-        found.setdefault(key, []).append(number)
-    return [(name, numbers) for (name, _), numbers in found.items()]
-
-
 # -- A platform on its trajectory as load cases: one for each driven wheel, wheels with equal load cycles as one.
 #
 # A drive is sized for all of them: for the worst wheel. What the supply and the battery give is shared by all
@@ -250,14 +240,36 @@ def wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
     d, trajectory = dynamics_of(case), trajectory_of(case)
     assert trajectory is not None and isinstance(case.load, WheeledVehicle)
     cycles, driven = cycles_of(case, d, trajectory), d.kinematics.driven
+    groups: list[list[int]] = []  # wheels with equal load cycles, in either direction of turning
+    for i, cycle in enumerate(cycles):
+        group = next((some for some in groups if _alike(cycles[some[0]], cycle)), None)
+        if group is None:
+            groups.append([i])
+        else:
+            group.append(i)
     rolling = own_rolling(d, contact_loads(d.platform, ground=Ground(gravity=case.environment.gravity)))
-    for alike in sorted(_groups(cycles), key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
-        which = _listed([driven[i] + 1 for i in alike])
-        cycle = _with_the_worst_limits([cycles[i] for i in alike])
-        own = float(rolling[driven[alike[0]]])
+    for alike in sorted(groups, key=lambda group: -rms(cycles[group[0]].duration, cycles[group[0]].torque)):
+        *others, last = (str(driven[i] + 1) for i in alike)
+        which = f"wheels {', '.join(others)} and {last}" if others else f"wheel {last}"
+        worst = [max(limits, key=_tightness) for limits in zip(*(cycles[i].own for i in alike), strict=True)]
+        cycle, own = replace(cycles[alike[0]], own=tuple(worst)), float(rolling[driven[alike[0]]])
         load = wheel_load(cycle, case.load.driven_wheels, alike, trajectory.length, name, own)
-        one = case.alone(load=load, motion=None)
-        yield (which if name in ("", AS_SPECIFIED) else f"{name}, {which}"), one
+        yield (which if name in ("", AS_SPECIFIED) else f"{name}, {which}"), case.alone(load=load, motion=None)
+
+
+def _alike(a: LoadCycle, b: LoadCycle) -> bool:
+    """Whether two load cycles are the same but for the direction of turning."""
+    if len(a.duration) != len(b.duration) or not np.allclose(a.duration, b.duration, rtol=_SAME, atol=0.0):
+        return False
+
+    def near(one: Ends, other: Ends) -> bool:
+        return bool(np.abs(one - other).max() <= _SAME * max(np.abs(one).max(), np.abs(other).max()))
+
+    return any(near(a.speed, sign * b.speed) and near(a.torque, sign * b.torque) for sign in (1.0, -1.0))
+
+
+def _tightness(own: OwnLimit) -> float:
+    return float(own.demand / own.limit if own.limit > 0.0 else np.inf if own.limit <= 0.0 else own.demand)
 
 
 def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[LoadCycle, ...]:
@@ -270,49 +282,7 @@ def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[Loa
     known = case.platform is not None and case.platform.height_known  # else nobody knows what a wheel carries
     friction = load.friction_coefficient if known else None
     with _located(case, "motion"):
-        found = wheel_cycles(d, trajectory, ground_of(case), friction=friction)
-    return tuple(replace(cycle, own=tuple(own for own in cycle.own if own.name == "traction")) for cycle in found)
-
-
-def _groups(cycles: Sequence[LoadCycle]) -> list[list[int]]:
-    """Wheels with equal load cycles, in either direction of turning."""
-    found: list[list[int]] = []
-    for i, cycle in enumerate(cycles):
-        group = next((g for g in found if _alike(cycles[g[0]], cycle)), None)
-        if group is None:
-            found.append([i])
-        else:
-            group.append(i)
-    return found
-
-
-def _alike(a: LoadCycle, b: LoadCycle) -> bool:
-    if len(a.duration) != len(b.duration) or not np.allclose(a.duration, b.duration, rtol=_SAME, atol=0.0):
-        return False
-    return any(
-        all(_near(getattr(a, name), sign * getattr(b, name)) for name in ("speed", "torque")) for sign in (1.0, -1.0)
-    )
-
-
-def _near(a: Ends, b: Ends) -> bool:
-    return bool(np.abs(a - b).max() <= _SAME * max(np.abs(a).max(), np.abs(b).max()))
-
-
-def _with_the_worst_limits(cycles: Sequence[LoadCycle]) -> LoadCycle:
-    """The first of cycles alike, with each limit of the load where it is tightest."""
-    worst = [max(limits, key=_tightness) for limits in zip(*(cycle.own for cycle in cycles), strict=True)]
-    return replace(cycles[0], own=tuple(worst))
-
-
-def _tightness(own: OwnLimit) -> float:
-    return own.demand / own.limit if own.limit > 0.0 else np.inf if own.limit <= 0.0 else own.demand
-
-
-def _listed(numbers: list[int]) -> str:
-    """``wheel 2``, ``wheels 1, 3 and 4``."""
-    if len(numbers) == 1:
-        return f"wheel {numbers[0]}"
-    return f"wheels {', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
+        return wheel_cycles(d, trajectory, ground_of(case), friction=friction)
 
 
 # -- A platform driven along a trajectory: the requirements at each of its wheels.
@@ -373,7 +343,11 @@ def with_trajectory(spec: RobotSpec, file: Path | None, failed: Sequence[int] = 
         )
     if file is not None and (reason := missing(file)):
         raise InputError(f"{file}: cannot be read ({reason})")
-    motion = spec.motion if file is None else Track(profile="trajectory", trajectory=_relative_path(spec, file))
+    motion = spec.motion
+    if file is not None:  # by its path from the folder of the spec, where it is in there
+        folder, whole = Path(spec.file).absolute().parent if spec.file else Path.cwd(), file.absolute()
+        path = whole.relative_to(folder) if whole.is_relative_to(folder) else whole
+        motion = Track(profile="trajectory", trajectory=str(path))
     platform = spec.platform
     if failed:
         wheels = len(platform.places)
@@ -382,13 +356,6 @@ def with_trajectory(spec: RobotSpec, file: Path | None, failed: Sequence[int] = 
             raise InputError(f"--failed: there is no wheel {wrong[0]}; expected 1 to {wheels}")
         platform = platform.model_copy(update={"failed": list(failed)})
     return spec.alone(motion=motion, platform=platform)
-
-
-def _relative_path(spec: RobotSpec, file: Path) -> str:
-    """A file's path from the folder of the spec, where it is in there."""
-    folder = Path(spec.file).absolute().parent if spec.file else Path.cwd()
-    whole = file.absolute()
-    return str(whole.relative_to(folder) if whole.is_relative_to(folder) else whole)
 
 
 def driving(spec: RobotSpec) -> Driving:
@@ -406,11 +373,8 @@ def driving(spec: RobotSpec) -> Driving:
     """
     d, trajectory = dynamics_of(spec), trajectory_of(spec)
     assert trajectory is not None
-    wheels = (
-        Wheel(place + 1, cycle, tuple(requirements([cycle])))
-        for place, cycle in zip(d.kinematics.driven, cycles_of(spec, d, trajectory), strict=True)
-    )
-    return Driving(spec, trajectory, tuple(wheels))
+    cycles = zip(d.kinematics.driven, cycles_of(spec, d, trajectory), strict=True)
+    return Driving(spec, trajectory, tuple(Wheel(n + 1, cycle, tuple(requirements([cycle]))) for n, cycle in cycles))
 
 
 def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
@@ -420,36 +384,25 @@ def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
     """
     d, trajectory = dynamics_of(found.spec), found.trajectory
     seen = motion(d, trajectory, ground_of(found.spec))
-    ends = np.cumsum(seen.duration)
-    time = np.stack([np.append(0.0, ends[:-1]), ends], axis=1)
+    edges = np.append(0.0, np.cumsum(seen.duration))
+    time = np.stack([edges[:-1], edges[1:]], axis=1)
     E = d.kinematics.E[list(d.kinematics.driven)]
-    torque = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards,
-                           rotors=False)  # fmt: skip
-    columns = dict(_columns(time, trajectory.at(time.reshape(-1)), seen.eta, map_columns(E, seen.eta), torque, found))
-    keep = _different(np.array([column for column, *_ in columns.values()]))
-    return {name: (column[keep], kind, unit) for name, (column, kind, unit) in columns.items()}
-
-
-def _columns(
-    time: Array, posture: Array, eta: Array, speed: Array, torque: Array, found: Driving
-) -> Iterator[tuple[str, tuple[Array, str, str]]]:
-    yield "time", (time.reshape(-1), "time", "s")
-    for name, row, kind, unit in zip(("x", "y", "heading"), posture, _PLACES, ("m", "m", "deg"), strict=True):
-        yield name, (row, kind, unit)
-    for name, row, (kind, unit) in zip(("forwards", "to_the_left", "turning"), eta, _VELOCITIES, strict=True):
-        yield name, (row.reshape(-1), kind, unit)
-    for wheel, one, other in zip(found.wheels, speed, torque, strict=True):
-        yield f"speed_{wheel.number}", (one.reshape(-1), "rotary_speed", "rpm")
-        yield f"torque_{wheel.number}", (other.reshape(-1), "torque", "N*m")
-
-
-_PLACES = ("length", "length", "angle")
-_VELOCITIES = (("speed", "m/s"), ("speed", "m/s"), ("rotary_speed", "rpm"))
-
-
-def _different(rows: Array) -> NDArray[np.bool_]:
-    """Columns of a table that differ from the one before."""
-    return np.append(True, (np.diff(rows, axis=1) != 0.0).any(axis=0))
+    torques = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards,
+                            rotors=False)  # fmt: skip
+    x, y, heading = trajectory.at(time.reshape(-1))
+    forwards, aside, turning = seen.eta
+    columns: dict[str, tuple[Array, str, str]] = {
+        "time": (time, "time", "s"),
+        "x": (x, "length", "m"), "y": (y, "length", "m"), "heading": (heading, "angle", "deg"),
+        "forwards": (forwards, "speed", "m/s"), "to_the_left": (aside, "speed", "m/s"),
+        "turning": (turning, "rotary_speed", "rpm"),
+    }  # fmt: skip
+    for wheel, speed, torque in zip(found.wheels, map_columns(E, seen.eta), torques, strict=True):
+        columns[f"speed_{wheel.number}"] = (speed, "rotary_speed", "rpm")
+        columns[f"torque_{wheel.number}"] = (torque, "torque", "N*m")
+    rows = np.array([column.reshape(-1) for column, *_ in columns.values()])
+    keep = np.append(True, (np.diff(rows, axis=1) != 0.0).any(axis=0))  # those that differ from the one before
+    return {name: (row[keep], *unit) for row, (name, (_, *unit)) in zip(rows, columns.items(), strict=True)}
 
 
 # -- The load as inertia and torques at the shaft, for the closed loop, where the motion is not known beforehand.
@@ -483,34 +436,27 @@ class AtShaft(NamedTuple):
 @np.errstate(all="ignore")  # what leaves the range of numbers is refused with the drive train
 def at_shaft(spec: RobotSpec) -> AtShaft:
     """Inertia and torques of a spec's load at the shaft."""
-    forward, rest = _creeping(spec, _CREEP), _creeping(spec, 0.0)
-    found = (_first(forward), _backward(spec), _first(rest))
-    return AtShaft(forward.inertia, forward.radius, *found)
 
+    def creeping(speed: float) -> LoadCycle:
+        """A second at a speed, from where the motion starts; of a recording without its torque."""
+        ends, still, load = np.full((1, 2), speed), np.zeros((1, 2)), spec.load
+        if isinstance(load, Recorded):
+            rolling = load.rolling_torque if isinstance(load, WheelLoad) else 0.0
+            torque = np.full((1, 2), math.copysign(rolling, speed) if speed else 0.0)
+            alone = LoadCycle("creeping", np.ones(1), ends, still, torque, load.shaft_inertia)
+        else:
+            alone = cycle_of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, still))
+        return driven_shaft_cycle(spec, alone)
 
-def _creeping(spec: RobotSpec, speed: float) -> LoadCycle:
-    """A second at a speed, from where the motion starts; of a recording without its torque."""
-    ends, still, load = np.full((1, 2), speed), np.zeros((1, 2)), spec.load
-    if isinstance(load, Recorded):
-        rolling = load.rolling_torque if isinstance(load, WheelLoad) else 0.0
-        torque = np.full((1, 2), math.copysign(rolling, speed) if speed else 0.0)
-        alone = LoadCycle("creeping", np.ones(1), ends, still, torque, load.shaft_inertia)
-    else:
-        alone = cycle_of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, still))
-    return driven_shaft_cycle(spec, alone)
-
-
-def _first(cycle: LoadCycle) -> float:
-    return float(cycle.torque[0, 0])
-
-
-def _backward(spec: RobotSpec) -> float:
+    forward = creeping(_CREEP)
     try:
-        return _first(_creeping(spec, -_CREEP))
+        backward = float(creeping(-_CREEP).torque[0, 0])
     except InputError:
         if not isinstance(spec.load, Hoist):
             raise
-        return 0.0  # friction outweighs the load: its rope hangs slack and pulls with nothing
+        backward = 0.0  # friction outweighs the load: its rope hangs slack and pulls with nothing
+    first, rest = (float(cycle.torque[0, 0]) for cycle in (forward, creeping(0.0)))
+    return AtShaft(float(forward.inertia), float(forward.radius), first, backward, rest)
 
 
 def motion_of(spec: RobotSpec) -> Profile:
@@ -524,7 +470,7 @@ def motion_of(spec: RobotSpec) -> Profile:
 
 
 def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArray[np.float64]:
-    """Torque of a motion beyond inertia and the constants of its direction."""
+    """Torque of a motion beyond inertia and the constants of its direction: rows of rising time and torque."""
     cycle = load_cycle(spec, None if isinstance(spec.load, Recorded) else profile)
     direction = np.sign(cycle.speed.mean(axis=1, keepdims=True))
     known = np.where(direction > 0.0, shaft.forward_torque, shaft.backward_torque)
@@ -536,17 +482,12 @@ def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArr
         return np.empty((0, 2))
     level = np.abs(left[:, 1] - left[:, 0]) <= _NOTHING * largest
     left[level, 1] = left[level, 0]
+    small = _NOTHING * largest
     edges = profile.time[0] + np.concatenate([[0.0], np.cumsum(cycle.duration)])
-    return _corners(edges, left, _NOTHING * largest)
-
-
-def _corners(edges: NDArray[np.float64], value: NDArray[np.float64], small: float) -> NDArray[np.float64]:
-    """Segments with two ends as rows of rising time; where the ends of two segments meet, one row is enough."""
     time = np.stack([edges[:-1], edges[1:]], axis=1)
-    meets = np.append(np.abs(value[1:, 0] - value[:-1, 1]) <= small, False)
+    meets = np.append(np.abs(left[1:, 0] - left[:-1, 1]) <= small, False)  # one row is enough for two ends
     time[:-1, 1] = np.maximum(np.nextafter(time[:-1, 1], -math.inf), time[:-1, 0])
     kept = np.stack([np.ones(len(meets), bool), ~meets], axis=1).ravel()
-    rows: NDArray[np.float64] = np.stack([time, value], axis=2).reshape(-1, 2)[kept]
-    rises = np.append(np.diff(rows[:, 0]) > 0.0, True)
-    found: NDArray[np.float64] = rows[rises]
+    rows: NDArray[np.float64] = np.stack([time, left], axis=2).reshape(-1, 2)[kept]
+    found: NDArray[np.float64] = rows[np.append(np.diff(rows[:, 0]) > 0.0, True)]
     return found  # a segment too short for its times to differ: its end

@@ -18,7 +18,7 @@ from drivesizer.files.csv_columns import columns, path_from_spec
 from drivesizer.loads.course import Profile, columns_of
 from drivesizer.physics.load_cycle import Figure, LoadCycle
 from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
-from drivesizer.spec.motions import Cam, Csv, Harmonic, Hold, Move, SCurve, Segments, Trapezoid, Triangle
+from drivesizer.spec.motions import Cam, Csv, Harmonic, Move, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
@@ -78,18 +78,16 @@ def checked(profile: Profile, field: str) -> Profile:
 # largest values are the coefficients :math:`C_v` and :math:`C_a` of VDI 2143 part 1, and :math:`C_{rms}` is that of
 # the RMS acceleration, by which the RMS torque of a load that is inertia alone goes.
 #
-# =================  ==============  ===================  =============
-# =============================================== law                C_v             C_a                  C_rms
-# f'(x) =================  ==============  ===================  =============
-# =============================================== triangle           2               4                    4
-# straight lines; the least peak acceleration trapezoid          1.5             4.5                  3.674
-# straight lines, a third each parabola           1.5             6                    3.464          6 x (1 - x);
-# the least RMS acceleration sine               π/2             π²/2                 3.489          π/2 sin πx poly5
-# 1.875           5.7735               4.140          30 x² (1 - x)² cycloidal          2               2π
-# 4.443          1 - cos 2πx modified_sine      4π/(4 + π)      4π²/(4 + π)          3.909          sines of x at the
-# ends and of x/3 between modified_trapezoid 2               8π/(2 + π)           4.233          constant
-# acceleration between sines =================  ==============  ===================  =============
-# ===============================================
+# | law | C_v | C_a | C_rms | f'(x) |
+# |---|---|---|---|---|
+# | triangle | 2 | 4 | 4 | straight lines; the least peak acceleration |
+# | trapezoid | 1.5 | 4.5 | 3.674 | straight lines, a third each |
+# | parabola | 1.5 | 6 | 3.464 | 6 x (1 - x); the least RMS acceleration |
+# | sine | π/2 | π²/2 | 3.489 | π/2 sin πx |
+# | poly5 | 1.875 | 5.7735 | 4.140 | 30 x² (1 - x)² |
+# | cycloidal | 2 | 2π | 4.443 | 1 - cos 2πx |
+# | modified_sine | 4π/(4 + π) | 4π²/(4 + π) | 3.909 | sines of x at the ends and of x/3 between |
+# | modified_trapezoid | 2 | 8π/(2 + π) | 4.233 | constant acceleration between sines |
 #
 # Acceleration jumps at both ends of the first four; the others start and end without a jump.
 
@@ -102,22 +100,6 @@ class Law(NamedTuple):
 
     at: Callable[[float], _Point]  # f' and f'' at a share of the time
     peaks: tuple[float, ...] = ()  # shares at which it peaks, beside eighths of the time
-
-
-def _parabola(x: float) -> _Point:
-    return 6.0 * x * (1.0 - x), 6.0 - 12.0 * x
-
-
-def _sine(x: float) -> _Point:
-    return math.pi / 2 * math.sin(math.pi * x), math.pi**2 / 2 * math.cos(math.pi * x)
-
-
-def _poly5(x: float) -> _Point:
-    return 30.0 * x**2 * (1.0 - x) ** 2, 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)
-
-
-def _cycloidal(x: float) -> _Point:
-    return 1.0 - math.cos(2 * math.pi * x), 2 * math.pi * math.sin(2 * math.pi * x)
 
 
 def _modified_sine(x: float) -> _Point:
@@ -142,10 +124,13 @@ def _modified_trapezoid(x: float) -> _Point:
 
 
 LAWS: dict[str, Law] = {
-    "parabola": Law(_parabola),
-    "sine": Law(_sine),
-    "poly5": Law(_poly5, ((3 - math.sqrt(3)) / 6, (3 + math.sqrt(3)) / 6)),
-    "cycloidal": Law(_cycloidal),
+    "parabola": Law(lambda x: (6.0 * x * (1.0 - x), 6.0 - 12.0 * x)),
+    "sine": Law(lambda x: (math.pi / 2 * math.sin(math.pi * x), math.pi**2 / 2 * math.cos(math.pi * x))),
+    "poly5": Law(
+        lambda x: (30.0 * x**2 * (1.0 - x) ** 2, 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)),
+        ((3 - math.sqrt(3)) / 6, (3 + math.sqrt(3)) / 6),
+    ),
+    "cycloidal": Law(lambda x: (1.0 - math.cos(2 * math.pi * x), 2 * math.pi * math.sin(2 * math.pi * x))),
     "modified_sine": Law(_modified_sine),
     "modified_trapezoid": Law(_modified_trapezoid),
 }
@@ -168,19 +153,15 @@ def move(motion: Move) -> Profile:
     >>> move(Move(profile="move", distance="3 m", time="3 s")).speed
     (0.0, 1.5, 1.5, 0.0)
     """
-    span, (up, down) = motion.time, motion.ramps
-    if motion.law in LAWS:
-        return _curved_move(motion)
-    cruise = span - up - down
-    level = np.where(cruise > _STILL * span, cruise, 0.0)  # of ramps that fill the time, not what rounding leaves
-    top = motion.distance / (span - (up + down) / 2)
-    legs = (("time", up, top), ("time", level, top), ("time", down, 0.0), ("rest_time", motion.rest_time, 0.0))
-    return straight("move", legs, motion.there_and_back)
-
-
-def _curved_move(motion: Move) -> Profile:
-    """A move by a curved law, its rest, and the same back."""
-    law, span, stroke = LAWS[motion.law], motion.time, motion.distance
+    span, stroke = motion.time, motion.distance
+    if motion.law not in LAWS:
+        up, down = motion.ramps
+        cruise = span - up - down
+        level = np.where(cruise > _STILL * span, cruise, 0.0)  # of ramps that fill the time, not what rounding leaves
+        top = stroke / (span - (up + down) / 2)
+        legs = (("time", up, top), ("time", level, top), ("time", down, 0.0), ("rest_time", motion.rest_time, 0.0))
+        return straight("move", legs, motion.there_and_back)
+    law = LAWS[motion.law]
     shares = sorted({k / _STROKE for k in range(_STROKE + 1)} | set(law.peaks))
     points = [(x * span, *law.at(x)) for x in shares]
     time = [t for t, _, _ in points]
@@ -291,7 +272,6 @@ def rest_left(total: Figure, until: float | None) -> Figure:
 # what the straight lines add where the curve is hollow, they take away where it bulges.
 
 
-_PLACE = ("length", "angle")  # of a load along a line, or about an axis
 SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
 
 _PIECES = 32  # of a jerk phase
@@ -305,10 +285,15 @@ def trapezoid(motion: Trapezoid) -> Profile:
     >>> trapezoid(Trapezoid(speed="1.5 m/s", acceleration_time="2 s", cruise_time="3 s", rest_time="1 s")).time
     (0.0, 2.0, 5.0, 7.0, 8.0)
     """
+    down = motion.deceleration_time
     legs = (
         ("acceleration_time", motion.acceleration_time, motion.speed),
         ("cruise_time", motion.cruise_time, motion.speed),
-        (*_deceleration(motion), 0.0),
+        (
+            "acceleration_time" if down is None else "deceleration_time",
+            motion.acceleration_time if down is None else down,
+            0.0,
+        ),
         ("rest_time", motion.rest_time, 0.0),
     )
     return straight("trapezoid", legs, motion.there_and_back)
@@ -358,9 +343,12 @@ def _rounded(motion: Trapezoid) -> Profile:
     Each ramp is all jerk, up and back: in the time T of a straight one the acceleration reaches 2 v / T at its middle,
     twice that of the straight one, with the jerk 4 v / T^2.
     """
-    field, down = _deceleration(motion)
-    ramps = [_ramp(motion.speed, time / 2, 0.0) for time in (motion.acceleration_time, down)]
-    return _curve(ramps[0], motion.cruise_time, ramps[1], motion, field)
+    up = down = motion.acceleration_time
+    if motion.deceleration_time is not None:
+        down = motion.deceleration_time
+    rising, falling = (_ramp(motion.speed, time / 2, 0.0) for time in (up, down))
+    field = "acceleration_time" if motion.deceleration_time is None else "deceleration_time"
+    return _curve(rising, motion.cruise_time, falling, motion, field)
 
 
 def harmonic(motion: Harmonic) -> Profile:
@@ -376,22 +364,6 @@ def harmonic(motion: Harmonic) -> Profile:
     speed = tuple(motion.amplitude * omega * sine[k % (4 * n)] for k in range(4 * n + 1))
     slope = tuple(motion.amplitude * omega * omega * sine[(k + n) % (4 * n)] for k in range(4 * n + 1))
     return checked(Profile("harmonic", time, speed, slope), "period")
-
-
-def hold(motion: Hold) -> Profile:
-    """At rest all the time.
-
-    >>> hold(Hold(profile="hold", time="1 min"))
-    Profile(name='hold', time=(0.0, 60.0), speed=(0.0, 0.0), acceleration=None, payload=None, ends=None)
-    """
-    return straight("hold", [("time", motion.time, 0.0)])
-
-
-def _deceleration(motion: Trapezoid) -> tuple[str, float]:
-    """The field that gives the time of deceleration, and the time [s]."""
-    if motion.deceleration_time is None:
-        return "acceleration_time", motion.acceleration_time
-    return "deceleration_time", motion.deceleration_time
 
 
 def _curve(rising: _Ramp, cruise: float, down: _Ramp, motion: SCurve | Trapezoid, field: str) -> Profile:
@@ -424,7 +396,7 @@ _MADE: dict[str, Callable[[Any], Profile]] = {
     "move": move,
     "s_curve": s_curve,
     "harmonic": harmonic,
-    "hold": hold,
+    "hold": lambda motion: straight("hold", [("time", motion.time, 0.0)]),
     "segments": segments,
 }
 
@@ -437,8 +409,10 @@ def profile_of(spec: RobotSpec) -> Profile:
     with located(spec):
         if isinstance(motion, Csv | Cam):
             path = path_from_spec(spec.file, motion.file, spec.where(("motion", "file")))
-            rotary = spec.load.axis == "rotary"
-            made = from_csv(path, _kind(spec)) if isinstance(motion, Csv) else cam(path, motion, _PLACE[rotary])
+            if isinstance(motion, Csv):
+                made = from_csv(path, SPEED[spec.load.axis][0])
+            else:
+                made = cam(path, motion, "angle" if spec.load.axis == "rotary" else "length")
             made = replace(made, name=motion.file)
         else:
             made = _carrying(_MADE[motion.profile](motion), motion)
@@ -490,9 +464,10 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     InputError
         When it is none of them, or the file is wrong.
     """
-    names, own = [_shown(kind) for kind in _MADE], _shown(spec.motion.profile if spec.motion else spec.load.kind)
+    names = [kind.replace("_", "-") for kind in _MADE]
+    own = (spec.motion.profile if spec.motion else spec.load.kind).replace("_", "-")
     if name_or_file.lower().endswith(".csv"):
-        return from_csv(name_or_file, _kind(spec))
+        return from_csv(name_or_file, SPEED[spec.load.axis][0])
     if name_or_file not in names:
         raise InputError(
             f"profile {quoted(name_or_file)} is not known; expected {', '.join(names)} or a file that ends in .csv"
@@ -509,12 +484,3 @@ def from_csv(path: str | Path, kind: str = "speed") -> Profile:
     """A recorded profile: a file with the columns time and speed, see :func:`drivesizer.files.csv_columns.columns`."""
     found = columns(Path(path), {"time": "time", "speed": kind})
     return Profile(str(path), tuple(found["time"].tolist()), tuple(found["speed"].tolist()))
-
-
-def _shown(kind: str) -> str:
-    """The name of a kind of motion on the command line."""
-    return kind.replace("_", "-")
-
-
-def _kind(spec: RobotSpec) -> str:
-    return "rotary_speed" if spec.load.axis == "rotary" else "speed"

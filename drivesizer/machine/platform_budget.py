@@ -40,8 +40,6 @@ from drivesizer.platform.stability import (
     carrying,
     least_load,
     least_margin,
-    least_margin_share,
-    least_share,
     lift_off_acceleration,
     lift_off_slope,
     support_polygon,
@@ -369,8 +367,8 @@ def stability_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     at_rest = contact_loads(s.d.platform, ground=Ground(gravity=s.gravity))
     found = [fits("centre_of_mass", bool(carrying(at_rest).all()), True), _limit(s, "lift_off"), _limit(s, "tipping")]
     if s.trajectory is not None:
-        found.append(_off(s, "wheel_unloading", least_share(s.d.platform, s.trajectory, s.ground)))
-        found.append(_off(s, "tipping_motion", least_margin_share(s.d.platform, s.trajectory, s.ground)))
+        found.append(_off(s, "wheel_unloading", least_load(s.d.platform, s.trajectory, s.ground, share=True)))
+        found.append(_off(s, "tipping_motion", least_margin(s.d.platform, s.trajectory, s.ground, share=True)))
     return _noted(found)
 
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError
 
 __all__ = [
-    "Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "exceeded", "integral", "lasting_speeds",
-    "mean_product", "mean_running", "middle", "places", "rms",
+    "CYCLE_COLUMNS", "Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "exceeded", "integral",
+    "lasting_speeds", "mean_product", "mean_running", "middle", "places", "rms",
 ]  # fmt: skip
 
 
@@ -91,7 +91,7 @@ class LoadCycle:
         own = tuple(
             one._replace(demand=some(one.demand), limit=some(one.limit), time=some(one.time)) for one in self.own
         )
-        names = ("duration", *_COLUMNS, "inertia", "radius", "held")
+        names = (*CYCLE_COLUMNS, "inertia", "radius", "held")
         return replace(self, own=own, **{name: some(getattr(self, name)) for name in names})
 
     def side_by_side(self) -> LoadCycle:
@@ -151,6 +151,7 @@ def _within(column: NDArray[np.float64]) -> bool:
 
 
 _COLUMNS = ("speed", "acceleration", "torque")
+CYCLE_COLUMNS = ("duration", *_COLUMNS)
 
 
 def cut_points(column: Ends, speed: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], Ends]:

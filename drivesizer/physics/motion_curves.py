@@ -156,7 +156,7 @@ def fastest_ramp(distance: float, speed: float, acceleration: float, jerk: float
     distance
         From rest to rest [m].
     speed, acceleration, jerk
-        Limits [m/s], [m/s^2], [m/s^3], above 0.
+        Limits [m/s], [m/s^2], [m/s^3], above 0; an infinite jerk is no limit: no time in a jerk phase.
 
     Returns
     -------
@@ -168,9 +168,12 @@ def fastest_ramp(distance: float, speed: float, acceleration: float, jerk: float
     ArithmeticError
         When there is no such move within the range of numbers.
     """
+    v, a, j = speed, acceleration, jerk
+    if math.isinf(j):
+        up = min(v / a, math.sqrt(distance / a))
+        return 0.0, up, max(distance / (a * up) - up, 0.0)
     import ruckig
 
-    v, a, j = speed, acceleration, jerk
     length = min(distance, 4 * v * max(v / a, math.sqrt(v / j)))
     unit = max(length / v, 2 * math.sqrt(length / a), math.cbrt(32 * length / j))
     task, found = ruckig.InputParameter(1), ruckig.Trajectory(1)

@@ -39,13 +39,6 @@ class Ground:
     uphill: Any = 0.0  # rad, direction in the world
     gravity: float = 9.80665  # m/s^2
 
-    def __post_init__(self) -> None:
-        for name in ("slope", "uphill", "gravity"):
-            if not np.isfinite(getattr(self, name)).all():
-                raise InputError(f"ground: {name} must be a finite number")
-        if not (np.abs(self.slope) < np.pi / 2.0).all():
-            raise InputError("ground: slope must lie between -90 deg and 90 deg")
-
 
 LEVEL = Ground()
 
@@ -205,16 +198,12 @@ def dynamics(platform: Platform, weights: Sequence[float] | None = None) -> Dyna
     M_R = eq.mass_matrix(p.mass, p.inertia + p.mass * (p.x**2 + p.y**2), p.x, p.y)
     M_phi = eq.wheel_inertias(np.array([w.inertia + w.rotor_inertia for w in p.wheels]))
     M, C = eq.inertia_matrix(M_R, k.E, M_phi), eq.coriolis_matrix(1.0, p.mass, p.x, p.y)
-    return Dynamics(p, k, M, C, _distribution(k, weights))
-
-
-def _distribution(k: Kinematics, weights: Sequence[float] | None) -> Array:
-    """D: of all torques that make a force, those with the least sum of squares over weights."""
     share = np.ones(len(k.driven)) if weights is None else columns(weights, len(k.driven), "weights")
     if not (share > 0.0).all():
         raise InputError(f"weights: must be above 0, got {', '.join(f'{w:g}' for w in share)}")
     root = np.sqrt(share)[:, None]
-    return np.asarray(root * (np.linalg.pinv((root * (k.E[list(k.driven)] @ k.motions)).T) @ k.motions.T))
+    D = root * (np.linalg.pinv((root * (k.E[list(k.driven)] @ k.motions)).T) @ k.motions.T)
+    return Dynamics(p, k, M, C, D)
 
 
 def signs(rows: Array, eta: Array, reach: float) -> Array:
@@ -464,6 +453,7 @@ def wheel_space(d: Dynamics) -> tuple[Array, Array]:
 _SHORT = 1e-9  # of a piece: none is cut shorter
 _TOWARDS = 1e-3  # how far a direction of rolling goes from that at an end of a piece to that of its middle
 _BLOCK = 8192  # pieces
+_SLIDING = 0.02  # of the largest speed, by which a trajectory may be off what the wheels allow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -483,7 +473,7 @@ class Motion:
         return self.theta if np.any(self.ground.slope) else 0.0
 
 
-def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL, sliding: float = 0.02) -> Motion:
+def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) -> Motion:
     """Motion of a platform on a trajectory, for ``dynamics`` to make torques of.
 
     Parameters
@@ -494,9 +484,6 @@ def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL, sliding:
         Its motion in the world.
     ground
         The floor; where its slope is a column, at both ends of each piece, shape (n, 2).
-    sliding
-        How far the trajectory may be off what the wheels allow, as a share of its largest speed; the platform goes as
-        its driven wheels do on it.
 
     Returns
     -------
@@ -508,7 +495,7 @@ def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL, sliding:
     InputError
         When the wheels do not allow the motion.
     """
-    allowed(d.kinematics, trajectory, sliding)
+    allowed(d.kinematics, trajectory)
     return seen(d, trajectory, ground, largest(trajectory))
 
 
@@ -519,8 +506,8 @@ def largest(trajectory: Trajectory) -> Array:
     return np.array([along, along, np.abs(turn).max()])
 
 
-def allowed(k: Kinematics, trajectory: Trajectory, sliding: float) -> None:
-    """Refuse a trajectory that slides wheels by more than a share of its largest speed.
+def allowed(k: Kinematics, trajectory: Trajectory) -> None:
+    """Refuse a trajectory that slides wheels by more than a share of its largest speed: sampled tracks need some.
 
     Parameters
     ----------
@@ -528,22 +515,18 @@ def allowed(k: Kinematics, trajectory: Trajectory, sliding: float) -> None:
         The wheels.
     trajectory
         In the world.
-    sliding
-        Share of the largest speed.
 
     Raises
     ------
     InputError
-        When it does, or the share is none.
+        When it does.
     """
-    if not 0.0 < sliding < 1.0:
-        raise InputError(f"sliding: must lie between 0 and 1, got {sliding!r}")
     if not len(k.held):
         return
     along, _, turning = largest(trajectory)
     eta, _ = trajectory.in_robot()
     off = np.abs(map_columns(k.held, eta)).max(axis=0)
-    if not off.max() <= sliding * (along + max(w.L for w in k.wheels) * turning):
+    if not off.max() <= _SLIDING * (along + max(w.L for w in k.wheels) * turning):
         at = trajectory.time.reshape(-1)[int(off.argmax())]
         check_allowed(k, eta, f"trajectory at {at:.4g} s")
         raise InputError(f"trajectory at {at:.4g} s: it slides a wheel by {off.max():.3g} m/s, more than permitted")
@@ -570,7 +553,8 @@ def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Mot
         eta, eta_dot = map_columns(made, eta), map_columns(made, eta_dot)
     still = _ROUNDING * (top[0] + k.reach * top[2])  # m/s
     eta = np.where(np.abs(eta) <= still / np.array([1.0, 1.0, k.reach])[:, None, None], 0.0, eta)
-    rows = _resisting(k)
+    wheels = [i for i, w in enumerate(k.wheels) if w.rolling_resistance or w.friction]
+    rows = np.concatenate([k.E[wheels], k.rollers[[i for i, w in enumerate(k.wheels) if w.roller_resistance]]])
     turning = map_columns(rows, eta)
     turning[np.abs(turning) <= (still * row_sizes(rows, k.reach))[:, None, None]] = 0.0
     owner, start, end = _cuts(turning)
@@ -590,13 +574,6 @@ def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Mot
 def _towards(eta: Array) -> Array:
     """The velocity at each end, turned a little to that of the piece: at rest, it is where the piece goes."""
     return np.asarray(eta + _TOWARDS * (eta.mean(axis=2, keepdims=True) - eta))
-
-
-def _resisting(k: Kinematics) -> Array:
-    """Rows of what resists over velocity: wheels that roll hard or rub, and their rollers."""
-    wheels = [i for i, w in enumerate(k.wheels) if w.rolling_resistance or w.friction]
-    rollers = [i for i, w in enumerate(k.wheels) if w.roller_resistance]
-    return np.concatenate([k.E[wheels], k.rollers[rollers]])
 
 
 def _cuts(turning: Array) -> tuple[Any, Array, Array]:

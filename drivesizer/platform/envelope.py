@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drivesizer.errors import InputError
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, control_points, halves
 
@@ -26,12 +25,6 @@ __all__ = [
 # takes up :math:`(W + d \sin t) / \cos t` of a passage of depth d. Lengths in m, angles in rad.
 
 
-def _checked(record: object, what: str, **figures: float) -> None:
-    for name, value in figures.items():
-        if not 0.0 < value < math.inf:  # written so that NaN fails too
-            raise InputError(f"{what}: {name} must be above 0, got {value!r}")
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Size:
     """Outer box of a platform, its middle at (x, y) from the reference point."""
@@ -41,11 +34,6 @@ class Size:
     height: float  # m above the floor
     x: float = 0.0  # m, of the rectangle's middle
     y: float = 0.0  # m
-
-    def __post_init__(self) -> None:
-        _checked(self, "size", length=self.length, width=self.width, height=self.height)
-        if not math.isfinite(self.x) or not math.isfinite(self.y):
-            raise InputError("size: x and y must be finite numbers")
 
     @property
     def corners(self) -> Array:
@@ -71,15 +59,6 @@ class Passage:
     x: float = 0.0  # m, of its middle in the world
     y: float = 0.0  # m
     direction: float = 0.0  # rad, of passing through
-
-    def __post_init__(self) -> None:
-        _checked(self, f"passage {self.name}", width=self.width)
-        if self.height is not None:
-            _checked(self, f"passage {self.name}", height=self.height)
-        if not 0.0 <= self.depth < math.inf:
-            raise InputError(f"passage {self.name}: depth must be 0 or more, got {self.depth!r}")
-        if not all(math.isfinite(v) for v in (self.x, self.y, self.direction)):
-            raise InputError(f"passage {self.name}: x, y and direction must be finite numbers")
 
 
 def width_at(size: Size, heading: float, aside: float = 0.0) -> float:

@@ -9,30 +9,30 @@ from typing import Any
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
+from drivesizer.physics.load_cycle import LoadCycle, OwnLimit, end_times
 from drivesizer.platform.dynamics import (
     LEVEL,
     Dynamics,
     Ground,
-    Motion,
     allowed,
     blocks,
     centre_acceleration,
     contact_loads,
     largest,
+    own_rolling,
     required_force,
     seen,
     signs,
     wheel_torques,
-)
+)  # fmt: skip
 from drivesizer.platform.kinematics import columns, map_columns
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.stability import Moment, lift_off_acceleration, of_centre
 from drivesizer.platform.trajectory import Trajectory, finer
 
 __all__ = [
-    "contact_forces", "effective_inertia", "floor_forces", "grip_acceleration", "grip_slope", "needed_friction",
-    "translations", "wheel_cycles", "wheel_loads", "worst_friction",
+    "effective_inertia", "floor_forces", "grip_acceleration", "grip_slope", "needed_friction", "translations",
+    "wheel_cycles", "worst_friction",
 ]  # fmt: skip
 
 
@@ -90,7 +90,9 @@ def floor_forces(
     rate = np.broadcast_to(columns(eta_dot, 3, "acceleration of the platform"), rest.shape)
     net = -map_columns(np.asarray(own * k.E, dtype=float), np.asarray(rate))
     net[driven] += torque
-    net -= _rolling(d, columns(eta if towards is None else towards, 3, "direction of rolling"), theta, ground)
+    rolling = columns(eta if towards is None else towards, 3, "direction of rolling")
+    carried = contact_loads(d.platform, theta, ground, samples=rolling.shape[1:])
+    net -= own_rolling(d, carried) * signs(k.E, rolling, k.reach)
     cos = np.array([math.cos(w.roller_angle) for w in wheels])
     lever = np.array([w.radius for w in wheels]) * cos
     found = np.stack([net / lever.reshape(-1, *[1] * (net.ndim - 1)), np.zeros_like(net)])
@@ -101,17 +103,6 @@ def floor_forces(
         found[1, sideways] = holding[: len(sideways)]
         found[0, blocked] = holding[len(sideways) :] / cos[blocked].reshape(-1, *[1] * (net.ndim - 1))
     return found
-
-
-def _rolling(d: Dynamics, towards: Array, theta: Any, ground: Ground) -> Array:
-    """Torque that each wheel needs to roll [N*m], shape (N, ...)."""
-    wheels = d.kinematics.wheels
-    across = (slice(None),) + (None,) * (towards.ndim - 1)
-    C_rr, r, friction = (
-        np.array([getattr(w, name) for w in wheels])[across] for name in ("rolling_resistance", "radius", "friction")
-    )
-    carried = np.maximum(contact_loads(d.platform, theta, ground, samples=towards.shape[1:])[: len(wheels)], 0.0)
-    return np.asarray((C_rr * carried * r + friction) * signs(d.kinematics.E, towards, d.kinematics.reach))
 
 
 def needed_friction(
@@ -251,7 +242,9 @@ def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> flo
     """
     angles = np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS) if uphill is None else np.array([uphill])
     unit = np.array([np.cos(angles), np.sin(angles), 0.0 * angles])
-    climbs = np.where(_allowed(d, unit), unit, 0.0)
+    climbs = np.where(
+        (np.abs(d.kinematics.held @ unit) < 1e-6).all(axis=0), unit, 0.0
+    )  # in directions that wheels allow
     lifts = lift_off_acceleration(d.platform, uphill, 1.0)
     reference = min(0.1, lifts / 2.0)  # any slope on which every contact carries will do
 
@@ -264,11 +257,6 @@ def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> flo
     if reference == 0.0:
         return 0.0
     return math.atan(min(reference * _first_slip(at(0.0), at(reference), friction), lifts))
-
-
-def _allowed(d: Dynamics, unit: Array) -> Array:
-    """Whether the wheels let the platform move in directions (3, m)."""
-    return np.asarray((np.abs(d.kinematics.held @ unit) < 1e-6).all(axis=0))
 
 
 def _first_slip(before: tuple[Array, Array], after: tuple[Array, Array], friction: float) -> float:
@@ -296,11 +284,8 @@ def _first_slip(before: tuple[Array, Array], after: tuple[Array, Array], frictio
 # round with each wheel and roller, so pieces are cut where one does; within a piece they have the sign of the motion
 # in it.
 #
-# Two limits are the load's own:
-#
-# - traction: what the floor must transmit, see ``grip``, against μ N; N is what the wheel carries at that moment,
-# acceleration and slope included. - wheel_unloading: what N is below the wheel's load on a level floor at rest,
-# against that load or the share of it that may be taken off. Past it the platform tips.
+# A limit of the load's own is traction: what the floor must transmit, see ``grip``, against μ N; N is what the wheel
+# carries at that moment, acceleration and slope included.
 #
 # The inertia of a cycle is torque over acceleration where all wheels act together: of the motions that turn the
 # wheels alike in torque and acceleration (eigenvectors of the inertia in the wheels' space), the largest in which
@@ -312,13 +297,7 @@ _TAKES_PART = 1e-3  # of the wheel that turns most
 
 
 def wheel_cycles(
-    d: Dynamics,
-    trajectory: Trajectory,
-    ground: Ground = LEVEL,
-    *,
-    friction: float | None = None,
-    least_load: float = 0.0,
-    sliding: float = 0.02,
+    d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL, *, friction: float | None = None
 ) -> tuple[LoadCycle, ...]:
     """The load cycle of each driven wheel, in the order of the wheels.
 
@@ -332,11 +311,6 @@ def wheel_cycles(
         The floor; where its slope is a column, at both ends of each piece, shape (n, 2).
     friction
         Coefficient μ between wheel and floor [1]; without it the limit of traction is unknown.
-    least_load
-        Share of its load on a level floor at rest that each wheel must keep [1].
-    sliding
-        How far the trajectory may be off what the wheels allow, as a share of its largest speed; the wheels follow
-        what they can of it. Sampled tracks need some.
 
     Returns
     -------
@@ -348,84 +322,30 @@ def wheel_cycles(
     InputError
         When the wheels do not allow the motion, or a figure cannot be computed with.
     """
-    if friction is not None and not 0.0 < friction < np.inf:  # written so that NaN fails too
-        raise InputError(f"friction: must be a number above 0, got {friction!r}")
-    if not 0.0 <= least_load < 1.0:
-        raise InputError(f"least_load: must lie between 0 and 1, got {least_load!r}")
-    k, top = d.kinematics, largest(trajectory)
-    allowed(k, trajectory, sliding)
-    parts = [seen(d, *part, top) for part in blocks(trajectory, ground)]
-    duration = np.concatenate([m.duration for m in parts])
-    columns = np.concatenate([_columns(d, m) for m in parts], axis=2)
-    torque, speed = _snapped(columns[0]), _snapped(columns[1])
-    level = contact_loads(d.platform, ground=Ground(gravity=ground.gravity))
-    time, inertia, made = _time(duration), effective_inertia(d), []
+    k, top, driven = d.kinematics, largest(trajectory), list(d.kinematics.driven)
+    allowed(k, trajectory)
+    durations, parts = [], []
+    for part, floor in blocks(trajectory, ground):
+        m = seen(d, part, floor, top)
+        torque = wheel_torques(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards, rotors=False)
+        speed, gain = (map_columns(k.E[driven], column) for column in (m.eta, m.eta_dot))
+        load = contact_loads(d.platform, m.facing, m.ground, centre_acceleration(d.platform, m.eta, m.eta_dot))[driven]
+        force = floor_forces(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards)
+        durations.append(m.duration)
+        parts.append(np.stack([torque, speed, gain, np.maximum(load, 0.0), np.hypot(*force)[driven]]))
+    duration, columns = np.concatenate(durations), np.concatenate(parts, axis=2)
+    for column in columns[:2]:  # torque and speed without what rounding leaves where there is nothing
+        column[np.abs(column) <= _ROUNDING * np.abs(column).max(initial=0.0)] = 0.0
+    inertia, time, made = effective_inertia(d), end_times(duration).reshape(-1), []
     for i, place in enumerate(k.driven):
-        gain, load, force = columns[2:, i]
-        own = (_grip(time, force, load, friction), _unloading(time, float(level[place]), load, least_load))
-        name, radius = f"wheel {place + 1}", k.wheels[place].radius
-        cycle = LoadCycle(name, duration, speed[i], gain, torque[i], float(inertia[i]), own, radius)
-        made.append(cycle.split())
+        torque, speed, gain, carried, force = columns[:, i]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            worst = int(np.nan_to_num(force / carried, nan=0.0, posinf=np.inf).argmax())
+        held = nan if friction is None else friction * float(carried.reshape(-1)[worst])
+        grip = OwnLimit("traction", float(force.reshape(-1)[worst]), held, float(time[worst]))
+        radius, name = k.wheels[place].radius, f"wheel {place + 1}"
+        made.append(LoadCycle(name, duration, speed, gain, torque, float(inertia[i]), (grip,), radius).split())
     return tuple(made)
-
-
-def _columns(d: Dynamics, m: Motion) -> Array:
-    """Torque, speed, acceleration, load and force on the floor of each driven wheel; shape (5, n driven, n, 2)."""
-    E, ends = d.kinematics.E[list(d.kinematics.driven)], (m.eta, m.eta_dot)
-    torque = wheel_torques(d, *ends, theta=m.facing, ground=m.ground, towards=m.towards, rotors=False)
-    speed, gain = (map_columns(E, c) for c in ends)
-    load = wheel_loads(d, m)[list(d.kinematics.driven)]
-    return np.stack([torque, speed, gain, load, contact_forces(d, m)])
-
-
-def _time(duration: Array) -> Array:
-    """At both ends of each piece, from the start [s]; shape (n, 2)."""
-    end = np.cumsum(duration)
-    return np.stack([end - duration, end], axis=1)
-
-
-def _snapped(values: Array) -> Array:
-    """Columns without what rounding leaves where there is nothing."""
-    values[np.abs(values) <= _ROUNDING * np.abs(values).max(initial=0.0)] = 0.0
-    return values
-
-
-# --- what the floor sees ----------------------------------------------------------------------------------------------
-
-
-def wheel_loads(d: Dynamics, m: Motion) -> Array:
-    """Loads of wheels, then casters [N], below 0 where one would lift off; shape (wheels and casters, n, 2).
-
-    Parameters
-    ----------
-    d
-        The platform.
-    m
-        Its motion, see ``motion``.
-
-    Returns
-    -------
-    array
-        Loads [N], shape (wheels and casters, n, 2).
-    """
-    return contact_loads(d.platform, m.facing, m.ground, accelerated=centre_acceleration(d.platform, m.eta, m.eta_dot))
-
-
-def contact_forces(d: Dynamics, m: Motion) -> Array:
-    """Size of the force between each driven wheel and the floor [N], shape (n driven, n, 2); see ``grip``.
-
-    Parameters
-    ----------
-    d, m
-        The platform and its motion, see ``motion``.
-
-    Returns
-    -------
-    array
-        Forces [N], shape (n driven, n, 2).
-    """
-    forces = floor_forces(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards)
-    return np.asarray(np.hypot(*forces)[list(d.kinematics.driven)])
 
 
 def effective_inertia(d: Dynamics) -> Array:
@@ -446,20 +366,3 @@ def effective_inertia(d: Dynamics) -> Array:
     turns = np.abs(modes) > _TAKES_PART * np.abs(modes).max(axis=0)
     most: Array = np.where(turns, ratio, -np.inf).max(axis=1)
     return np.asarray(np.where(most > 0.0, most, nan))
-
-
-def _grip(time: Array, force: Array, load: Array, friction: float | None) -> OwnLimit:
-    """The force on the floor where it is largest beside what the wheel carries."""
-    carried = np.maximum(load, 0.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        worst = int(np.nan_to_num(force / carried, nan=0.0, posinf=np.inf).argmax())
-    limit = nan if friction is None else friction * float(carried.reshape(-1)[worst])
-    demand = float(force.reshape(-1)[worst])
-    return OwnLimit("traction", demand, limit, float(time.reshape(-1)[worst]))
-
-
-def _unloading(time: Array, before: float, load: Array, share: float) -> OwnLimit:
-    """Largest decrease of a wheel's load."""
-    worst = int(load.argmin())
-    taken, at = before - float(load.reshape(-1)[worst]), float(time.reshape(-1)[worst])
-    return OwnLimit("wheel_unloading", taken, (1.0 - share) * before, at)

@@ -22,11 +22,20 @@ from drivesizer.files.csv_columns import (
     values_of,
 )
 from drivesizer.files.text import read_text
-from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
+from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.platform.matrix_equation import Array
-from drivesizer.platform.trajectory import Trajectory, joined, rest, spline, thinned
+from drivesizer.platform.trajectory import (
+    Trajectory,
+    joined,
+    path_coordinate,
+    refuse_few_digits,
+    rest,
+    speed_at_end,
+    spline,
+    thinned,
+)  # fmt: skip
 
-__all__ = ["Limits", "Waypoint", "last_digit", "plan", "read_track"]
+__all__ = ["Limits", "Waypoint", "plan", "read_track"]
 
 
 # -- From waypoints to a trajectory: straight in the posture from one to the next, as fast as all limits allow.
@@ -50,7 +59,6 @@ __all__ = ["Limits", "Waypoint", "last_digit", "plan", "read_track"]
 
 _PIECES = 32  # of a phase with jerk or turning, and of a radian
 _SAME = 1e-9  # m, rad: postures closer than this are one; also of the directions of legs, of length 1
-_ROUNDING = 1e-12  # of a leg's time: a shorter cruise is none
 _LARGEST = 1e9  # of any figure, in SI
 _MOST_PIECES = 1_000_000
 
@@ -100,15 +108,6 @@ class _Stop(NamedTuple):
     number: int  # of the waypoint, from 1
 
 
-class _Phase(NamedTuple):
-    """Of the path coordinate: time [s], acceleration at both ends [1/s^2], pieces."""
-
-    time: float
-    start: float
-    end: float
-    pieces: int
-
-
 def plan(waypoints: Sequence[Waypoint], limits: Limits) -> Trajectory:
     """The fastest trajectory through waypoints within limits.
 
@@ -137,23 +136,22 @@ def plan(waypoints: Sequence[Waypoint], limits: Limits) -> Trajectory:
     >>> plan([Waypoint(x=0.0, y=0.0, heading=0.0), Waypoint(x=0.0, y=1.0)], limits).total
     2.947202509
     """
-    stops = _joined(_stops(waypoints))
+    stops = _joined(_stops(waypoints)) if waypoints else []
     if len(stops) < 2:
         raise InputError(f"waypoints: {len(waypoints)} given and nothing moves; expected two postures that differ")
-    parts, pieces = _pause_at(stops[0]), 0
-    for before, stop in pairwise(stops):
-        leg = _leg(before, stop, limits)
-        parts += [leg, *_pause_at(stop)]
-        pieces += len(leg.duration)
+    parts: list[Trajectory] = []
+    pieces = 0
+    for before, stop in zip([None, *stops], stops, strict=False):
+        if before is not None:
+            parts.append(_leg(before, stop, limits))
+            pieces += len(parts[-1].duration)
+        if stop.pause > 0.0:
+            parts.append(rest(stop.posture, stop.pause))
         if pieces > _MOST_PIECES:
             raise InputError(
                 f"waypoints: the path turns for too long, over {_MOST_PIECES} pieces; expected fewer turns"
             )
     return joined(parts)
-
-
-def _pause_at(stop: _Stop) -> list[Trajectory]:
-    return [rest(stop.posture, stop.pause)] if stop.pause > 0.0 else []
 
 
 # --- where it stops ---------------------------------------------------------------------------------------------------
@@ -162,55 +160,42 @@ def _pause_at(stop: _Stop) -> list[Trajectory]:
 def _stops(waypoints: Sequence[Waypoint]) -> list[_Stop]:
     """Stops of the platform, turns on the spot among them; one in the place of the one before adds to it."""
     found: list[_Stop] = []
-    for number, w in enumerate(waypoints, 1):
-        heading = _first_heading(waypoints) if number == 1 else _next_heading(waypoints, number, found[-1].posture)
-        if found and w.heading is None:
-            x, y, _ = found[-1].posture
-            _reach(found, _Stop(np.array([x, y, heading]), 0.0, number))
-        _reach(found, _Stop(np.array([w.x, w.y, heading]), w.pause, number))
-    return found
 
+    def reach(x: float, y: float, heading: float, pause: float, number: int) -> None:
+        posture = np.array([x, y, heading])
+        if found and np.abs(posture - found[-1].posture).max() <= _SAME:
+            found[-1] = found[-1]._replace(pause=found[-1].pause + pause)
+        else:
+            found.append(_Stop(posture, pause, number))
 
-def _reach(found: list[_Stop], stop: _Stop) -> None:
-    if found and np.abs(stop.posture - found[-1].posture).max() <= _SAME:
-        found[-1] = found[-1]._replace(pause=found[-1].pause + stop.pause)
-    else:
-        found.append(stop)
-
-
-def _first_heading(waypoints: Sequence[Waypoint]) -> float:
     first = waypoints[0]
-    if first.heading is not None:
-        return first.heading
-    away = (w for w in waypoints if math.hypot(w.x - first.x, w.y - first.y) > _SAME)
-    there = next(away, None)
-    return math.atan2(there.y - first.y, there.x - first.x) if there else 0.0
-
-
-def _next_heading(waypoints: Sequence[Waypoint], number: int, here: Array) -> float:
-    """The heading at a waypoint, counted on from the present one."""
-    before, w = waypoints[number - 2], waypoints[number - 1]
-    if w.heading is not None and before.heading is not None:
-        return float(here[2]) + (w.heading - before.heading)
-    dx, dy = w.x - float(here[0]), w.y - float(here[1])
-    if w.heading is None and math.hypot(dx, dy) <= _SAME:
-        return float(here[2])
-    turn = math.remainder((math.atan2(dy, dx) if w.heading is None else w.heading) - float(here[2]), math.tau)
-    return float(here[2]) + (turn if abs(turn) > _SAME else 0.0)
+    away = next((w for w in waypoints if math.hypot(w.x - first.x, w.y - first.y) > _SAME), first)
+    ahead = math.atan2(away.y - first.y, away.x - first.x)
+    reach(first.x, first.y, ahead if first.heading is None else first.heading, first.pause, 1)
+    for number, (before, w) in enumerate(pairwise(waypoints), 2):
+        x, y, heading = found[-1].posture.tolist()  # counted on from there
+        if w.heading is not None and before.heading is not None:
+            heading += w.heading - before.heading
+        elif w.heading is not None or math.hypot(w.x - x, w.y - y) > _SAME:
+            towards = math.atan2(w.y - y, w.x - x) if w.heading is None else w.heading
+            turn = math.remainder(towards - heading, math.tau)
+            heading += turn if abs(turn) > _SAME else 0.0
+        if w.heading is None:
+            reach(x, y, heading, 0.0, number)
+        reach(w.x, w.y, heading, w.pause, number)
+    return found
 
 
 def _joined(stops: list[_Stop]) -> list[_Stop]:
     """The stops without those that the path goes straight through, place and heading alike."""
     kept = stops[:1]
     for stop, after in zip(stops[1:], [*stops[2:], None], strict=False):
-        if after is None or stop.pause > 0.0 or not _straight(kept[-1].posture, stop.posture, after.posture):
-            kept.append(stop)
+        if after is not None and stop.pause == 0.0:
+            there, on = stop.posture - kept[-1].posture, after.posture - stop.posture
+            if np.abs(there / np.linalg.norm(there) - on / np.linalg.norm(on)).max() <= _SAME:
+                continue
+        kept.append(stop)
     return kept
-
-
-def _straight(a: Array, b: Array, c: Array) -> bool:
-    there, on = b - a, c - b
-    return bool(np.abs(there / np.linalg.norm(there) - on / np.linalg.norm(on)).max() <= _SAME)
 
 
 # --- how it gets from one to the next ---------------------------------------------------------------------------------
@@ -226,81 +211,35 @@ def _leg(before: _Stop, stop: _Stop, limits: Limits) -> Trajectory:
             f"waypoint {stop.number}: the leg to it turns by {degrees}; expected limits of turning_speed and "
             "turning_acceleration"
         )
-    phases = _phases(float(np.hypot(change[0], change[1])), turn, limits, stop.number)
-    duration, s, v, a = _coordinate(phases)
+    distance = float(np.hypot(change[0], change[1]))
+    speed = _tightest((limits.speed, distance), (limits.turning_speed, turn))
+    most = _tightest((limits.acceleration, distance), (limits.turning_acceleration, turn))
+    jerk = _tightest((limits.jerk, distance), (limits.turning_jerk, turn))
+    try:
+        times = fastest_ramp(1.0, speed, most, jerk)
+    except ArithmeticError:
+        times = math.nan, math.nan, math.nan
+    total = 2.0 * (2.0 * times[0] + times[1]) + times[2]
+    if not 0.0 < total < _LARGEST or turn * _PIECES > _MOST_PIECES:
+        raise InputError(
+            f"waypoint {stop.number}: the leg to it takes {total:.3g} s; expected limits that suit the distance"
+        )
+    top = 1.0 / (2.0 * times[0] + times[1] + times[2])
+
+    def pieces(time: float, curved: bool, cruises: bool) -> int:
+        turned = math.ceil(time * top * turn * _PIECES)
+        return max(1, turned) if cruises or not (curved or turn) else max(_PIECES, turned)
+
+    duration, s, v, a = path_coordinate(times, pieces)
     posture = before.posture[:, None, None] + change[:, None, None] * s
     posture[:, 0, 0], posture[:, -1, 1] = before.posture, stop.posture
     velocity, acceleration = (change[:, None, None] * c + 0.0 for c in (v, a))  # no zero with a minus
     return Trajectory(duration, posture, velocity, acceleration)
 
 
-def _phases(distance: float, turn: float, limits: Limits, number: int) -> list[_Phase]:
-    """Of the path coordinate, up to the end of the cruise; what follows is the mirror image."""
-    speed = _tightest((limits.speed, distance), (limits.turning_speed, turn))
-    most = _tightest((limits.acceleration, distance), (limits.turning_acceleration, turn))
-    jerk = _tightest((limits.jerk, distance), (limits.turning_jerk, turn))
-    jerk_time, hold, cruise = _times(speed, most, jerk)
-    total = 2.0 * (2.0 * jerk_time + hold) + cruise
-    cruise = cruise if cruise > _ROUNDING * total else 0.0
-    if not 0.0 < total < _LARGEST or turn * _PIECES > _MOST_PIECES:
-        raise InputError(
-            f"waypoint {number}: the leg to it takes {total:.3g} s; expected limits that suit the distance"
-        )
-    speed = 1.0 / (2.0 * jerk_time + hold + cruise)  # from the times, so that the distance is exact
-    top = speed / (jerk_time + hold)
-    ramp = [(jerk_time, 0.0, top), (hold, top, top), (jerk_time, top, 0.0)]
-
-    def pieces(time: float, even: bool) -> int:
-        turned = math.ceil(time * speed * turn * _PIECES)
-        return max(1, turned) if even else max(_PIECES, turned)
-
-    rising = [_Phase(t, a, b, pieces(t, a == b and turn == 0.0)) for t, a, b in ramp if t > 0.0]
-    return [*rising, _Phase(cruise, 0.0, 0.0, pieces(cruise, True))]
-
-
 def _tightest(*pairs: tuple[float | None, float]) -> float:
     """The least of limits over sizes; infinite where none counts."""
     return min((limit / size for limit, size in pairs if limit is not None and size > 0.0), default=math.inf)
-
-
-def _times(speed: float, acceleration: float, jerk: float) -> tuple[float, float, float]:
-    """Times of the fastest motion from 0 to 1 [s]: of each phase of jerk, of even acceleration, of even speed."""
-    if jerk < math.inf:
-        try:
-            return fastest_ramp(1.0, speed, acceleration, jerk)
-        except ArithmeticError:
-            return 0.0, math.nan, math.nan
-    speed = min(speed, math.sqrt(acceleration))
-    return 0.0, speed / acceleration, max(1.0 / speed - speed / acceleration, 0.0)
-
-
-def _coordinate(phases: Sequence[_Phase]) -> tuple[Array, ...]:
-    """Duration of the pieces, s, its rate and its acceleration at both ends of each."""
-    rising, s, v = [], 0.0, 0.0
-    for p in phases[:-1]:
-        t = np.linspace(0.0, p.time, p.pieces + 1)
-        bend = (p.end - p.start) / p.time
-        place = s + t * (v + t * (p.start / 2.0 + t * (bend / 6.0)))
-        rate = v + t * (p.start + t * (bend / 2.0))
-        rising.append(_ends(p, place, rate, p.start + t * bend))
-        s, v = float(place[-1]), float(rate[-1])
-    cruise, level = phases[-1], []
-    if cruise.time > 0.0:
-        along = np.linspace(s, 1.0 - s, cruise.pieces + 1)
-        level = [_ends(cruise, along, np.full_like(along, v), np.zeros_like(along))]
-    parts = [*rising, *level, *(_mirrored(*p) for p in reversed(rising))]
-    return tuple(np.concatenate(c) for c in zip(*parts, strict=True))
-
-
-def _mirrored(duration: Array, s: Array, v: Array, a: Array) -> tuple[Array, Array, Array, Array]:
-    """A part of the acceleration as the mirrored part of the deceleration."""
-    return duration[::-1], 1.0 - s[::-1, ::-1], v[::-1, ::-1], -a[::-1, ::-1]
-
-
-def _ends(phase: _Phase, *columns: Array) -> tuple[Array, Array, Array, Array]:
-    """Durations, and columns over points as both ends of pieces."""
-    s, v, a = (np.stack([c[:-1], c[1:]], axis=1) for c in columns)
-    return np.full(phase.pieces, phase.time / phase.pieces), s, v, a
 
 
 # -- A file of postures as a trajectory: timed ones as they are, waypoints by the planner.
@@ -337,8 +276,6 @@ _FAR = 2.0  # times a limit is a jump
 _NO_WHEEL = ((50.0, 98.0665), (100.0, 1000.0))  # m/s and m/s^2; rad/s and rad/s^2
 _UNITS = {"x, y": ("m/s", "m/s^2"), "heading": ("rad/s", "rad/s^2")}
 _ABOVE = 3  # line of the first sample
-_EXACT, _MOST_NOISE = 1e-3, 0.2  # m or rad; of the largest acceleration
-_SLOW, _CREEP = 0.25, 0.01  # what is at rest: of the mean speed of two steps; of the largest of all
 
 
 def read_track(
@@ -374,7 +311,11 @@ def read_track(
     if "time" not in header:
         if limits is None:
             raise InputError(f"{file}: waypoints have no times; expected limits to plan with, or a column t")
-        return _planned(file, _waypoints(file, rows, header, factors), limits)
+        waypoints = _waypoints(file, rows, header, factors)
+        try:
+            return plan(waypoints, limits)
+        except InputError as error:
+            raise InputError(f"{file}: {error}") from None
     convert = float if text.isascii() and "_" not in text else plain_number
     found = values_of(file, rows, header, factors, convert)
     refuse_impossible(file, [*found.T], header, _KINDS, factors)
@@ -392,8 +333,12 @@ def read_track(
     _no_outliers(file, time, made, limits, thinned(time, smoothing))
     _refuse_moving_ends(file, time, made, thinned(time, smoothing))
     if smoothing == 0.0:
-        known = dict(zip(header, factors, strict=True))
-        _enough_digits(file, time, posture, [known[name] for name in ("x", "y", "heading")])
+        step = float(np.median(np.diff(time)))
+        gain = np.abs(np.diff(np.diff(made, axis=1) / np.diff(time), axis=1) / step)
+        for name, row, of_it, unit in zip(
+            ("x", "y", "heading"), posture, (gain[:2], gain[:2], gain[2]), ("m", "m", "rad"), strict=True
+        ):
+            refuse_few_digits(f"{file}: {name}", row, factors[header.index(name)], step, float(of_it.max()), unit)
     return spline(time, made, smoothing)
 
 
@@ -427,13 +372,6 @@ def _waypoints(
         except InputError as error:
             raise InputError(f"{path}:{line}: {error}") from None
     return found
-
-
-def _planned(path: Path, waypoints: list[Waypoint], limits: Limits) -> Trajectory:
-    try:
-        return plan(waypoints, limits)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
 
 
 # --- what is no motion of a platform ----------------------------------------------------------------------------------
@@ -477,53 +415,14 @@ def _most(limits: Limits | None) -> dict[str, tuple[slice, tuple[float, float]]]
     return {"x, y": (slice(0, 2), driving), "heading": (slice(2, 3), turning)}
 
 
-def _enough_digits(path: Path, time: Array, posture: Sequence[Array], factors: list[float]) -> None:
-    """Refuse a track whose last digits make up much of its acceleration.
-
-    A spline through values rounded to q, h apart, is off by up to 6 q/h² in its second derivative. Digits coarser than
-    1 mm or 1 mrad are taken as exact: so a track is written by hand.
-    """
-    step = float(np.median(np.diff(time)))
-    made = np.array([posture[0], posture[1], np.unwrap(posture[2])])
-    gain = np.abs(np.diff(np.diff(made, axis=1) / np.diff(time), axis=1) / step)
-    for column, row, factor in zip(("x", "y", "heading"), posture, factors, strict=True):
-        digit = last_digit(row / factor) * factor
-        largest = (gain[2] if column == "heading" else gain[:2]).max()
-        noise = 6.0 * digit / step**2
-        if digit <= _EXACT and _MOST_NOISE * largest < noise and np.ptp(row) > 0.0:
-            unit, rate = ("rad", "rad/s^2") if column == "heading" else ("m", "m/s^2")
-            raise InputError(
-                f"{path}: {column}: the last digit, {digit:.3g} {unit}, stands for {noise:.3g} {rate} every {step:g} s,"
-                f" of {largest:.3g} {rate} in all; expected more digits, or smoothing"
-            )
-
-
-def last_digit(values: Array) -> float:
-    """The power of ten that all values are whole multiples of; 0 where they have more than nine decimals.
-
-    >>> last_digit(np.array([1.25, 0.5]))
-    0.01
-    """
-    for digits in range(10):
-        scaled = values * 10.0**digits
-        if (np.abs(scaled - np.round(scaled)) <= 1e-6 + 1e-15 * np.abs(scaled)).all():
-            return float(10.0**-digits)
-    return 0.0
-
-
 def _refuse_moving_ends(path: Path, time: Array, posture: Array, kept: Any) -> None:
     """Refuse a track that does not start and end at rest."""
     time, posture = time[kept], posture[:, kept]
-    top = np.abs(np.diff(posture, axis=1) / np.diff(time)).max(axis=1)
-    for here, last, word in ((slice(None, 3), 0, "starts"), (slice(-3, None), -1, "ends")):
-        t = time[here]
-        slope = np.array([local_parabola(t, row[here], 0.0)[1][last] for row in posture])
-        mean = (posture[:, here][:, -1] - posture[:, here][:, 0]) / (t[-1] - t[0])
+    for last, word in ((0, "starts"), (-1, "ends")):
         for column, rows in (("x, y", slice(0, 2)), ("heading", slice(2, 3))):
-            along, size = float(slope[rows] @ mean[rows]), float(np.hypot.reduce(mean[rows]))
-            if along > size * max(_SLOW * size, _CREEP * float(np.hypot.reduce(top[rows]))):
-                line = _ABOVE + int(kept[last])
+            speed = speed_at_end(time, posture[rows], last)
+            if speed:
                 raise InputError(
-                    f"{path}:{line}: {column}: the track {word} at {along / size:.3g} {_UNITS[column][0]}; expected "
-                    "rest, as the cycle repeats: add rows of a ramp, or take a longer part"
+                    f"{path}:{_ABOVE + int(kept[last])}: {column}: the track {word} at {speed:.3g} {_UNITS[column][0]};"
+                    " expected rest, as the cycle repeats: add rows of a ramp, or take a longer part"
                 )

@@ -12,9 +12,7 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.physics.equation import Term
-from drivesizer.platform import equations as equations_dynamics
-from drivesizer.platform import equations as equations_kinematics
-from drivesizer.platform import matrix_equation
+from drivesizer.platform import equations, matrix_equation
 from drivesizer.platform.dynamics import (
     LEVEL,
     Dynamics,
@@ -37,8 +35,6 @@ __all__ = [
 
 # -- Figures of one robot at one instant, by the names of equations (21)-(59), and as labelled matrices with units.
 
-
-assert equations_kinematics.__all__ and equations_dynamics.__all__  # importing them declares them
 
 _AXES = ("x", "y", "θ")
 _POSTURE = ("R", "R_T_dot")  # of which both axes are those of the posture, though all entries have one unit
@@ -99,7 +95,7 @@ def figures(d: Dynamics, at: Instant) -> dict[str, Any]:
     ).T
     K_plus, D, turn = np.zeros((3, len(r))), np.zeros((len(r), 3)), at.eta[2]
     K_plus[:, driven], D[driven] = k.K_plus, d.distribution
-    R = equations_kinematics.robot_velocity(at.posture[2], *np.eye(3))
+    R = equations.robot_velocity(at.posture[2], *np.eye(3))
     s: dict[str, Any] = {
         "x": at.posture[0], "y": at.posture[1], "theta": at.posture[2], "R": R, "eta": at.eta, "eta_dot": at.eta_dot,
         "R_T_dot": turn * R.T @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
@@ -206,11 +202,9 @@ def _labels(units: Sequence[str], length: int, posture: bool) -> tuple[str, ...]
 
 
 def _unit(up: Sequence[str], down: Sequence[str], row: int, column: int) -> str:
-    unit = up[min(row, len(up) - 1)]
-    if not down:
-        return unit
-    below = down[min(column, len(down) - 1)]
-    return "1" if unit == below else _OF_ITS[unit, below]
+    """Unit of an entry: that of its row, over that of its column where there is one."""
+    unit, below = up[min(row, len(up) - 1)], down[min(column, len(down) - 1)] if down else "1"
+    return unit if not down else "1" if unit == below else _OF_ITS[unit, below]
 
 
 def _numbers(
@@ -241,15 +235,12 @@ def numbers_of(e: MatrixEquation, known: Mapping[str, Any]) -> list[Numbers]:
     InputError
         When the equation does not hold for this robot.
     """
-    one_by_one = any(t.name in OF_A_WHEEL for t in e.terms)
-    result = labelled(e.result, result_of(e, known), wheels_first=one_by_one)._replace(symbol=e.symbol)
-    return [result, *(_term(t, known[t.name]) for t in e.terms)]
-
-
-def _term(term: Term, value: Any) -> Numbers:
-    if term.name in OF_A_WHEEL:
-        return labelled(term, np.moveaxis(value, -1, 0), wheels_first=True)
-    return labelled(term, value)
+    found = [labelled(e.result, result_of(e, known), wheels_first=any(t.name in OF_A_WHEEL for t in e.terms))]
+    for t in e.terms:
+        one_by_one = t.name in OF_A_WHEEL
+        value = np.moveaxis(known[t.name], -1, 0) if one_by_one else known[t.name]
+        found.append(labelled(t, value, wheels_first=one_by_one))
+    return [found[0]._replace(symbol=e.symbol), *found[1:]]
 
 
 def matrices(d: Dynamics) -> list[Numbers]:
@@ -323,21 +314,13 @@ def robot_at_instant(d: Dynamics, at: Instant) -> tuple[Numbers, Numbers]:
     pair of Numbers
         Posture, velocity and its rate of change; force and moment on the platform, and the wheels' torques for them.
     """
-    known = figures(d, at)
-    return _course(known, at), _forces(d, known, at)
-
-
-def _course(known: Mapping[str, Any], at: Instant) -> Numbers:
+    known, theta = figures(d, at), at.posture[2]
     terms = [PLATFORM[21].result, PLATFORM[22].result, next(t for t in PLATFORM[47].terms if t.name == "eta_dot")]
     parts = [labelled(t, value) for t, value in zip(terms, (at.posture, known["eta"], known["eta_dot"]), strict=True)]
     units = [[row for (row,) in part.units] for part in parts]
-    return Numbers("course", "course", "Posture in the world, velocity and its rate of change in the robot's frame",
-                   _AXES, tuple(part.symbol for part in parts), np.hstack([part.values for part in parts]),
-                   [list(row) for row in zip(*units, strict=True)], (21, 22))  # fmt: skip
-
-
-def _forces(d: Dynamics, known: Mapping[str, Any], at: Instant) -> Numbers:
-    theta = at.posture[2]
+    course = Numbers("course", "course", "Posture in the world, velocity and its rate of change in the robot's frame",
+                     _AXES, tuple(part.symbol for part in parts), np.hstack([part.values for part in parts]),
+                     [list(row) for row in zip(*units, strict=True)], (21, 22))  # fmt: skip
     towards = at.eta if at.towards is None else at.towards
     causes = {
         "inertia, M̄ η̇": d.M @ at.eta_dot,
@@ -348,10 +331,10 @@ def _forces(d: Dynamics, known: Mapping[str, Any], at: Instant) -> Numbers:
     }
     force = np.array([*causes.values()])
     columns = (*_AXES, *(f"wheel {i + 1}" for i in range(len(d.kinematics.wheels))))
-    units = ["N", "N", *["N*m"] * (len(columns) - 2)]
-    values = np.hstack([force, force @ known["D"].T])
-    return _numbers("forces", "Force and moment in the robot's axes, and the torques of the wheels for them",
-                    [*causes], columns, values, [units] * len(causes), (49, 52, 57))  # fmt: skip
+    rows = [["N", "N", *["N*m"] * (len(columns) - 2)]] * len(causes)
+    forces = _numbers("forces", "Force and moment in the robot's axes, and the torques of the wheels for them",
+                      [*causes], columns, np.hstack([force, force @ known["D"].T]), rows, (49, 52, 57))  # fmt: skip
+    return course, forces
 
 
 # -- Units and values of the printed form of a platform equation, checked by evaluating it.
@@ -392,11 +375,6 @@ def sample() -> dict[str, Any]:
 
 
 @cache
-def _unit_of() -> dict[str, str]:
-    return {t.name: t.unit for e in PLATFORM.values() for t in (*e.terms, e.result)}
-
-
-@cache
 def _factor(unit: str) -> float:
     """Factor of a figure in this SI unit when the base units are ours."""
     dimension: Any = registry().Quantity(1.0, "" if unit == "1" else unit).dimensionality
@@ -414,7 +392,8 @@ def _factors(unit: str) -> Array:
 
 
 def _value(expression: str, *, anew: bool = False) -> Any:
-    unit, known = _unit_of(), sample()
+    unit = {t.name: t.unit for e in PLATFORM.values() for t in (*e.terms, e.result)}
+    known = sample()
     figures = {n: v * _factors(unit[n]) if anew else v for n, v in known.items() if n in unit}
     return eval(expression, {"__builtins__": {}}, _FUNCTIONS | figures)  # noqa: S307 - our own declarations
 
@@ -461,20 +440,17 @@ def find(key: str) -> MatrixEquation | None:
 
 def rows(declared: MatrixEquation) -> list[tuple[str, str]]:
     """An equation as rows of a name and words: as printed, what was found, as computed, note, result, terms, source."""
+
+    def meaning(term: Term) -> str:
+        return f"{term.meaning} [{term.unit.replace('*', '·').replace('^2', '²')}]"
+
     found, left = finding(declared), declared.symbol
-    lines = [
+    note = [("note", declared.note)] if declared.note else []
+    return [
         ("as printed", f"{declared.printed_symbol or left} = {matrix_equation.text(declared.printed)}"),
         ("unit check", f"fails: {found.units}" if found.units else "passes"),
         ("value check", f"fails: {found.values}" if found.values else "passes"),
         ("as computed", f"{left} = {matrix_equation.text(matrix_equation.computed(declared))}"),
-    ]
-    if declared.note:
-        lines.append(("note", declared.note))
-    lines.append(("result", _meaning(declared.result)))
-    lines += [(matrix_equation.symbol(t.name), _meaning(t)) for t in declared.terms]
-    return [*lines, ("source", SOURCE)]
-
-
-def _meaning(term: Term) -> str:
-    unit = term.unit.replace("*", "·").replace("^2", "²")
-    return f"{term.meaning} [{unit}]"
+        *note, ("result", meaning(declared.result)),
+        *((matrix_equation.symbol(t.name), meaning(t)) for t in declared.terms), ("source", SOURCE),
+    ]  # fmt: skip

@@ -16,9 +16,9 @@ from drivesizer.platform.trajectory import Trajectory, finer
 from drivesizer.platform.wheels import Platform
 
 __all__ = [
-    "Moment", "carrying", "edge_distances", "least_load", "least_margin", "least_margin_share", "least_share",
-    "lift_off_acceleration", "lift_off_slope", "of_centre", "support_polygon", "tipping_acceleration", "tipping_edges",
-    "tipping_slope", "used_footing", "zero_moment_point",
+    "Moment", "carrying", "edge_distances", "least_load", "least_margin", "lift_off_acceleration", "lift_off_slope",
+    "of_centre", "support_polygon", "tipping_acceleration", "tipping_edges", "tipping_slope", "used_footing",
+    "zero_moment_point",
 ]  # fmt: skip
 
 
@@ -71,13 +71,14 @@ def _chain(places: list[tuple[int, int]], order: list[int]) -> list[int]:
     """One half of the hull (Andrew's monotone chain), on a grid, where no turn is lost to rounding."""
     found: list[int] = []
     for i in order:
-        while len(found) > 1 and _turn(*(places[j] for j in (found[-2], found[-1], i))) <= 0:
+        while len(found) > 1 and _turn(places[found[-2]], places[found[-1]], places[i]) <= 0:
             found.pop()
         found.append(i)
     return found
 
 
 def _turn(a: tuple[int, int], b: tuple[int, int], c: tuple[int, int]) -> int:
+    """Above 0 where the way from a over b to c turns to the left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -207,13 +208,6 @@ def _lifting(platform: Platform, gravity: float) -> tuple[Array, Array]:
     return at_rest, np.stack([forward - at_rest, left - at_rest], axis=1)
 
 
-def _falls(change: Array, direction: float | None) -> Array:
-    """Decrease of each figure by 1 m/s² in a direction; in the worst direction where none is given."""
-    if direction is None:
-        return np.asarray(np.hypot(change[:, 0], change[:, 1]))
-    return np.asarray(-change @ np.array([math.cos(direction), math.sin(direction)]))
-
-
 def carrying(at_rest: Array) -> Array:
     """Whether each contact carries, or each edge of the footing lies outside the centre of mass, and not by rounding.
 
@@ -263,12 +257,18 @@ def used_footing(
     return max(float((taken / at_rest).max()), 0.0)
 
 
+def _falls(change: Array, direction: float | None) -> Array:
+    """Decrease of each figure by 1 m/s² in a direction; in the worst direction where none is given."""
+    if direction is None:
+        return np.asarray(np.hypot(change[:, 0], change[:, 1]))
+    return np.asarray(-change @ np.array([math.cos(direction), math.sin(direction)]))
+
+
 def _largest(at_rest: Array, change: Array, direction: float | None) -> float:
     """From where one of the figures ``at_rest + a change · (cos, sin)`` is below 0, a along or in any direction."""
-    least = _FLAT * np.abs(at_rest).max()
     falls = _falls(change, direction)
     falling = falls > 1e-12 * np.abs(change).max()
-    if (at_rest < -least).any():
+    if (at_rest < -_FLAT * np.abs(at_rest).max()).any():
         return 0.0
     return float(np.maximum(at_rest[falling] / falls[falling], 0.0).min(initial=math.inf))
 
@@ -363,8 +363,8 @@ def of_centre(platform: Platform, trajectory: Trajectory) -> Array:
     return centre_acceleration(platform, *trajectory.in_robot())
 
 
-def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
-    """The least that a wheel or caster carries over a trajectory [N], which, and when.
+def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL, *, share: bool = False) -> Moment:
+    """The least that a wheel or caster carries over a trajectory, which, and when.
 
     Parameters
     ----------
@@ -374,11 +374,14 @@ def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVE
         In the world.
     ground
         The floor, the same everywhere.
+    share
+        Whether as a share of what it carries on a level floor at rest: below 0 it has lifted off; minus infinity where
+        it carries nothing at rest.
 
     Returns
     -------
     Moment
-        Load [N], time [s] and number of the contact.
+        Load [N] or share [1], time [s] and number of the contact.
 
     Raises
     ------
@@ -388,48 +391,24 @@ def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVE
     support_polygon(platform)
     fine = finer(trajectory)
     loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
-    return _worst(loads, fine, tuple(range(len(loads))))
+    at_rest = contact_loads(platform, ground=Ground(gravity=ground.gravity)) if share else None
+    return _worst(loads, at_rest, fine, tuple(range(len(loads))))
 
 
-def least_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
-    """The least that a wheel or caster carries over a trajectory as a share of what it does on a level floor at rest.
-
-    Below 0 it has lifted off; minus infinity where it carries nothing at rest.
-
-    Parameters
-    ----------
-    platform, trajectory, ground
-        As in ``least_load``.
-
-    Returns
-    -------
-    Moment
-        Share [1], time [s] and number of the contact.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
-    support_polygon(platform)
-    fine = finer(trajectory)
-    loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
-    at_rest = contact_loads(platform, ground=Ground(gravity=ground.gravity))
-    return _worst(_share(loads, at_rest), fine, tuple(range(len(loads))))
-
-
-def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
-    """The least distance of the zero moment point from the edge of the support polygon [m], where, and when.
+def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL, *, share: bool = False) -> Moment:
+    """The least distance of the zero moment point from the edge of the support polygon, where, and when.
 
     Parameters
     ----------
     platform, trajectory, ground
         As in ``least_load``.
+    share
+        Whether as a share of the distance at rest on a level floor; minus infinity where there is none.
 
     Returns
     -------
     Moment
-        Distance [m], time [s] and number of the contact where the edge begins.
+        Distance [m] or share [1], time [s] and number of the contact where the edge begins.
 
     Raises
     ------
@@ -438,40 +417,14 @@ def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LE
     """
     fine = finer(trajectory)
     point = zero_moment_point(platform, fine.posture[2], ground, of_centre(platform, fine))
-    return _worst(edge_distances(platform, point), fine, support_polygon(platform))
+    at_rest = edge_distances(platform, (platform.x, platform.y)) if share else None
+    return _worst(edge_distances(platform, point), at_rest, fine, support_polygon(platform))
 
 
-def least_margin_share(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
-    """The same as a share of the distance at rest on a level floor; minus infinity where there is none.
-
-    Parameters
-    ----------
-    platform, trajectory, ground
-        As in ``least_load``.
-
-    Returns
-    -------
-    Moment
-        Share [1], time [s] and number of the contact where the edge begins.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
-    fine = finer(trajectory)
-    point = zero_moment_point(platform, fine.posture[2], ground, of_centre(platform, fine))
-    found, at_rest = edge_distances(platform, point), edge_distances(platform, (platform.x, platform.y))
-    return _worst(_share(found, at_rest), fine, support_polygon(platform))
-
-
-def _share(found: Array, at_rest: Array) -> Array:
-    """Figures over (row, piece, end) as shares of those at rest."""
-    carries = carrying(at_rest)[:, None, None]
-    return np.where(carries, found / np.where(carries, at_rest[:, None, None], 1.0), -math.inf)
-
-
-def _worst(found: Array, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:
-    """The least of figures over (row, piece, end)."""
+def _worst(found: Array, at_rest: Array | None, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:
+    """The least of figures over (row, piece, end), or of them as shares of those at rest."""
+    if at_rest is not None:
+        carries = carrying(at_rest)[:, None, None]
+        found = np.where(carries, found / np.where(carries, at_rest[:, None, None], 1.0), -math.inf)
     row, piece, side = (int(i) for i in np.unravel_index(found.argmin(), found.shape))
     return Moment(float(found[row, piece, side]), float(trajectory.time[piece, side]), contacts[row] + 1)

@@ -10,11 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.errors import InputError
 from drivesizer.physics.load_cycle import places
+from drivesizer.physics.motion_curves import local_parabola
 from drivesizer.platform.kinematics import to_robot
 from drivesizer.platform.matrix_equation import Array
 
-__all__ = ["Trajectory", "control_points", "curve_at_rest", "finer", "halves", "joined", "rest", "spline", "thinned"]
+__all__ = [
+    "Trajectory", "control_points", "curve_at_rest", "finer", "halves", "joined", "last_digit", "path_coordinate",
+    "refuse_few_digits", "rest", "speed_at_end", "spline", "thinned",
+]  # fmt: skip
 
 
 # -- Motion of a platform through the world, as pieces of time.
@@ -101,6 +106,132 @@ def joined(parts: Sequence[Trajectory]) -> Trajectory:
     return Trajectory(np.concatenate([p.duration for p in parts]), *columns)
 
 
+# -- A path coordinate from 0 to 1 over time, from rest to rest, in pieces: of what moves together.
+
+
+def path_coordinate(
+    times: tuple[float, float, float], pieces: Callable[[float, bool, bool], int]
+) -> tuple[Array, Array, Array, Array]:
+    """Duration of the pieces, the coordinate, its rate and its acceleration at both ends of each.
+
+    Parameters
+    ----------
+    times
+        Of each phase of jerk, of even acceleration, of even speed [s], as ``fastest_ramp`` has them.
+    pieces
+        Number of pieces of a phase, by its time [s], whether its acceleration changes, and whether it cruises.
+
+    Returns
+    -------
+    tuple of arrays
+        Shape (pieces,), then (pieces, 2): coordinate [1], rate [1/s], acceleration [1/s^2].
+    """
+    jerk_time, hold, cruise = times
+    total = 2.0 * (2.0 * jerk_time + hold) + cruise
+    cruise = cruise if cruise > _NO_TIME * total else 0.0
+    top = 1.0 / (2.0 * jerk_time + hold + cruise) / (jerk_time + hold)  # of the times, so that it ends at 1
+    rising, s, v = [], 0.0, 0.0
+    for time, start, end in ((jerk_time, 0.0, top), (hold, top, top), (jerk_time, top, 0.0)):
+        if time > _NO_TIME * total:
+            t = np.linspace(0.0, time, pieces(time, start != end, False) + 1)
+            bend = (end - start) / time
+            place = s + t * (v + t * (start / 2.0 + t * (bend / 6.0)))
+            rate = v + t * (start + t * (bend / 2.0))
+            rising.append((t, place, rate, start + t * bend))
+            s, v = float(place[-1]), float(rate[-1])
+    level = []
+    if cruise:
+        t = np.linspace(0.0, cruise, pieces(cruise, False, True) + 1)
+        along = np.linspace(s, 1.0 - s, len(t))
+        level.append((t, along, np.full_like(along, v), np.zeros_like(along)))
+    falling = [(t[-1] - t[::-1], 1.0 - s[::-1], v[::-1], -a[::-1]) for t, s, v, a in reversed(rising)]
+    parts = [*rising, *level, *falling]
+    duration = np.concatenate([np.full(len(t) - 1, t[-1] / (len(t) - 1)) for t, *_ in parts])
+    place, rate, gain = (
+        np.concatenate([np.stack([part[n][:-1], part[n][1:]], axis=1) for part in parts]) for n in (1, 2, 3)
+    )
+    return duration, place, rate, gain
+
+
+# -- What is no recorded motion: figures that are rounded too much, and ends that are not at rest.
+
+
+_EXACT, _MOST_NOISE = 1e-3, 0.2  # m or rad; of the largest acceleration
+_SLOW, _CREEP = 0.25, 0.01  # what is at rest: of the mean speed of two steps; of the largest of all
+
+
+def refuse_few_digits(where: str, values: Array, factor: float, step: float, most: float, unit: str) -> None:
+    """Refuse a recorded column whose last digits make up much of its acceleration.
+
+    A spline through values rounded to q, h apart, is off by up to 6 q/h² in its second derivative. Digits coarser than
+    1 mm or 1 mrad are taken as exact: so a track is written by hand.
+
+    Parameters
+    ----------
+    where
+        File and column, for the message.
+    values, factor
+        The column in SI, and what brought it there.
+    step
+        From row to row [s].
+    most
+        Largest acceleration, in the unit per s^2.
+    unit
+        Of the column in SI.
+
+    Raises
+    ------
+    InputError
+        When it has too few.
+    """
+    digit = last_digit(values / factor) * factor
+    noise = 6.0 * digit / step**2
+    if digit <= _EXACT and _MOST_NOISE * most < noise and np.ptp(values) > 0.0:
+        raise InputError(
+            f"{where}: the last digit, {digit:.3g} {unit}, stands for {noise:.3g} {unit}/s^2 every {step:g} s, of "
+            f"{most:.3g} {unit}/s^2 in all; expected more digits, or smoothing"
+        )
+
+
+def last_digit(values: Array) -> float:
+    """The power of ten that all values are whole multiples of; 0 where they have more than nine decimals.
+
+    >>> last_digit(np.array([1.25, 0.5]))
+    0.01
+    """
+    for digits in range(10):
+        scaled = values * 10.0**digits
+        if (np.abs(scaled - np.round(scaled)) <= 1e-6 + 1e-15 * np.abs(scaled)).all():
+            return float(10.0**-digits)
+    return 0.0
+
+
+def speed_at_end(time: Array, rows: Array, end: int) -> float:
+    """Speed along the motion at the first sample (0) or at the last (-1); 0 where that is at rest.
+
+    Parameters
+    ----------
+    time
+        Rising [s], shape (n,).
+    rows
+        What moves together, shape (rows, n).
+    end
+        0 or -1.
+
+    Returns
+    -------
+    float
+        Of a parabola through the three samples there; against the motion it is a bend, and no speed.
+    """
+    here = slice(None, 3) if end == 0 else slice(-3, None)
+    t = time[here]
+    top = float(np.hypot.reduce(np.abs(np.diff(rows, axis=1) / np.diff(time)).max(axis=1)))
+    slope = np.array([local_parabola(t, row[here], 0.0)[1][end] for row in rows])
+    mean = (rows[:, here][:, -1] - rows[:, here][:, 0]) / (t[-1] - t[0])
+    along, size = float(slope @ mean), float(np.hypot.reduce(mean))
+    return along / size if along > size * max(_SLOW * size, _CREEP * top) else 0.0
+
+
 # -- Postures over time as a trajectory: a cubic spline, twice continuously differentiable, from rest to rest.
 #
 # It goes through all postures, or, with smoothing, as near as least squares brings a spline whose knots are samples
@@ -112,6 +243,7 @@ def joined(parts: Sequence[Trajectory]) -> Trajectory:
 _BEND, _TURN = 1e-3, 1.0 / 32.0  # of a piece: of the largest speed; rad
 _MOST_PARTS = 256  # of an interval
 _ROUNDING = 1e-9  # of a time between knots
+_NO_TIME = 1e-12  # of a path: a shorter phase is none
 
 
 def spline(time: Array, posture: Array, smoothing: float = 0.0) -> Trajectory:
@@ -142,18 +274,14 @@ def spline(time: Array, posture: Array, smoothing: float = 0.0) -> Trajectory:
     beside = np.concatenate([[False], same, [False]])
     resting = same & (beside[:-2] | beside[2:])
     edges = np.concatenate([[0], np.flatnonzero(np.diff(resting)) + 1, [len(same)]])
-    top = _top(np.diff(posture, axis=1) / np.diff(time))
+    x, y, turn = np.diff(posture, axis=1) / np.diff(time)
+    top = np.array([np.hypot(x, y).max(), np.abs(turn).max()])  # m/s, rad/s
     made = []
     for first, last in pairwise(edges.tolist()):
         t, p = time[first : last + 1], posture[:, first : last + 1]
         still = rest(p[:, 0], float(t[-1] - t[0])) if resting[first] else None
         made.append(still or _moving(t, p, top, smoothing))
     return joined(made)
-
-
-def _top(speed: Array) -> Array:
-    """The largest speed of driving and of turning [m/s, rad/s]."""
-    return np.array([np.hypot(speed[0], speed[1]).max(), np.abs(speed[2]).max()])
 
 
 def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajectory:

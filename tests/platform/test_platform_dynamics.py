@@ -414,8 +414,6 @@ def test_columns_give_what_single_figures_give():
         (lambda d: wheel_torques(d, [0.0, 0.0, math.nan], [0.0] * 3), "velocity of the platform: row 3 is not a"),
         (lambda d: wheel_torques(d, [0.0] * 3, [0.0, math.inf, 0.0]), "acceleration of the platform: row 2 is not"),
         (lambda d: acceleration(d, [0.0] * 3, [1.0] * 3), "torques of the driven wheels: expected 4 rows"),
-        (lambda d: Ground(slope=math.nan), "ground: slope must be a finite number"),
-        (lambda d: Ground(slope=2.0), "ground: slope must lie between -90 deg and 90 deg"),
         (lambda d: wheel_torques(dynamics(differential()), [1.0, 0.0, 0.0], [0.0, 0.5, 0.0]),
          "acceleration of the platform: it slides wheel 1 by 0.5 m/s^2, at sample 0"),
     ],

@@ -8,7 +8,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from trajectories import joined, straight, turning
 
-from drivesizer.errors import InputError
 from drivesizer.platform.envelope import (
     Passage,
     Size,
@@ -230,21 +229,3 @@ def test_a_piece_of_steady_acceleration_is_the_parabola(speed, gain, duration):
     times = np.cumsum(fine.duration)
     assert fine.posture[2, :, 1] == pytest.approx(0.2 + speed * times + gain * times**2 / 2)
     assert fine.velocity[2, :, 1] == pytest.approx(speed + gain * times)
-
-
-# --- edges ------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("figures", [{"length": 0.0}, {"width": -1.0}, {"height": math.nan}, {"x": math.inf}])
-def test_a_size_that_is_none_is_refused_in_one_line(figures):
-    with pytest.raises(InputError) as error:
-        Size(**({"length": 0.7, "width": 0.3, "height": 0.2} | figures))
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
-    "figures", [{"width": 0.0}, {"height": -0.2}, {"depth": -0.1}, {"depth": math.nan}, {"direction": math.inf}]
-)
-def test_a_passage_that_is_none_is_refused_by_its_name(figures):
-    with pytest.raises(InputError, match="passage door"):
-        Passage(**({"name": "door", "width": 0.4} | figures))

@@ -16,7 +16,7 @@ from drivesizer.platform import equations, matrix_equation, robot_figures
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.kinematics import kinematics, to_robot, to_world, velocity, wheel_speeds
 from drivesizer.platform.matrix_equation import PLATFORM
-from drivesizer.platform.wheels import Caster, Payload, Wheel, loaded, table_wheel, without_motor
+from drivesizer.platform.wheels import Caster, Wheel, table_wheel, without_motor
 
 LEVER = 0.3735  # m, l1 + l2 of the paper's robot, by hand: 274.06 mm (cos 29.5° + sin 29.5°)
 
@@ -248,23 +248,12 @@ def test_a_skid_steer_goes_straight_only():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: Wheel(x=0.0, y=0.0, radius=0.0), "wheel: radius must be above 0, got 0.0"),
-        (lambda: Wheel(x=math.nan, y=0.0, radius=0.1), "wheel: x must be a number below 1e+09, got nan"),
-        (lambda: Wheel(x=0.0, y=math.inf, radius=0.1), "wheel: y must be a number below 1e+09, got inf"),
-        (lambda: Wheel(x=0.0, y=0.0, radius=0.1, inertia=-1.0), "wheel: inertia must be 0 or more, got -1.0"),
-        (lambda: Wheel(x=0.0, y=0.0, radius=0.1, roller_angle=math.pi / 2),
-         "wheel: roller_angle must lie between -90 deg and 90 deg, got 90 deg"),
-        (lambda: Wheel(x=0.0, y=0.0, radius=0.1, roller_angle=0.5, held=True),
-         "wheel: one that is held sideways has no rollers, so roller_angle must be 0"),
-        (lambda: Wheel(x=0.0, y=0.0, radius=0.1, drive="on"), "wheel: drive must be motor, free or blocked, got 'on'"),
         (lambda: replace(mecanum(), mass=-45.0), "platform: mass must be above 0, got -45.0"),
         (lambda: replace(mecanum(), inertia=0.0), "platform: inertia must be above 0, got 0.0"),
-        (lambda: replace(mecanum(), mass=math.nan), "platform: mass must be a number below 1e+09, got nan"),
+        (lambda: replace(mecanum(), mass=math.nan), "platform: mass must be above 0, got nan"),
         (lambda: replace(mecanum(), wheels=()), "platform: no wheel is driven; expected one with a motor at least"),
         (lambda: replace(mecanum(), wheels=mecanum().wheels * 2), "platform: wheels 1 and 5 stand in one place"),
         (lambda: replace(differential(), casters=(Caster(x=0.0, y=0.25),)), "platform: wheels 2 and 3 stand in one"),
-        (lambda: Payload(mass=-1.0), "payload: mass must be 0 or more, got -1.0"),
-        (lambda: loaded(mecanum(), Payload(mass=2.0, x=math.nan)), "payload: x must be a number"),
         (lambda: without_motor(mecanum(), 5), "platform: there is no wheel 5; expected 1 to 4"),
         (lambda: wheel_speeds(kinematics(mecanum().wheels), [[1.0, 2.0], [0.0, math.nan], [0.0, 0.0]]),
          "velocity of the platform: row 2 at sample 1 is not a finite number"),

@@ -25,8 +25,6 @@ from drivesizer.platform.stability import (
     edge_distances,
     least_load,
     least_margin,
-    least_margin_share,
-    least_share,
     lift_off_acceleration,
     lift_off_slope,
     support_polygon,
@@ -193,9 +191,9 @@ def test_load_moves_to_the_front_by_m_a_h_over_the_wheelbase():
     found = least_load(p, way)
     assert found.value == pytest.approx(50.0 * G / 4 - 50.0 * 2.4 * 0.25 / 0.6 / 2)
     assert found.contact in (3, 4) and 1.5 <= found.time <= 2.0
-    assert least_share(p, way).value == pytest.approx(1.0 - 2.4 / lift_off_acceleration(p, math.pi))
+    assert least_load(p, way, share=True).value == pytest.approx(1.0 - 2.4 / lift_off_acceleration(p, math.pi))
     assert least_margin(p, way).value == pytest.approx(0.3 - 0.25 * 2.4 / G)
-    assert least_margin_share(p, way).value == pytest.approx(1.0 - 0.25 * 2.4 / G / 0.3)
+    assert least_margin(p, way, share=True).value == pytest.approx(1.0 - 0.25 * 2.4 / G / 0.3)
 
 
 def test_a_turn_about_a_point_aside_tips_outward():
@@ -223,7 +221,7 @@ def test_on_a_slope_the_worst_heading_is_found_inside_a_piece():
 
 
 def test_a_wheel_that_carries_nothing_at_rest_has_lost_all():
-    assert least_share(replace(cart(), x=0.3), straight((0, 0), (1, 0), 0.0, 2.0)).value == -math.inf
+    assert least_load(replace(cart(), x=0.3), straight((0, 0), (1, 0), 0.0, 2.0), share=True).value == -math.inf
 
 
 # --- grip: textbook laws ----------------------------------------------------------------------------------------------

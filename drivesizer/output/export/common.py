@@ -294,7 +294,7 @@ class Export:
     @property
     def moment(self) -> float:
         """Torque of the weight on its lever, lying level [N*m]; 0 without a lever."""
-        return self.lever.moment(self.gravity) if self.lever else 0.0
+        return float(self.lever.moment(self.gravity)) if self.lever else 0.0
 
     @property
     def constant_weight(self) -> float:
@@ -359,7 +359,7 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
     if spec.gear is not None or lever is None or lever.moment(spec.environment.gravity) == 0.0:
         lever = None  # behind a gear of fixed ratio the shaft turns more often
     else:
-        lever = lever._replace(mass=lever.mass / spec.load.motors)
+        lever = Lever(*map(float, lever._replace(mass=lever.mass / spec.load.motors)))
     usable = float(spec.feed_of(own).usable)
     voltage = spec.supply.lowest if isnan(usable) else usable
     coulomb, viscous = (float(x[0]) for x in housing_loss(found.motor, np.ones(1)))
