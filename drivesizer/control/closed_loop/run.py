@@ -33,7 +33,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 __all__ = [
-    "FOLLOWS", "ClosedLoop", "Prepared", "as_warm", "limited", "prepared", "run", "slower", "unlimited",
+    "FOLLOWS", "ClosedLoop", "Prepared", "as_warm", "limited", "motor_heat", "prepared", "run", "slower", "unlimited",
     "without_limits",
 ]  # fmt: skip
 
@@ -69,7 +69,7 @@ def prepared(
     _sampled(controller.velocity_period, profile)
     feed, figures = spec.feed_of(drive_set.controller, drive_set.brake), drive_set.controller or Controller()
     usable, stage = float(feed.usable), feed.stage
-    heat, lacks = _heat(spec, drive_set)
+    heat, lacks = motor_heat(spec, drive_set)
 
     def limit(value: float) -> float:
         return math.inf if math.isnan(value) else float(value)
@@ -119,7 +119,7 @@ def _sampled(period: float, profile: Profile) -> None:
         )
 
 
-def _heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None, list[str]]:
+def motor_heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None, list[str]]:
     """Winding and housing of a motor with their losses; that of the gearhead by the mean of the load cycle."""
     figures, bodies = drive_set.motor, two_bodies(drive_set.motor)
     if not (bodies.known and spec.plant.warming):
