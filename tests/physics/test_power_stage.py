@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import quad
 
 from drivesizer.catalog import Controller
-from drivesizer.control.engine.start import parameters
-from drivesizer.control.engine.steps import available_voltage
+from drivesizer.control.engine.sample_loop import available_voltage
+from drivesizer.control.engine.start import table
 from drivesizer.control.engine.task import Drive, Supply
 from drivesizer.kernel import records
 from drivesizer.kernel.evaluate import ENERGY, evaluate
@@ -151,10 +151,7 @@ def test_the_voltage_of_the_search_is_that_of_the_closed_loop(current):
 def of_the_engine(supply: Supply) -> np.ndarray:
     from engine_tasks import gains, machine
 
-    from drivesizer.control.engine.layout import PARAMETERS
-
-    named = parameters(Drive(train=machine(), controller=gains(), supply=supply), 1.0, 1)
-    return np.array([named.get(name, 0.0) for name in PARAMETERS])
+    return np.array(table(Drive(train=machine(), controller=gains(), supply=supply), 1.0, 1))
 
 
 def test_without_loss_beyond_the_drop_both_laws_are_the_same():
