@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.load_cases.requirements import requirements, screw_requirements
 from drivesizer.machine.budgets import check_battery, machine_requirements
-from drivesizer.results.check import Reliability, Uncertainty
-from drivesizer.results.drive_set import DriveParts, DriveSet, Requirement
+from drivesizer.results.check import Reliability
+from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import Check, Explanation, SizingResult, verdict
+from drivesizer.results.sizing import Explanation, SizingResult, verdict
 from drivesizer.search.columns.candidates import candidates
-from drivesizer.search.columns.evaluation import Evaluation, evaluate
+from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.paper import vehicle
 from drivesizer.search.in_order import SearchResult
 from drivesizer.search.machine_filter import best_in_machine, weighing
@@ -24,7 +23,7 @@ from drivesizer.search.relaxations import changes_for, relaxations, tried
 from drivesizer.search.remarks import assumptions, nearest_figures, not_returning, warnings
 from drivesizer.search.search import other_checks
 from drivesizer.search.set_record import drive_parts, drive_set
-from drivesizer.search.shortlist import Shortlist, load_parts, pair_of, problem_with_drive_mass, shortlist
+from drivesizer.search.shortlist import load_parts, pair_of, problem_with_drive_mass, shortlist
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.drive import Choice, ControllerChoice, EncoderChoice, MotorChoice, Ranking
 from drivesizer.spec.robot import RobotSpec
@@ -87,62 +86,50 @@ def size(
         spec, catalog, top, pareto=pareto, progress=progress, sampling=sampling, choices=choices,
         misses=0 if brief else _MISSES, others=0 if brief else _ALTERNATIVES, brief=brief,
     )  # fmt: skip
-    problem, found, drives = picked.problem, picked.found, _drives(picked, top, brief)
-    sets, unsure = drives["sets"], drives["unsure"]
+    problem, found, evaluation = picked.problem, picked.found, picked.found.evaluation
+
+    def records(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
+        return tuple(picked.record(row, rank) for rank, row in enumerate(rows, first))
+
+    def passing(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
+        return tuple(
+            picked.record(
+                row, rank,
+                beside=() if brief else other_checks(problem, drive_parts(evaluation, row)),
+                reliability=picked.reliability.get(row),
+            )
+            for rank, row in enumerate(rows, first)
+        )  # fmt: skip
+
+    sets = passing(picked.best, 1)
+    unsure = passing(picked.unsure, len(sets) + 1)
+    rejected, in_vain = [*picked.short, *picked.rejected][: None if sets else top], not (brief or found.passing)
+    shown = next(iter((*picked.best, *picked.unsure, *picked.short)), 0)
+
+    def going_on() -> None:
+        if progress:
+            progress(found.counts.considered, found.counts.considered)
+
     return SizingResult(
         problem=problem,
         method=spec.method,
         objective=title_of(spec.select.objective),
-        requirements=_requirements(found, next(iter((*picked.best, *picked.unsure, *picked.short)), 0)),
+        requirements=_requirements(found, shown),
+        sets=sets,
+        unsure=unsure,
+        misses=records(rejected, len(sets) + len(unsure) + 1),
+        front=records(found.front, 1),
+        alternatives=records(picked.others, 2),
+        relaxations=relaxations(problem, going_on) if in_vain else (),
+        tried=tried(problem) if in_vain else (),
+        unrestricted=None if brief else _unrestricted(problem),
         counts=found.counts,
         assumptions=assumptions(problem, spec, (*sets, *unsure)),
         warnings=(*warnings(picked, sets), *catalog.replaced),
         pareto=pareto,
         uncertainty=picked.uncertainty,
         choices=picked.choices,
-        **drives,
-        **_other_searches(picked, progress, brief),
     )
-
-
-def _drives(picked: Shortlist, top: int, brief: bool) -> dict[str, Any]:
-    """The drives as records: those that pass, and less probably so, the closest rejected, the front, other families."""
-
-    def passing(rows: list[int], before: int = 0) -> tuple[DriveSet, ...]:
-        return tuple(
-            picked.record(
-                row, rank,
-                beside=() if brief else other_checks(picked.problem, drive_parts(picked.found.evaluation, row)),
-                reliability=picked.reliability.get(row),
-            )
-            for rank, row in enumerate(rows, before + 1)
-        )  # fmt: skip
-
-    def others(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
-        return tuple(picked.record(row, rank) for rank, row in enumerate(rows, first))
-
-    sets = passing(picked.best)
-    unsure = passing(picked.unsure, len(sets))
-    rejected = [*picked.short, *picked.rejected][: None if sets else top]
-    misses = others(rejected, len(sets) + len(unsure) + 1)
-    beside = {"front": others(picked.found.front, 1), "alternatives": others(picked.others, 2)}
-    return {"sets": sets, "unsure": unsure, "misses": misses, **beside}
-
-
-def _other_searches(picked: Shortlist, progress: Progress | None, brief: bool) -> dict[str, Any]:
-    """Changes that would let a drive pass where none does; where the spec names parts, the best of all catalogues."""
-    problem, total = picked.problem, picked.found.counts.considered
-    in_vain = not (brief or picked.found.passing)
-
-    def going_on() -> None:
-        if progress:
-            progress(total, total)
-
-    return {
-        "relaxations": relaxations(problem, going_on) if in_vain else (),
-        "tried": tried(problem) if in_vain else (),
-        "unrestricted": None if brief else _unrestricted(problem),
-    }
 
 
 def _requirements(found: SearchResult, row: int) -> tuple[Requirement, ...]:
@@ -209,18 +196,30 @@ def explained(
     catalog = load_parts(spec, catalog)
     check_battery(spec, catalog)
     problem, _ = problem_with_drive_mass(spec, catalog)
-    evaluation, found = _examined(
-        problem, pair_of(catalog, motor, gearhead, spec.supply.nominal), spec.behind(gearhead)
-    )
+    rows = pair_of(catalog, motor, gearhead, spec.supply.nominal)
+    family, behind = str(problem.catalog.gearheads["family"][rows[1]]), spec.behind(gearhead)
+    part = str(problem.catalog.motors["part"][rows[0]])
+    choice = {"motor": MotorChoice(part=[part]), "gearhead": Choice(family=[family])}
+    narrowed = problem.with_sections(
+        select=behind.select.model_copy(update=choice), transmission=behind.transmission
+    )  # the motor with all gearheads of the family, of which the one is examined
+    combinations = candidates(narrowed, also=rows)
+    found = np.flatnonzero((combinations.motor == rows[0]) & (combinations.gearhead == rows[1])).tolist()
+    evaluation = evaluate(narrowed, combinations)
     weigh = weighing(problem, machine_requirements(problem.machine))
     parts = {row: drive_parts(evaluation, row) for row in found}
     beside = {row: other_checks(problem, one) for row, one in parts.items()}
-    passing = {
-        row: one
-        for row, one in parts.items()
-        if not evaluation.failed[row] and verdict(weigh(evaluation, row).checks) != "fail"
-    }
-    reliability, uncertain = _sampled(problem, evaluation, beside, passing, sampling or sampling_of(spec))
+    reliability, uncertain = dict[int, Reliability](), None
+    if sampling or (sampling := sampling_of(spec)):
+        from drivesizer.search.uncertainty.run import reliabilities, sample_drives, subject, uncertainty
+
+        sampled = sample_drives(problem, {row: subject(evaluation, row, beside[row]) for row in found}, sampling)
+        passing = {  # which alone go through the closed loop
+            row: one
+            for row, one in parts.items()
+            if not evaluation.failed[row] and verdict(weigh(evaluation, row).checks) != "fail"
+        }
+        reliability, uncertain = reliabilities(sampled, found, passing), uncertainty(sampled)
     sets = [
         drive_set(
             evaluation, row, rank,
@@ -232,30 +231,3 @@ def explained(
         for rank, (row, one) in enumerate(parts.items(), 1)
     ]  # fmt: skip
     return Explanation(sets, uncertain, (*not_returning(problem), *nearest_figures(spec, sets)))
-
-
-def _examined(problem: Problem, rows: tuple[int, int], behind: RobotSpec) -> tuple[Evaluation, list[int]]:
-    """A motor with a gearhead and the others of its family, and the rows of the combination itself."""
-    catalog = problem.catalog
-    motor, family = str(catalog.motors["part"][rows[0]]), str(catalog.gearheads["family"][rows[1]])
-    named = {"motor": MotorChoice(part=[motor]), "gearhead": Choice(family=[family])}
-    narrowed = problem.with_sections(select=behind.select.model_copy(update=named), transmission=behind.transmission)
-    combinations = candidates(narrowed, also=rows)
-    found = np.flatnonzero((combinations.motor == rows[0]) & (combinations.gearhead == rows[1]))
-    return evaluate(narrowed, combinations), found.tolist()
-
-
-def _sampled(
-    problem: Problem,
-    evaluation: Evaluation,
-    beside: dict[int, tuple[Check, ...]],
-    passing: dict[int, DriveParts],
-    sampling: Sampling | None,
-) -> tuple[dict[int, Reliability], Uncertainty | None]:
-    """The probability of each of some drives, where any is wanted; in closed loop of those that pass."""
-    if not sampling:
-        return {}, None
-    from drivesizer.search.uncertainty.run import reliabilities, sample_drives, subject, uncertainty
-
-    sampled = sample_drives(problem, {row: subject(evaluation, row, beside[row]) for row in beside}, sampling)
-    return reliabilities(sampled, list(beside), passing), uncertainty(sampled)

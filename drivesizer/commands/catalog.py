@@ -38,11 +38,6 @@ def open_named(names: list[str] | None) -> dict[str, Catalog]:
     return open_catalogs(names or ())
 
 
-def print_document(document: dict[str, Any]) -> None:
-    """Print one JSON document with its head."""
-    typer.echo(_text(document))
-
-
 def _text(document: dict[str, Any]) -> str:
     """A JSON document with its head: schema and program version."""
     from drivesizer.output.json.documents import SCHEMA_VERSION, as_text
@@ -216,17 +211,21 @@ def listed(
     if csv:
         write_csv(csv, hits)
     if json:
-        _print_parts(shelf, hits, sum(selection.undecided for selection in found.values()))
-    else:
-        _print_lists(found, limit, [*_columns(where or []), sort.removeprefix("-")], section is None)
-    raise typer.Exit(0 if hits else 1)
+        from drivesizer.catalog.exporting import as_document
 
-
-def _columns(conditions: list[str]) -> list[str]:
-    """The columns that conditions name, to be shown as well."""
+        undecided = sum(selection.undecided for selection in found.values())
+        typer.echo(_text({"found": len(hits), "undecided": undecided} | as_document(shelf, hits)))
+        raise typer.Exit(0 if hits else 1)
+    from drivesizer.catalog import columns_of
     from drivesizer.catalog.conditions import name_of
+    from drivesizer.output.terminal import catalog as terminal_catalog
 
-    return [name_of(text) for text in conditions]
+    extra = [*(name_of(text) for text in where or []), sort.removeprefix("-")]  # columns that conditions name
+    for name, selection in found.items():
+        if selection.hits or section or not hits:
+            shown = [column for column in extra if column in columns_of(name)]
+            terminal_catalog.listing(name, selection, limit, shown)
+    raise typer.Exit(0 if hits else 1)
 
 
 def _selected(
@@ -244,21 +243,6 @@ def _selected(
         given = ", ".join(f"--{name}" for name, text in options.items() if text is not None)
         raise InputError(f"{given}: {section or 'no section'} has no such figure; --where takes any column")
     return found
-
-
-def _print_lists(found: dict[str, Selection], limit: int, extra: list[str], several: bool) -> None:
-    from drivesizer.catalog import columns_of
-    from drivesizer.output.terminal import catalog as terminal_catalog
-
-    for section, selection in found.items():
-        if selection.hits or not several or not any(one.hits for one in found.values()):
-            terminal_catalog.listing(section, selection, limit, [n for n in extra if n in columns_of(section)])
-
-
-def _print_parts(shelf: dict[str, Catalog], hits: list[Hit], undecided: int) -> None:
-    from drivesizer.catalog.exporting import as_document
-
-    print_document({"found": len(hits), "undecided": undecided} | as_document(shelf, hits))
 
 
 @app.command(epilog="Example: drivesizer catalog show 118752 --source")
@@ -282,7 +266,7 @@ def show(
         for one, hit in zip(document["parts"], hits, strict=True):
             one["goes_with"] = partners(hit)
             one["estimates"] = as_records(hit.table, hit.row) + limit_records(hit.table, hit.row)
-        print_document(document)
+        typer.echo(_text(document))
         return
     from drivesizer.output.terminal import catalog as terminal_part
 
@@ -308,7 +292,7 @@ def compare(
     if json:
         from drivesizer.catalog.exporting import as_document
 
-        print_document(as_document(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}})
+        typer.echo(_text(as_document(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}}))
         return
     from drivesizer.output.terminal import catalog as terminal_catalog
 
@@ -330,7 +314,7 @@ def search(
     found = bool(parts or any(groups.values()))
     if json:
         names = {section: {name: len(hits) for name, hits in group.items()} for section, group in groups.items()}
-        print_document({"families": names, "parts": [{"section": h.section, "part": h.part} for h in parts]})
+        typer.echo(_text({"families": names, "parts": [{"section": h.section, "part": h.part} for h in parts]}))
     elif found:
         from drivesizer.output.terminal import catalog as terminal_catalog
 
@@ -350,7 +334,7 @@ def stats(catalog: Names = None, json: Json = False) -> None:
         from drivesizer.catalog.query import coverage, pairs_of
 
         sections = {name: {s: coverage(c, s)._asdict() for s in PARTS} for name, c in shelf.items()}
-        print_document({"catalogs": {n: {"pairs": pairs_of(c), **sections[n]} for n, c in shelf.items()}})
+        typer.echo(_text({"catalogs": {n: {"pairs": pairs_of(c), **sections[n]} for n, c in shelf.items()}}))
         return
     from drivesizer.output.terminal import findings as terminal_findings
 
@@ -370,7 +354,7 @@ def check(
     if json:
         from drivesizer.catalog.exporting import as_finding
 
-        print_document({"findings": [as_finding(one) for one in found if one.unexplained or everything]})
+        typer.echo(_text({"findings": [as_finding(one) for one in found if one.unexplained or everything]}))
     else:
         from drivesizer.output.terminal import findings as terminal_findings
 

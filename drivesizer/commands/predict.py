@@ -50,34 +50,39 @@ def predict(
     ] = None,
 ) -> None:
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""
+    from drivesizer.files.writing import ready, write_files
     from drivesizer.prediction.predict import completed
     from drivesizer.prediction.predict import predict as predicted
     from drivesizer.results.prediction import Conditions
 
+    if not 0.0 < minutes <= _LONGEST:
+        raise InputError(f"--minutes: {minutes:g} is out of range; expected above 0, at most {_LONGEST:g}, e.g. 60")
     given = Conditions(
-        voltage=_above_zero("voltage", voltage, "voltage"),
+        voltage=_read("voltage", voltage, "voltage"),
         ambient=_read("ambient", ambient, "temperature"),
-        load=_not_below_zero("load", load, "torque"),
-        hold=_not_below_zero("hold", hold, "torque"),
-        inertia=_not_below_zero("inertia", inertia, "inertia"),
-        duration=_duration(minutes),
+        load=_read("load", load, "torque"),
+        hold=_read("hold", hold, "torque"),
+        inertia=_read("inertia", inertia, "inertia"),
+        duration=60.0 * minutes,
         warm=_read("warm", warm, "temperature"),
-        resistance=_not_below_zero("resistance", resistance, "resistance"),
+        resistance=_read("resistance", resistance, "resistance"),
     )
-    form = _form(figure)
+    if figure is not None:
+        if figure.suffix.lower() not in _FORMS:
+            expected = f"expected {' or '.join(_FORMS)}"
+            raise InputError(f"{quoted(figure.name)} does not say which kind of figure; {expected}")
+        ready(figure)
     sold, gear, drive = _set(open_named(catalogs), motor, gearhead, controller, given.voltage)
-    given = completed(given, sold, gear)
     with working("predicting"):
-        found = predicted(sold, gear, drive, given)
-    _answered(found, json, _drawn(found, figure, form))
+        found = predicted(sold, gear, drive, completed(given, sold, gear))
+    drawn = {}
+    if figure is not None:
+        from drivesizer.output.report.figures.cycle import bench
 
-
-def _answered(found: Prediction, json: bool, drawn: dict[Path, bytes]) -> None:
-    """Print the answer, and write its figure: none where the answer cannot be given, but to a reader who has enough."""
-    from drivesizer.files.writing import write_files
-
-    try:
-        _say(found, json)
+        form: Any = figure.suffix.lower().removeprefix(".")
+        drawn = {figure: bench(found)(form)}
+    try:  # none of the figure where the answer cannot be given, but to a reader who has enough
+        _answer(found, json)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit):  # rich makes the second of the first
         write_files(drawn)
@@ -86,66 +91,31 @@ def _answered(found: Prediction, json: bool, drawn: dict[Path, bytes]) -> None:
         typer.echo(f"{path} written", err=True)
 
 
-def _drawn(found: Prediction, figure: Path | None, form: Any) -> dict[Path, bytes]:
-    if figure is None:
-        return {}
-    from drivesizer.output.report.figures.cycle import bench
-
-    return {figure: bench(found)(form)}
-
-
-def _say(found: Prediction, json: bool) -> None:
+def _answer(found: Prediction, json: bool) -> None:
     if json:
-        from drivesizer.output.json import behaviour as json_prediction
-        from drivesizer.output.json import documents as json_documents
+        from drivesizer.output.json import behaviour, documents
 
-        typer.echo(json_documents.as_text(json_prediction.prediction(found)))
+        typer.echo(documents.as_text(behaviour.prediction(found)))
         return
-    from drivesizer.output.terminal import prediction as terminal_prediction
+    from drivesizer.output.terminal.prediction import predicted
 
-    terminal_prediction.predicted(found)
+    predicted(found)
     print_notes(found.warnings)
 
 
 def _read(option: str, text: str | None, kind: str) -> float:
-    """An option in SI; NaN where it is not given."""
+    """An option in SI, but for temperatures not below 0, a voltage above it; NaN where it is not given."""
     from drivesizer.units import to_si
 
     try:
-        return nan if text is None else to_si(text, kind)
+        value = nan if text is None else to_si(text, kind)
     except InputError as error:
         raise InputError(f"--{option}: {error}") from None
-
-
-def _not_below_zero(option: str, text: str | None, kind: str) -> float:
-    value = _read(option, text, kind)
-    if value < 0.0:
+    if kind == "voltage" and value <= 0.0:
+        raise InputError(f"--{option}: {quoted(text or '')} is not above 0; expected e.g. 24 V")
+    if kind != "temperature" and value < 0.0:
         raise InputError(f"--{option}: {quoted(text or '')} is below 0; expected 0 or more")
     return value
-
-
-def _above_zero(option: str, text: str | None, kind: str) -> float:
-    if (value := _read(option, text, kind)) <= 0.0:
-        raise InputError(f"--{option}: {quoted(text or '')} is not above 0; expected e.g. 24 V")
-    return value
-
-
-def _duration(minutes: float) -> float:
-    if not 0.0 < minutes <= _LONGEST:
-        raise InputError(f"--minutes: {minutes:g} is out of range; expected above 0, at most {_LONGEST:g}, e.g. 60")
-    return 60.0 * minutes
-
-
-def _form(figure: Path | None) -> Any:
-    """The form that a file's name says; refuses a place that cannot be written."""
-    if figure is None:
-        return None
-    from drivesizer.files.writing import ready
-
-    if figure.suffix.lower() not in _FORMS:
-        raise InputError(f"{quoted(figure.name)} does not say which kind of figure; expected {' or '.join(_FORMS)}")
-    ready(figure)
-    return figure.suffix.lower().removeprefix(".")
 
 
 def _set(

@@ -38,7 +38,7 @@ def study(
     maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,
 ) -> None:
     """Size every variant of a spec: tables and maps; the same command resumes after an interruption."""
-    from drivesizer.study.local import one_thread_each
+    from drivesizer.study.workers import one_thread_each
 
     target = Path(path.stem) if folder is None else folder
     names = tuple(name.strip() for name in over.split(",")) if over else ()

@@ -1,9 +1,18 @@
-"""Drives of axes chosen together: so that the sum is least, of few kinds, within the machine's limits."""
+"""Drives of axes chosen together: so that the sum is least, of few kinds, within the machine's limits.
+
+A carried axis' drive enters the others by its mass alone. So of each axis only drives count that no other equals or
+beats in cost and mass, and the axes are gone through from the outermost inward. A bound ends what cannot be the best:
+an axis costs no less than with the least masses on it, as long as more mass never makes its drive cheaper.
+
+A kind is a motor with its gearhead. From the best drives on, the two groups of axes whose common kind adds least to the
+sum share it, as long as the sum stays within the allowance. What each kind costs is known with the masses that the best
+drives put on the axes; with those of the common drives all axes are sized again before they are taken.
+"""
 
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
@@ -28,20 +37,22 @@ from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "ORDER", "Choice", "Combination", "Cost", "Kind", "Loaded", "OfferedKinds", "Permitted", "axis_by_axis",
+    "ORDER", "Choice", "Combination", "Cost", "Kind", "Loaded", "Masses", "OfferedKinds", "Permitted", "axis_by_axis",
     "best_combination", "cheapest_first", "fewer_kinds", "kind_of", "within", "within_limits",
 ]  # fmt: skip
 
-
-# -- Drives of axes that ride on one another, chosen so that the sum over the machine is the least.
-#
-# A carried axis' drive enters the others by its mass alone. So of each axis only drives count that no other equals
-# or beats in cost and mass, and the axes are gone through from the outermost inward. A bound ends what cannot be the
-# best: an axis costs no less than with the least masses on it, as long as more mass never makes its drive cheaper.
-
-
-_ROUNDING = 1e-9
+ORDER: tuple[Status, ...] = ("pass", "open", "unknown", "fail")
 Cost = tuple[int, float]  # figures that are unknown, and the sum of those that are known: less is better in this order
+Masses = tuple[float, ...]  # kg, of the carried axes in their order
+Kind = tuple[str, str]  # motor and gearhead
+Permitted = Mapping[str, Kind]  # kinds by the axis' name; axes that are not in it are free
+Array = NDArray[np.float64]
+_ROUNDING = 1e-9
+_TRIED = 12  # common kinds that are tried for one kind less
+_OF_A_PAIR = 4  # of them for the same axes
+_FIRST = 200  # kinds of an axis that shares none, among which it chooses where other masses are on it
+_FREE = 4  # of them that enter the choice for the whole
+_MOST = 60  # combinations that are tried where the best of all axes break a limit
 
 
 class Choice(NamedTuple):
@@ -62,8 +73,17 @@ class Combination(NamedTuple):
     missing: str = ""  # axis without a drive, whatever rides on it
 
 
-Masses = tuple[float, ...]  # kg, of the carried axes in their order
 Sized = Callable[[str, Masses], Sequence[Choice]]  # drives of an axis that none beats in cost and mass, by cost
+
+
+def _total(costs: Iterable[Cost]) -> Cost:
+    known = list(costs)
+    return sum(missing for missing, _ in known), sum(value for _, value in known)
+
+
+def within(cost: Cost, limit: Cost) -> bool:
+    """Whether a cost is no more than a limit, but for rounding."""
+    return cost[0] < limit[0] or (cost[0] == limit[0] and cost[1] <= limit[1] + _ROUNDING * abs(limit[1]))
 
 
 class _Search:
@@ -87,9 +107,35 @@ class _Search:
             self.falling |= found[0].cost < self.least[axis]
         return found
 
-    def known(self, axis: str, masses: Mapping[str, float]) -> bool:
-        """Whether an axis was sized with these masses."""
-        return (axis, tuple(masses[other] for other in self.carried[axis])) in self.made
+    def descend(self, depth: int, chosen: dict[str, Choice], spent: Cost) -> None:
+        """Go on with the next axis inward, the cheapest drives first: all of one that others carry."""
+        if depth == len(self.order):
+            self.best, self.cost = dict(chosen), spent
+            return
+        axis, masses = self.order[depth], {name: choice.mass for name, choice in chosen.items()}
+        sized_before = (axis, tuple(masses[other] for other in self.carried[axis])) in self.made
+        if len(self.made) >= self.most and not sized_before:
+            self.cut = True
+            return
+        rest = _total(self.least[name] for name in self.order[depth + 1 :])
+        choices = self.choices(axis, masses)
+        for choice in choices if any(axis in names for names in self.carried.values()) else choices[:1]:
+            after = _total((spent, choice.cost))
+            if self.cost is not None:
+                bound, (missing, value) = _total((after, rest)), self.cost
+                if bound[0] > missing or (bound[0] == missing and bound[1] >= value - _ROUNDING * abs(value)):
+                    return
+            self.descend(depth + 1, {**chosen, axis: choice}, after)
+
+    def one_by_one(self, pick: Callable[[Sequence[Choice]], Choice]) -> Combination:
+        """A drive of each axis that has one, those that ride on it chosen before; another choice may cost less."""
+        chosen, missing = dict[str, Choice](), ""
+        for axis in self.order:
+            found = self.choices(axis, {name: chosen[name].mass if name in chosen else 0.0 for name in self.order})
+            if found:
+                chosen[axis] = pick(found)
+            missing = missing or ("" if found else axis)
+        return Combination(chosen, _total(one.cost for one in chosen.values()), False, len(self.made), missing)
 
 
 def best_combination(
@@ -101,112 +147,64 @@ def best_combination(
     for axis in order:  # bounds: each axis with the least masses on it
         found = search.choices(axis, lightest)
         if not found:
-            return _sequential_choice(search, _lightest)
+            break
         search.least[axis], lightest[axis] = found[0].cost, min(choice.mass for choice in found)
-    _descend(search, 0, {}, (0, 0.0))
-    if search.cost is None:  # the cheapest were too heavy to carry
-        return _sequential_choice(search, _lightest)
+    else:
+        search.descend(0, {}, (0, 0.0))
+    if search.cost is None:  # an axis has none, or the cheapest were too heavy to carry
+        return search.one_by_one(lambda found: min(found, key=lambda choice: choice.mass))
     return Combination(search.best, search.cost, not (search.cut or search.falling), len(search.made))
 
 
 def axis_by_axis(order: Sequence[str], carried: Mapping[str, Sequence[str]], sized: Sized) -> Combination:
     """The best drive of each axis as it is, those that ride on it chosen before."""
-    search = _Search(order, carried, sized, 0)
-    return _sequential_choice(search, lambda found: found[0])
+    return _Search(order, carried, sized, 0).one_by_one(lambda found: found[0])
 
 
-def _descend(search: _Search, depth: int, chosen: dict[str, Choice], spent: Cost) -> None:
-    """Go on with the next axis inward, the cheapest drives first."""
-    if depth == len(search.order):
-        search.best, search.cost = dict(chosen), spent
-        return
-    axis = search.order[depth]
-    masses = {name: choice.mass for name, choice in chosen.items()}
-    if len(search.made) >= search.most and not search.known(axis, masses):
-        search.cut = True
-        return
-    rest = _total(search.least[name] for name in search.order[depth + 1 :])
-    for choice in _that_count(search, axis, search.choices(axis, masses)):
-        after = _total((spent, choice.cost))
-        if search.cost is not None and _reaches(_total((after, rest)), search.cost):
-            return
-        _descend(search, depth + 1, {**chosen, axis: choice}, after)
-
-
-def _that_count(search: _Search, axis: str, choices: Sequence[Choice]) -> Sequence[Choice]:
-    """All drives of an axis that others carry; else the cheapest."""
-    return choices if any(axis in names for names in search.carried.values()) else choices[:1]
-
-
-def _reaches(cost: Cost, best: Cost) -> bool:
-    """Whether a cost is no less than another, but for rounding."""
-    return cost[0] > best[0] or (cost[0] == best[0] and cost[1] >= best[1] - _ROUNDING * abs(best[1]))
-
-
-def _total(costs: Iterable[Cost]) -> Cost:
-    known = list(costs)
-    return sum(missing for missing, _ in known), sum(value for _, value in known)
-
-
-def _sequential_choice(search: _Search, pick: Callable[[Sequence[Choice]], Choice]) -> Combination:
-    """A drive of each axis that has one, those that ride on it chosen before; another choice may cost less."""
-    chosen, missing = dict[str, Choice](), ""
-    for axis in search.order:
-        found = search.choices(axis, {name: chosen[name].mass if name in chosen else 0.0 for name in search.order})
-        if found:
-            chosen[axis] = pick(found)
-        missing = missing or ("" if found else axis)
-    cost = _total(choice.cost for choice in chosen.values())
-    return Combination(chosen, cost, False, len(search.made), missing)
-
-
-def _lightest(found: Sequence[Choice]) -> Choice:
-    return min(found, key=lambda choice: choice.mass)
-
-
-# -- Common drives for several axes, where they cost little more than the best drive of each.
-#
-# A kind is a motor with its gearhead. From the best drives on, the two groups of axes whose common kind adds least
-# to the sum share it, as long as the sum stays within the allowance. What each kind costs is known with the masses
-# that the best drives put on the axes; with those of the common drives all axes are sized again before they are
-# taken.
-
-
-_TRIED = 12  # common kinds that are tried for one kind less
-_OF_A_PAIR = 4  # of them for the same axes
-Kind = tuple[str, str]  # motor and gearhead
-Permitted = Mapping[str, Kind]  # kinds by the axis' name; axes that are not in it are free
-Offered = Mapping[str, Mapping[Kind, Cost]]  # by axis, the best kinds first
-Group = tuple[str, ...]  # axes of a common kind
+# Common drives for several axes, where they cost little more than the best drive of each.
 
 
 class _Merger(NamedTuple):
     """Two groups of axes with a kind for both."""
 
-    first: Group
-    second: Group
+    first: tuple[str, ...]
+    second: tuple[str, ...]
     kind: Kind
     added: Cost
-
-
-def within(cost: Cost, limit: Cost) -> bool:
-    """Whether a cost is no more than a limit, but for rounding."""
-    return cost[0] < limit[0] or (cost[0] == limit[0] and cost[1] <= limit[1] + _ROUNDING * abs(limit[1]))
 
 
 def fewer_kinds(
     best: Combination,
     kinds: Mapping[str, Kind],
-    offered: Offered,
+    offered: Mapping[str, Mapping[Kind, Cost]],
     limit: Cost,
     tried: Callable[[Permitted], Combination],
 ) -> tuple[Combination, dict[str, Kind]]:
-    """A combination of fewer kinds of drives within a limit."""
-    groups = _alike(kinds)
+    """A combination of fewer kinds of drives within a limit; kinds are offered by axis, the best first."""
+    by_kind: dict[Kind, tuple[str, ...]] = {}
+    for axis, kind in kinds.items():
+        by_kind[kind] = (*by_kind.get(kind, ()), axis)
+    groups = list(by_kind.values())
     common = {axis: kinds[axis] for group in groups if len(group) > 1 for axis in group}
     first = len(groups)
+
+    def own(group: tuple[str, ...]) -> Cost:
+        """Cost of the axes of a group with the kind that they share; of a single axis with its best."""
+        if group[0] not in common:
+            return min(offered[group[0]].values())
+        return _total(offered[one][common[one]] for one in group)
+
     while len(groups) > 1:
-        for merger in _mergers(groups, common, offered, best.cost, limit):
+        mergers: list[_Merger] = []  # the least added cost first, as far as the sum may stay within the limit
+        for one, other in combinations(groups, 2):
+            axes, before, both = (*one, *other), _total((own(one), own(other))), []
+            for kind in offered[axes[0]]:
+                if all(kind in offered[axis] for axis in axes):
+                    after = _total(offered[axis][kind] for axis in axes)
+                    both.append(_Merger(one, other, kind, (after[0] - before[0], after[1] - before[1])))
+            mergers += sorted(both, key=lambda merger: merger.added)[:_OF_A_PAIR]
+        likely = [merger for merger in mergers if within(_total((best.cost, merger.added)), limit)]
+        for merger in sorted(likely, key=lambda merger: merger.added)[:_TRIED]:
             shared = common | dict.fromkeys((*merger.first, *merger.second), merger.kind)
             found = tried(shared)
             if not found.missing and within(found.cost, limit):
@@ -217,61 +215,6 @@ def fewer_kinds(
         groups.append((*merger.first, *merger.second))
         best, common = found, shared
     return best, common if len(groups) < first else {}
-
-
-def _alike(kinds: Mapping[str, Kind]) -> list[Group]:
-    """Axes by their kind."""
-    found: dict[Kind, Group] = {}
-    for axis, kind in kinds.items():
-        found[kind] = (*found.get(kind, ()), axis)
-    return list(found.values())
-
-
-def _mergers(groups: list[Group], common: Permitted, offered: Offered, cost: Cost, limit: Cost) -> Iterator[_Merger]:
-    """Pairs of groups with a kind for both, the least added cost first, as far as the sum may stay within the limit."""
-    own = {group: _group_cost(group, common, offered) for group in groups}
-    found: list[_Merger] = []
-    for first, second in combinations(groups, 2):
-        before = _sum(own[first], own[second])
-        both = [
-            _Merger(first, second, kind, _less(after, before))
-            for kind, after in _common_kinds((*first, *second), offered)
-        ]
-        found += sorted(both, key=lambda merger: merger.added)[:_OF_A_PAIR]
-    likely = [merger for merger in found if within(_sum(cost, merger.added), limit)]
-    yield from sorted(likely, key=lambda merger: merger.added)[:_TRIED]
-
-
-def _group_cost(group: Group, common: Permitted, offered: Offered) -> Cost:
-    """Cost of the axes of a group with the kind that they share; of a single axis with its best."""
-    axis = group[0]
-    if axis not in common:
-        return min(offered[axis].values())
-    return _sum(*(offered[one][common[one]] for one in group))
-
-
-def _common_kinds(axes: Group, offered: Offered) -> Iterator[tuple[Kind, Cost]]:
-    """Kinds that all of some axes may have, with their cost."""
-    for kind in offered[axes[0]]:
-        if all(kind in offered[axis] for axis in axes):
-            yield kind, _sum(*(offered[axis][kind] for axis in axes))
-
-
-def _sum(*costs: Cost) -> Cost:
-    return sum(missing for missing, _ in costs), sum(value for _, value in costs)
-
-
-def _less(cost: Cost, other: Cost) -> Cost:
-    return cost[0] - other[0], cost[1] - other[1]
-
-
-# -- Kinds of drives that the axes of a machine may have, and the drives of some kinds with masses on an axis.
-
-
-ORDER: tuple[Status, ...] = ("pass", "open", "unknown", "fail")
-_FIRST = 200  # kinds of an axis that shares none, among which it chooses where other masses are on it
-_FREE = 4  # of them that enter the choice for the whole
-Array = NDArray[np.float64]
 
 
 class Loaded(NamedTuple):
@@ -287,7 +230,6 @@ class _Row(NamedTuple):
 
     shortlist: Shortlist
     row: int
-    kind: Kind
     choice: Choice
 
 
@@ -297,24 +239,47 @@ def kind_of(one: DriveParts) -> Kind:
 
 
 class OfferedKinds:
-    """Searches over few kinds, each made once."""
+    """Kinds of drives that the axes of a machine may have; searches over few of them, each made once."""
 
     def __init__(self, axes: Mapping[str, Masses], loaded: Callable[[str, Masses], Loaded]) -> None:
-        self.loaded = loaded
+        self.loaded, self.axes = loaded, axes
         self.made: dict[tuple[str, Masses, frozenset[Kind]], dict[Kind, _Row]] = {}
         self.first: dict[str, frozenset[Kind]] = {}  # by axis
-        self.axes = axes
 
     def costs(self, statuses: Mapping[str, Status], slack: float) -> dict[str, dict[Kind, Cost]]:
-        """Cost of the kinds of drives of every axis that pass, the cheapest first."""
-        found = {axis: _costs(self.loaded(axis, on_it), statuses[axis]) for axis, on_it in self.axes.items()}
-        self.first = {axis: frozenset(list(costs)[:_FIRST]) for axis, costs in found.items()}
-        return {axis: _within(costs, slack) for axis, costs in found.items()}
+        """Cost of the kinds of drives of every axis that pass and cost little more than the cheapest, which is first.
+
+        Budgets of the machine aside.
+        """
+        offered = {}
+        for axis, on_it in self.axes.items():
+            one = self.loaded(axis, on_it)
+            problem, _ = problem_with_drive_mass(one.spec, one.catalog)
+            kept, _, _ = sifted(problem)
+            objective = str(one.spec.select.objective)
+            value, missing = _known(problem.catalog, kept.sets, kept.figures, objective)
+            drives = _drives_summed(objective, problem.machine)
+            motors, gearheads = problem.catalog.motors["part"], problem.catalog.gearheads["part"]
+            rows, found = np.lexsort((value, missing)), dict[Kind, Cost]()
+            for row in rows[kept.certainty[rows] <= ORDER.index(statuses[axis])].tolist():
+                kind = str(motors[kept.sets.motor[row]]), str(gearheads[kept.sets.gearhead[row]])
+                found.setdefault(kind, (int(missing[row]), float(value[row]) * drives))
+            self.first[axis] = frozenset(list(found)[:_FIRST])
+            least = min(found.values(), default=(0, 0.0))
+            limit = least[0], least[1] + slack
+            offered[axis] = {kind: cost for kind, cost in found.items() if within(cost, limit)}
+        return offered
 
     def choices(self, axis: str, masses: Masses, kind: Kind | None, status: Status) -> list[Choice]:
         """Drives of a kind on an axis with drives of some masses on it; of the first few kinds where it is free."""
-        found = self._found(axis, masses, self.first[axis] if kind is None else frozenset((kind,)))
-        return [row.choice for row in found.values() if _no_worse(row, status)][:_FREE]
+        kinds = self.first[axis] if kind is None else frozenset((kind,))
+        key = axis, masses, kinds
+        if key not in self.made:
+            self.made[key] = _searched(_restricted(self.loaded(axis, masses), kinds), min(len(kinds), _FREE))
+        rows = self.made[key].values()
+        statuses = [row.shortlist.found.evaluation.status(row.row) for row in rows]
+        both = zip(rows, statuses, strict=True)
+        return [row.choice for row, found in both if ORDER.index(found) <= ORDER.index(status)][:_FREE]
 
     def record(self, axis: str, masses: Masses, name: str) -> tuple[Problem, DriveSet]:
         """A drive that ``choices`` gave, in full, and the problem it is of."""
@@ -325,60 +290,24 @@ class OfferedKinds:
         reliability = short.reliability.get(found.row)
         return short.problem, short.record(found.row, 1, beside=beside, reliability=reliability)
 
-    def _found(self, axis: str, masses: Masses, kinds: frozenset[Kind]) -> dict[Kind, _Row]:
-        """The best drive of each of some kinds, in the order of the search."""
-        key = axis, masses, kinds
-        if key not in self.made:
-            loaded = _restricted(self.loaded(axis, masses), kinds)
-            belts = max(1, len(loaded.spec.belt_ratios))
-            self.made[key] = _searched(loaded, min(len(kinds), _FREE) * belts)
-        return self.made[key]
 
-
-def _costs(loaded: Loaded, status: Status) -> dict[Kind, Cost]:
-    """Cost of all kinds of drives of an axis that pass, budgets of the machine aside; the cheapest first."""
-    problem, _ = problem_with_drive_mass(loaded.spec, loaded.catalog)
-    kept, _, _ = sifted(problem)
-    objective = str(loaded.spec.select.objective)
-    value, missing = _known(problem.catalog, kept.sets, kept.figures, objective)
-    drives = _drives_summed(objective, problem.machine)
-    motors, gearheads = problem.catalog.motors["part"], problem.catalog.gearheads["part"]
-    rows = np.lexsort((value, missing))
-    rows = rows[kept.certainty[rows] <= ORDER.index(status)]
-    found: dict[Kind, Cost] = {}
-    for row in rows.tolist():
-        kind = str(motors[kept.sets.motor[row]]), str(gearheads[kept.sets.gearhead[row]])
-        found.setdefault(kind, (int(missing[row]), float(value[row]) * drives))
-    return found
-
-
-def _within(costs: Mapping[Kind, Cost], slack: float) -> dict[Kind, Cost]:
-    """Those that cost little more than the cheapest."""
-    least = min(costs.values(), default=(0, 0.0))
-    return {kind: cost for kind, cost in costs.items() if within(cost, (least[0], least[1] + slack))}
-
-
-def _searched(loaded: Loaded, top: int) -> dict[Kind, _Row]:
-    """The best drive of each kind."""
+def _searched(loaded: Loaded, kinds: int) -> dict[Kind, _Row]:
+    """The best drive of each kind, in the order of the search."""
     if not len(loaded.catalog.motor_gearhead.left):
         return {}
+    top, objective = kinds * max(1, len(loaded.spec.belt_ratios)), str(loaded.spec.select.objective)
     found = shortlist(loaded.spec, loaded.catalog, top, misses=0, sampling=loaded.sampling, brief=True)
     rows: dict[Kind, _Row] = {}
     for row in found.best:
         one = drive_parts(found.found.evaluation, row)
-        if kind_of(one) not in rows:
-            choice = Choice(one.label, _cost(found, row), riding_mass(found.problem, one))
-            rows[kind_of(one)] = _Row(found, row, kind_of(one), choice)
+        if kind_of(one) in rows:
+            continue
+        some = found.found.evaluation.on(np.array([row]))
+        bought = chosen(some.encoder, some.controller, some.brake, needs_encoder=not some.spec.steps)
+        value, missing = _known(some.catalog, some.candidates, {**some.figures, **bought}, objective)
+        cost = int(missing[0]), float(value[0]) * _drives_summed(objective, found.problem.machine)
+        rows[kind_of(one)] = _Row(found, row, Choice(one.label, cost, riding_mass(found.problem, one)))
     return rows
-
-
-def _cost(found: Shortlist, row: int) -> Cost:
-    """The objective of all drives of an axis."""
-    objective = str(found.problem.spec.select.objective)
-    some = found.found.evaluation.on(np.array([row]))
-    figures = {**some.figures, **chosen(some.encoder, some.controller, some.brake, needs_encoder=not some.spec.steps)}
-    value, missing = _known(some.catalog, some.candidates, figures, objective)
-    return int(missing[0]), float(value[0]) * _drives_summed(objective, found.problem.machine)
 
 
 def _known(
@@ -394,12 +323,7 @@ def _drives_summed(objective: str, spec: RobotSpec) -> int:
     return 1 if objective == "energy" else spec.load.motors
 
 
-def _no_worse(row: _Row, status: Status) -> bool:
-    found = row.shortlist.found.evaluation.status(row.row)
-    return ORDER.index(found) <= ORDER.index(status)
-
-
-def _restricted(loaded: Loaded, kinds: Collection[Kind]) -> Loaded:
+def _restricted(loaded: Loaded, kinds: frozenset[Kind]) -> Loaded:
     """The same with the motors and gearheads of some kinds alone."""
     spec, catalog = loaded.spec, loaded.catalog
     if spec.is_direct:
@@ -419,10 +343,7 @@ def _restricted(loaded: Loaded, kinds: Collection[Kind]) -> Loaded:
     return loaded._replace(catalog=kept(catalog))
 
 
-# -- Other drives for the axes where the best of each together break a limit of the machine.
-
-
-_MOST = 60  # combinations that are tried
+# Other drives for the axes where the best of each together break a limit of the machine.
 
 
 def within_limits(
@@ -434,23 +355,18 @@ def within_limits(
     broken = [check.title for check in best.checks if check.status == "fail"]
     if not broken or not best.complete:
         return best
-    count = 0
+    count, before = 0, [axis.best.status for axis in best.axes if axis.best]
     for count, one in enumerate(cheapest_first(offers(), _MOST), 1):
         result = tried(one)
-        if result is None or not _keeps(result, best):
+        if result is None or any(check.status == "fail" for check in result.checks):
             continue
+        now = [axis.best.status if axis.best else "fail" for axis in result.axes]
+        if any(GRAVEST.index(a) < GRAVEST.index(b) for a, b in zip(now, before, strict=True)):
+            continue  # an axis has become worse
         note = f"{broken[0]}: the best drives of all axes break it together; of the next best, choice {count} keeps it"
         return replace(result, certain=False, notes=(*result.notes, note))
     note = f"{broken[0]}: none of {count} other choices of drives keeps it"
     return replace(best, certain=False, notes=(*best.notes, note))
-
-
-def _keeps(result: MachineSizing, best: MachineSizing) -> bool:
-    """Whether no limit of the machine is broken, and no axis has become worse."""
-    axes = zip(result.axes, best.axes, strict=True)
-    statuses = [(one.best.status if one.best else "fail", other.best.status) for one, other in axes if other.best]
-    worse = any(GRAVEST.index(now) < GRAVEST.index(before) for now, before in statuses)
-    return not worse and not any(check.status == "fail" for check in result.checks)
 
 
 def cheapest_first(offers: Mapping[str, Sequence[Choice]], most: int) -> Iterator[dict[str, Choice]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import isnan, nan
 from typing import NamedTuple
@@ -33,7 +33,7 @@ from drivesizer.physics.power_stage import Feed
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.machine import Exceeded
 from drivesizer.results.problem import LoadCase, Problem
-from drivesizer.spec.machine import AxisSpec, MachineSpec
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.units import show
 
@@ -78,35 +78,33 @@ def waiting_times(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> 
     if not machine.synchronised or not machine.is_several:
         return {}
     found = {axis.name: _motions(spec_of(axis.name)) for axis in machine.axes if not axis.own_supply}
+
+    def moving(name: str, period: float, at_rest: bool) -> Moving:
+        axis = machine.axis(name)
+        return Moving(name, axis.start, period, at_rest if axis.repeats is None else not axis.repeats)
+
+    def cycle_in(case: str) -> float:
+        """The machine's cycle in a load case [s]; an axis without that case has its first."""
+        every = []
+        for name, own in found.items():
+            period, at_rest = own.get(case) or own.get(AS_SPECIFIED) or next(iter(own.values()))
+            every.append(moving(name, period, at_rest))
+            if every[-1].waits and not at_rest:
+                where = machine.where(("axes", name, "repeats"))
+                raise InputError(f"{where}: its motion is not at rest at both ends; expected true, or a motion that is")
+        try:
+            return cycle_of(every, machine.cycle_time)
+        except FieldError as error:
+            raise InputError(f"{machine.where(error.field)}: {error}") from None
+
     more = list(dict.fromkeys(name for own in found.values() for name in own if name))
-    cycles = {case: _cycle_in_case(machine, found, case) for case in more or [""]} if found else {}
-    return {axis: dict(_axis_waiting(machine.axis(axis), own, cycles)) for axis, own in found.items()}
-
-
-def _cycle_in_case(machine: MachineSpec, found: Mapping[str, Motions], case: str) -> float:
-    """The machine's cycle in a load case [s]; an axis without that case has its first."""
-    moving = []
+    cycles = {case: cycle_in(case) for case in more or [""]} if found else {}
+    waiting: dict[str, dict[str, float | None]] = {name: {} for name in found}
     for name, own in found.items():
-        period, at_rest = own.get(case) or own.get(AS_SPECIFIED) or next(iter(own.values()))
-        moving.append(_moving(machine.axis(name), period, at_rest))
-        if moving[-1].waits and not at_rest:
-            where = machine.where(("axes", name, "repeats"))
-            raise InputError(f"{where}: its motion is not at rest at both ends; expected true, or a motion that is")
-    try:
-        return cycle_of(moving, machine.cycle_time)
-    except FieldError as error:
-        raise InputError(f"{machine.where(error.field)}: {error}") from None
-
-
-def _moving(axis: AxisSpec, period: float, at_rest: bool) -> Moving:
-    return Moving(axis.name, axis.start, period, at_rest if axis.repeats is None else not axis.repeats)
-
-
-def _axis_waiting(axis: AxisSpec, own: Motions, cycles: Mapping[str, float]) -> Iterator[tuple[str, float | None]]:
-    """Until when an axis waits in each of its load cases."""
-    for case, found in own.items():
-        cycle, moving = cycles[case or next(iter(cycles))], _moving(axis, *found)
-        yield case, cycle if moving.waits and rest_left(moving.period, cycle) else None
+        for case, motion in own.items():
+            cycle, one = cycles[case or next(iter(cycles))], moving(name, *motion)
+            waiting[name][case] = cycle if one.waits and rest_left(one.period, cycle) else None
+    return waiting
 
 
 def _motions(spec: RobotSpec) -> Motions:
@@ -133,15 +131,6 @@ def moving_alone(problem: Problem) -> Problem:
     quickest = quickest_winding(problem.catalog)
     cases = tuple(with_cycle(case, case.spec.waiting({}), quickest) for case in problem.cases)
     return replace(problem, machine=problem.machine.waiting({}), cases=cases)
-
-
-def starts_and_ends_at_rest(cases: Sequence[LoadCase]) -> bool:
-    """Whether a motion begins and ends at rest."""
-    return all(
-        max(abs(float(case.cycle.speed[0, 0])), abs(float(case.cycle.speed[-1, 1])))
-        <= _STILL * float(np.abs(case.cycle.speed).max())
-        for case in cases
-    )
 
 
 def waiting(case: LoadCase, until: float) -> CycleAtBelt:
@@ -187,7 +176,11 @@ class AxisPower(NamedTuple):
 
     def waits(self, cases: Sequence[LoadCase]) -> bool:
         """Whether it waits for the others when it is done."""
-        return starts_and_ends_at_rest(cases) if self.repeats is None else not self.repeats
+        if self.repeats is not None:
+            return not self.repeats
+        cycles = [case.cycle for case in cases]  # unless it moves at an end of its motion
+        ends = [max(abs(float(one.speed[0, 0])), abs(float(one.speed[-1, 1]))) for one in cycles]
+        return all(end <= _STILL * float(np.abs(one.speed).max()) for end, one in zip(ends, cycles, strict=True))
 
 
 class CommonBus(NamedTuple):
@@ -223,7 +216,10 @@ def common_bus(
         total = exchanged(powers, feed)
         on_bus = regenerated_of(name, shared, total)
         return CommonBus(shared, feed, powers, total, on_bus, (total,), cycle, (), synchronised, ())
-    groups = _groups(axes, waits, powers)
+    side_by_side = [k for k, one in enumerate(waits) if one]  # the others run each at any phase
+    for k in side_by_side:
+        powers[k] = from_start(powers[k], axes[k].start)
+    groups = ([side_by_side] if side_by_side else []) + [[k] for k, one in enumerate(waits) if not one]
     apart = tuple(exchanged([powers[k] for k in group], feed) for group in groups)
     window = _shown(powers) if isnan(window) else window
     phases = {k: worst_start(fitted(whole, window)) for group, whole in zip(groups, apart, strict=True) for k in group}
@@ -248,14 +244,6 @@ def _shown(powers: Sequence[DrivePower]) -> float:
             "expected e.g. shorter motions of the slow axis",
         )
     return longest * max(1, min(_SHOWN, int(MOST_PIECES / pieces)))
-
-
-def _groups(axes: Sequence[AxisPower], waits: Sequence[bool], powers: list[DrivePower]) -> list[list[int]]:
-    """Axes that run together, and each that runs at any phase; those of the first begin at their offsets."""
-    waiting_ones = [k for k, one in enumerate(waits) if one]
-    for k in waiting_ones:
-        powers[k] = from_start(powers[k], axes[k].start)
-    return ([waiting_ones] if waiting_ones else []) + [[k] for k, one in enumerate(waits) if not one]
 
 
 def _axis_power(axis: AxisPower, cases: Sequence[LoadCase], waits: bool, cycle: float) -> DrivePower:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import fsum, isnan, nan
+from math import fsum, inf, isnan, nan
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import Path_
@@ -17,8 +16,8 @@ from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus, unknown_at_rest
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
 from drivesizer.results.check import Check, Figure, worst_of_cases
-from drivesizer.results.check_columns import CheckColumn, at_most
-from drivesizer.results.drive_set import BrakingBudget, Consumption, DriveParts, EnergyBudget, loss_assumptions
+from drivesizer.results.check_columns import at_most
+from drivesizer.results.drive_set import BrakingBudget, Consumption, EnergyBudget, loss_assumptions
 from drivesizer.results.machine import MachinePower
 from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
@@ -109,15 +108,15 @@ def without_effect(machine: MachineSpec) -> tuple[str, ...]:
     return tuple("".join(f"[{n + 1}]" if isinstance(n, int) else f".{n}" for n in path).lstrip(".") for path in lost)
 
 
-# -- Several axes on one supply: what they draw, what becomes of regenerated energy, and the limits of the supply.
+# Several axes on one supply: what they draw, what becomes of regenerated energy, and the limits of the supply.
 #
 # At random phases limits are held against what no phase exceeds. Brake resistor, power supply and battery are judged
 # as those of one drive are, by the sum.
 
 
-Array = NDArray[np.float64]
 _ROUNDING = 1e-9  # of a cycle
 _STAYS = "unknown: how far regenerated energy raises the voltage: give brake_resistor or supply.capacitance"
+_CABLES = "resistance of the supply"
 
 
 def common_supply(
@@ -131,94 +130,73 @@ def common_supply(
     """Power of a machine's axes on their supply, and the limits of supply, brake resistor and battery."""
     shared = with_parts_of_supply(shared, catalog)
     cases = dict(shared.load_cases)
-    buses = {name: common_bus(name, cases.get(name, shared), axes, synchronised, cycle_time) for name in _cases(axes)}
-    controllers = [(one.one, one.problem.spec.load.motors) for one in axes]
-    withstood = _least([one.controller.supply_max if one.controller else nan for one, _ in controllers])
-    by_case = [(name, _supplied(bus)) for name, bus in buses.items()]
-    checks = worst_of_cases([(name, tuple(c.at((), "budget") for c in found)) for name, found in by_case])
+    more = [name for axis in axes for name, _ in axis.problem.machine.load_cases[1:]]
+    names = dict.fromkeys([AS_SPECIFIED, *more]) if more else [""]
+    buses = {name: common_bus(name, cases.get(name, shared), axes, synchronised, cycle_time) for name in names}
+    withstood = min((limit for limit in _withstood(axes).values() if not isnan(limit)), default=nan)
+    checks = worst_of_cases([(name, _supplied(bus)) for name, bus in buses.items()])
     braking, energy = None, dict[str, EnergyBudget]()
     if shared.battery is None and shared.supply.kind != "battery":
-        found = [bus.on_bus for bus in buses.values()]
-        braking = bus_budget(shared, catalog, found, withstood, worst_of_cases)
-    voltage = [(name, (_voltage(bus, braking, axes),)) for name, bus in buses.items()]
-    checks = (*checks, *worst_of_cases(voltage), *(braking.checks if braking else ()))
+        braking = bus_budget(shared, catalog, [bus.on_bus for bus in buses.values()], withstood, worst_of_cases)
+    voltage = worst_of_cases([(name, (_voltage(bus, braking, axes),)) for name, bus in buses.items()])
+    checks = (*checks, *voltage, *(braking.checks if braking else ()))
     if shared.battery is not None:
         energy = {name: _energy(name, bus, axes, catalog) for name, bus in buses.items()}
         checks = (*checks, *worst_of_cases([(name, one.checks) for name, one in energy.items()]))
-    name = max(buses, key=lambda case: _most(float(buses[case].total.peak.max())))
-    return _record(name, buses[name], axes, checks, braking, energy)
+
+    def largest(case: str) -> float:
+        peak = float(buses[case].total.peak.max())
+        return inf if isnan(peak) else peak
+
+    name = max(buses, key=largest)
+    least = min(energy.values(), key=lambda one: (not isnan(one.autonomy), one.autonomy), default=None)
+    return _record(name, buses[name], axes, checks, braking, least)
 
 
-def _most(value: float) -> float:
-    return float("inf") if isnan(value) else value
-
-
-def _least(values: Sequence[float]) -> float:
-    return min((value for value in values if not isnan(value)), default=nan)
-
-
-def _cases(axes: Sequence[AxisPower]) -> list[str]:
-    """Load cases of the machine: that as specified, and all that any axis has besides."""
-    more = [name for axis in axes for name, _ in axis.problem.machine.load_cases[1:]]
-    return list(dict.fromkeys([AS_SPECIFIED, *more])) if more else [""]
-
-
-# --- limits -----------------------------------------------------------------------------------------------------------
-
-
-def _supplied(bus: CommonBus) -> list[CheckColumn]:
-    """Largest current and power out of the supply against what it delivers."""
-    supply, needed, total = bus.spec.supply, bus.spec.margins.torque, bus.total
-    peak, time = float(total.peak.max()), _peak_time(total)
-    found = []
-    for name, limit, scale in (
-        ("supply_current", supply.most_current, supply.lowest),
-        ("supply_power", supply.power, 1.0),
-    ):
-        if limit is not None:
-            note = _share_text(bus, name)
-            found.append(at_most(name, peak / scale, limit, needed=needed, time=np.asarray(time), note=note))
-    return found
+def _withstood(axes: Sequence[AxisPower]) -> dict[str, float]:
+    """Voltage that the controllers of each axis withstand [V]."""
+    return {axis.name: axis.one.controller.supply_max if axis.one.controller else nan for axis in axes}
 
 
 def _peak_time(total: DrivePower) -> float:
     """Moment at which the peak's piece begins [s]; NaN where it is unknown."""
-    if isnan(float(total.peak.max())):
-        return nan
-    return float(total.duration[: int(total.peak.argmax())].sum())
+    return float(total.duration[: int(total.peak.argmax())].sum()) if total.peak.max() == total.peak.max() else nan
 
 
-def _share_text(bus: CommonBus, name: str) -> str:
-    """Of axes at random phases: for how much of the time a limit is exceeded."""
-    one = next((one for one in bus.exceeded if one.check == name), None)
-    if one is None or isnan(one.most):
-        return ""
-    return f"at the worst phase; exceeded for {show(one.most, '%', 'dimensionless')} of the time at most"
+def _supplied(bus: CommonBus) -> tuple[Check, ...]:
+    """Largest current and power out of the supply against what it delivers."""
+    supply, needed, peak = bus.spec.supply, bus.spec.margins.torque, float(bus.total.peak.max())
+    time, found = np.asarray(_peak_time(bus.total)), []
+    for name, limit, scale in (
+        ("supply_current", supply.most_current, supply.lowest),
+        ("supply_power", supply.power, 1.0),
+    ):
+        if limit is None:
+            continue
+        note, one = "", next((one for one in bus.exceeded if one.check == name), None)
+        if one is not None and not isnan(one.most):  # axes at random phases
+            share = show(one.most, "%", "dimensionless")
+            note = f"at the worst phase; exceeded for {share} of the time at most"
+        found.append(at_most(name, peak / scale, limit, needed=needed, time=time, note=note).at((), "budget"))
+    return tuple(found)
 
 
 def _voltage(bus: CommonBus, braking: BrakingBudget | None, axes: Sequence[AxisPower]) -> Check:
     """Highest voltage of the bus against the controllers' limits; the smallest of those that are known may fail it."""
-    drives = [(axis.one, axis.problem.spec.load.motors) for axis in axes]
-    limits = {axis.name: axis.one.controller.supply_max if axis.one.controller else nan for axis in axes}
-    known, highest = _least([*limits.values()]), _highest(bus, braking, drives)
+    limits = _withstood(axes)
+    known = min((limit for limit in limits.values() if not isnan(limit)), default=nan)
+    highest, note = _highest(bus, braking, axes), ""
     limit = known if highest > known or not any(map(isnan, limits.values())) else nan
-    note = _whose(limits, highest, known) if len(axes) > 1 and not isnan(highest + limit) else ""
+    if len(axes) > 1 and not isnan(highest + limit):
+        over = [name for name, own in limits.items() if own < highest]
+        least = [name for name, own in limits.items() if own == known]
+        note = (
+            f"more than the controllers of {', '.join(over)} withstand" if over else f"least limit: {', '.join(least)}"
+        )
     return at_most("bus_voltage", highest, limit, undecided=_STAYS, note=note).at((), "budget")
 
 
-def _whose(limits: Mapping[str, float], highest: float, least: float) -> str:
-    """The axes whose controllers do not withstand the bus; else those of the least limit.
-
-    >>> _whose({"x": 50.0, "y": 70.0}, 60.0, 50.0), _whose({"x": 70.0, "y": 70.0, "z": 75.0}, 60.0, 70.0)
-    ('more than the controllers of x withstand', 'least limit: x, y')
-    """
-    over = [name for name, limit in limits.items() if limit < highest]
-    if over:
-        return f"more than the controllers of {', '.join(over)} withstand"
-    return f"least limit: {', '.join(name for name, limit in limits.items() if limit == least)}"
-
-
-def _highest(bus: CommonBus, braking: BrakingBudget | None, drives: Sequence[tuple[DriveParts, int]]) -> float:
+def _highest(bus: CommonBus, braking: BrakingBudget | None, axes: Sequence[AxisPower]) -> float:
     """Highest voltage of the bus [V]; of an unknown capacitance what the controllers' own keep below their limit."""
     supply, resistor = bus.spec.supply, braking.resistor if braking else None
     chopper = resistor.chopper_voltage_max if resistor else bus.spec.chopper_voltage
@@ -231,45 +209,31 @@ def _highest(bus: CommonBus, braking: BrakingBudget | None, drives: Sequence[tup
         return free if chopper is None else min(free, max(chopper, supply.highest))
     if chopper is not None:
         return nan if isnan(stored) else max(chopper, supply.highest)
-    own = fsum(
-        float(least_capacitance(one.controller.continuous_current, supply.highest)) * number if one.controller else nan
-        for one, number in drives
-    )
+    own = 0.0
+    for axis in axes:
+        current = axis.one.controller.continuous_current if axis.one.controller else nan
+        own += float(least_capacitance(current, supply.highest)) * axis.problem.spec.load.motors
     bound = float(bus_voltage(supply.highest, stored, own))
-    limits = [one.controller.supply_max for one, _ in drives if one.controller]
+    limits = [axis.one.controller.supply_max for axis in axes if axis.one.controller]
     return bound if bound <= min(limits, default=nan) else nan
-
-
-# --- the battery ------------------------------------------------------------------------------------------------------
 
 
 def _energy(name: str, bus: CommonBus, axes: Sequence[AxisPower], catalog: Catalog) -> EnergyBudget:
     """The battery with all axes on it, each a few lines of its table."""
-    spec, lines = bus.spec, list[Consumption]()
+    spec, lines, losses = bus.spec, list[Consumption](), list[str]()
     assert spec.battery is not None
     for axis, power in zip(axes, bus.axes, strict=True):
         own = consumers_of(axis.case(name)[0].spec, axis.one, power)
         lines += [one._replace(name=f"{axis.name}: {one.name}") for one in own if one.name != _CABLES]
+        losses += [f"{axis.name}: {text}" for text in loss_assumptions(axis.problem.spec, axis.one.controller)]
     kept = fsum(power.mean(power.returned) for power in bus.axes) - bus.total.mean(bus.total.returned)
     if kept > 0.0:
         share = 1.0 - spec.supply.regeneration
         lines.append(Consumption("exchanged between axes", len(axes), -share * kept, 0.0, nan, False))
     if spec.supply.resistance is not None:
         lines.append(Consumption(_CABLES, 1, bus.total.mean(bus.total.resisted), 0.0, nan, False))
-    return budget_of_consumers(
-        spec, lines, spec.battery, spec.equipment, catalog, bus.total, tuple(dict.fromkeys(_losses(axes)))
-    )
-
-
-_CABLES = "resistance of the supply"
-
-
-def _losses(axes: Sequence[AxisPower]) -> Iterator[str]:
-    for axis in axes:
-        yield from (f"{axis.name}: {text}" for text in loss_assumptions(axis.problem.spec, axis.one.controller))
-
-
-# --- the record -------------------------------------------------------------------------------------------------------
+    assumptions = tuple(dict.fromkeys(losses))
+    return budget_of_consumers(spec, lines, spec.battery, spec.equipment, catalog, bus.total, assumptions)
 
 
 def _record(
@@ -278,12 +242,20 @@ def _record(
     axes: Sequence[AxisPower],
     checks: tuple[Check, ...],
     braking: BrakingBudget | None,
-    energy: dict[str, EnergyBudget],
+    energy: EnergyBudget | None,
 ) -> MachinePower:
-    total, cut = bus.total, side_by_side(bus.axes)
-    single = len(bus.together) == 1
-    exchanged_energy = fsum(float(one.returned @ one.duration) for one in cut) - float(total.returned @ total.duration)
-    peak, time = float(total.peak.max()), _peak_time(total)
+    total, cut, single = bus.total, side_by_side(bus.axes), len(bus.together) == 1
+    exchanged = fsum(float(one.returned @ one.duration) for one in cut) - float(total.returned @ total.duration)
+    peak, time, peak_axis = float(total.peak.max()), _peak_time(total), ""
+    if not isnan(peak):  # the axis that draws most in the piece that begins at the moment
+        starts = np.cumsum(cut[0].duration) - cut[0].duration
+        piece = int(np.abs(starts - time).argmin())
+        peak_axis = axes[int(np.argmax([one.most[piece] for one in cut]))].name
+    unknown = []
+    for axis, power in zip(axes, bus.axes, strict=True):
+        if isnan(float(power.most.sum() + power.returned.sum() + power.bus_drawn.sum())):
+            why = unknown_at_rest(axis.case(name)) if not bus.phases and axis.waits(axis.case(name)) else ""
+            unknown.append(f"{axis.name}: {why or 'its drive has figures that no data sheet gives'}")
     return MachinePower(
         axes=tuple(axis.name for axis in axes),
         case=name,
@@ -295,33 +267,19 @@ def _record(
         left=total.returned,
         peak=peak,
         peak_time=time,
-        peak_axis="" if isnan(peak) else axes[_largest(cut, time)].name,
+        peak_axis=peak_axis,
         mean=bus.on_bus.mean_drawn,
         energy_left=bus.on_bus.energy,
-        exchanged=max(exchanged_energy, 0.0) if single else 0.0,
+        exchanged=max(exchanged, 0.0) if single else 0.0,
         phases=bus.phases,
         exceeded=bus.exceeded,
-        unknown=tuple(_unknown(axes, bus, name)),
+        unknown=tuple(unknown),
         braking=braking,
-        energy=min(energy.values(), key=lambda one: (not isnan(one.autonomy), one.autonomy), default=None),
+        energy=energy,
         checks=checks,
         figures=tuple(_figures(bus, time)),
         assumptions=tuple(_assumptions(axes, bus, name)),
     )
-
-
-def _largest(cut: Sequence[DrivePower], time: float) -> int:
-    """The axis that draws most in the piece that begins at a moment."""
-    starts = np.cumsum(cut[0].duration) - cut[0].duration
-    piece = int(np.abs(starts - time).argmin())
-    return int(np.argmax([one.most[piece] for one in cut]))
-
-
-def _unknown(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:
-    for axis, power in zip(axes, bus.axes, strict=True):
-        if isnan(float(power.most.sum() + power.returned.sum() + power.bus_drawn.sum())):
-            why = unknown_at_rest(axis.case(name)) if not bus.phases and axis.waits(axis.case(name)) else ""
-            yield f"{axis.name}: {why or 'its drive has figures that no data sheet gives'}"
 
 
 def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
@@ -344,34 +302,28 @@ def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
         )
     if not bus.phases:
         rows.append(("exchanged", "Energy per cycle from axis to axis", max(shared, 0.0), "energy", "J", None))
-    yield from (Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=a) for n, t, v, k, u, a in rows)
     for one in bus.exceeded:
         title = f"Share of the time above {show(one.limit, 'W', 'power')}, at most"
-        yield Figure(name=f"{one.check}_exceeded", title=title, value=one.most, kind="dimensionless", unit="%")
+        rows.append((f"{one.check}_exceeded", title, one.most, "dimensionless", "%", None))
+    yield from (Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=a) for n, t, v, k, u, a in rows)
 
 
 def _assumptions(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:
-    if len(axes) > 1:
-        yield from _timing(axes, bus, name)
+    cases = {axis.name: axis.case(name) for axis in axes} if len(axes) > 1 else {}
+    done = [axis.name for axis in axes if axis.waits(axis.case(name))]
+    if bus.phases:
+        yield "axes at any phase: largest power is the sum of the largest, and no axis draws what another regenerates"
+    elif cases:
+        yield "what one axis regenerates another draws at the same moment"
+    if bus.synchronised and cases:
+        waits = [one for one in done if cases[one][0].cycle.total < bus.cycle * (1.0 - _ROUNDING)]
+        if waits:
+            cycle = show(bus.cycle, "s", "time")
+            yield f"{', '.join(waits)}: at rest after the motion until the machine's cycle of {cycle} is over"
+        for one, own in cases.items():
+            if one not in done:
+                yield f"{one}: repeats its cycle of {show(own[0].cycle.total, 's', 'time')}"
+        if bus.phases:
+            yield "periods have no common multiple that is short enough: those that repeat run at any phase"
     if bus.feed.resistance:
         yield "heat of the supply's resistance is that of the current of all axes"
-
-
-def _timing(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:
-    cases = {axis.name: axis.case(name) for axis in axes}
-    done = [axis.name for axis in axes if axis.waits(cases[axis.name])]
-    waits = [one for one in done if cases[one][0].cycle.total < bus.cycle * (1.0 - _ROUNDING)]
-    if not bus.phases:
-        yield "what one axis regenerates another draws at the same moment"
-    else:
-        yield "axes at any phase: largest power is the sum of the largest, and no axis draws what another regenerates"
-    if not bus.synchronised:
-        return
-    cycle = show(bus.cycle, "s", "time")
-    if waits:
-        yield f"{', '.join(waits)}: at rest after the motion until the machine's cycle of {cycle} is over"
-    for one, own in cases.items():
-        if one not in done:
-            yield f"{one}: repeats its cycle of {show(own[0].cycle.total, 's', 'time')}"
-    if bus.phases:
-        yield "periods have no common multiple that is short enough: those that repeat run at any phase"

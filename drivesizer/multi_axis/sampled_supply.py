@@ -16,7 +16,7 @@ from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.machine.problem import quickest_winding, with_spec
 from drivesizer.multi_axis.common_supply import OF_THE_SUPPLY, AxisPower, common_supply, place_of, toleranced
-from drivesizer.results.check import Check, FigureSpread, Reliability
+from drivesizer.results.check import Check, FigureSpread
 from drivesizer.results.check_columns import at_least
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts
@@ -189,11 +189,17 @@ def with_samples(
     found = [_sample_checks(machine, catalog, *one.at(values)) for values in drawn.values]
     names = dict.fromkeys([check.name for check in power.checks] + [name for checks, _ in found for name in checks])
     every: dict[str, Over] = {name: over_samples([checks.get(name) for checks, _ in found]) for name in names}
-    titles = {name: _title(name) for name in names}
-    spreads = tuple(_spread(name, [figures[name] for _, figures in found]) for name in _FIGURES)
-    reliability = replace(reduced(every, titles).reliability, figures=spreads)
+    spreads = []
+    for name, (title, kind, unit, _) in _FIGURES.items():
+        low, middle, high = quantiles(np.array([figures[name] for _, figures in found]))
+        spreads.append(FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high))
+    titles = {name: CHECKS["budget"][name].title for name in names}
+    reliability = replace(reduced(every, titles).reliability, figures=tuple(spreads))
     said = f"over tolerances: {drawn.size} samples of the machine; drives of all axes deviate alike; {_NOMINAL}"
-    checks = (*power.checks, *_required(how.confidence, reliability))
+    checks = power.checks
+    if how.confidence is not None:  # required: its margin is none of the load
+        asked = at_least("supply_confidence", how.confidence, reliability.probability, by_choice=True)
+        checks = (*checks, asked.at((), "budget"))
     return replace(power, reliability=reliability, checks=checks, assumptions=(*power.assumptions, said))
 
 
@@ -222,20 +228,3 @@ def _sample_checks(
         return {_CYCLE: late}, dict.fromkeys(_FIGURES, float("nan"))
     checks = {check.name: check for check in power.checks if not check.advice}
     return checks, {name: getattr(power, field) for name, (*_, field) in _FIGURES.items()}
-
-
-def _title(name: str) -> str:
-    return CHECKS["budget"][name].title
-
-
-def _spread(name: str, values: Sequence[float]) -> FigureSpread:
-    title, kind, unit, _ = _FIGURES[name]
-    low, middle, high = quantiles(np.array(values))
-    return FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high)
-
-
-def _required(confidence: float | None, found: Reliability) -> tuple[Check, ...]:
-    """The check of a required confidence; its margin is none of the load."""
-    if confidence is None:
-        return ()
-    return (at_least("supply_confidence", confidence, found.probability, by_choice=True).at((), "budget"),)

@@ -14,13 +14,11 @@ from drivesizer.multi_axis.axis_sizings import (
     SamplingOf,
     TorquesOf,
     as_chosen,
-    budget_checks,
     carried_mass,
     choices_of,
-    machine_power,
-    over_tolerances,
-    with_choppers,
-)
+    joint_notes,
+    rises,
+)  # fmt: skip
 from drivesizer.multi_axis.combinations import (
     ORDER,
     Choice,
@@ -32,10 +30,12 @@ from drivesizer.multi_axis.combinations import (
     fewer_kinds,
     kind_of,
     within_limits,
-)
+)  # fmt: skip
 from drivesizer.multi_axis.common_bus import waiting_times
 from drivesizer.multi_axis.common_supply import toleranced, without_effect
+from drivesizer.multi_axis.machine_power import budget_checks, machine_power, over_tolerances, with_choppers
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
+from drivesizer.results.sizing import SizingResult
 from drivesizer.search.ranking import Progress, title_of
 from drivesizer.search.uncertainty.options import sampling_of
 from drivesizer.sizing import load_parts
@@ -88,61 +88,125 @@ def size_machine(
     """
     sizings = AxisSizings(machine, Options(top, objective, pareto, progress, sampling, brief, parts, torques))
     machine = sizings.machine
-    carried = {axis.name: tuple(machine.carried(axis.name)) for axis in machine.axes}
 
     def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
         return choices_of(sizings.result(axis, masses), sizings.objective(axis))
 
     if machine.whole:
-        found = best_combination(machine.order, carried, sized, _PER_AXIS * len(machine.axes))
+        found = best_combination(machine.order, sizings.carried, sized, _PER_AXIS * len(machine.axes))
     else:
-        found = axis_by_axis(machine.order, carried, sized)
-    best = _machine_with_drives(sizings, carried, found)
+        found = axis_by_axis(machine.order, sizings.carried, sized)
+    best = _machine_with_drives(sizings, found)
     if machine.few_kinds is not None and not found.missing:
-        best = _with_few_kinds(sizings, carried, found, best, machine.few_kinds)
+        best = _with_few_kinds(sizings, found, best, machine.few_kinds)
     elif best.complete:
-        best = _within_limits(sizings, carried, found, best)
+        best = _within_limits(sizings, found, best)
     return _over_tolerances(best, sampling)
 
 
-def _machine_with_drives(
-    sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination
-) -> MachineSizing:
+def laden(machine: MachineSpec, axis: str) -> RobotSpec:
+    """The spec of one axis with the drives that ride on it."""
+    alone = machine.robot is None and not machine.axis(axis).carries
+    rides = any(axis in machine.carried(other.name) for other in machine.axes)
+    if alone and not rides and machine.few_kinds is None:
+        machine = with_choppers(machine, load_parts)
+        cycles = waiting_times(machine, lambda name: machine.axis(name).spec)
+        return machine.axis(axis).spec.waiting(cycles.get(axis, {}))
+    found = size_machine(machine).axis(axis)
+    return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
+
+
+def _machine_with_drives(sizings: AxisSizings, found: Combination) -> MachineSizing:
     """The machine with the drives of a combination."""
     machine = sizings.machine
-    axes = tuple(_axis(sizings, carried, found, axis.name) for axis in machine.axes)
-    objectives = dict.fromkeys(title_of(sizings.objective(axis.name)) for axis in machine.axes)
+    axes = tuple(_axis(sizings, found, axis.name) for axis in machine.axes)
     power = machine_power(machine, axes)
     return MachineSizing(
         machine=machine,
         axes=axes,
-        objective=", ".join(objectives),
+        objective=", ".join(dict.fromkeys(title_of(sizings.objective(axis.name)) for axis in machine.axes)),
         searches=len(sizings.made),
         certain=found.certain and all(_bounded(sizings, axis.name, found) for axis in machine.axes),
-        notes=(
-            *_notes(machine, found, axes, bool(sizings.uncertain)),
-            *sizings.joints.notes,
-            *_own_drives(sizings, axes),
-            *_joint_notes(sizings, axes, found),
-            *_waiting(axes),
-        ),
+        notes=tuple(_notes(sizings, axes, found)),
         checks=(*(power.checks if power else ()), *budget_checks(machine, axes, power)),
         power=power,
     )
 
 
-def _within_limits(
-    sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination, best: MachineSizing
-) -> MachineSizing:
+def _axis(sizings: AxisSizings, found: Combination, name: str) -> AxisSizing:
+    """An axis with the drive that was chosen for the whole as its best, and those that ride on it."""
+
+    def with_drive(axis: str) -> SizingResult | None:
+        masses = sizings.masses(axis, found.chosen)
+        return sizings.chosen(axis, masses, found.chosen[axis].name) if axis in found.chosen else None
+
+    masses, distances = sizings.masses(name, found.chosen), sizings.machine.carried(name)
+    own = sizings.result(name, masses)
+    result = with_drive(name) or own
+    riding = []
+    for other, mass in zip(sizings.carried[name], masses, strict=True):
+        drive = with_drive(other)
+        lacking = carried_mass(drive.problem, drive.sets[0])[1] if drive else ()
+        riding.append(CarriedMass(other, mass, distances[other], lacking))
+    if name in found.chosen and (name, masses) in sizings.own:
+        lacking = carried_mass(result.problem, result.sets[0])[1]
+        riding.append(CarriedMass(name, sizings.own[name, masses], None, lacking))
+    for_all = bool(result.sets and own.sets) and result.sets[0].label != own.sets[0].label
+    return AxisSizing(name=name, result=result, carried=tuple(riding), for_all=for_all)
+
+
+def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:
+    """Whether the sum that is least is that of the objective, and more mass on the axis never lightens its load."""
+    objective, load, torques = sizings.objective(axis), sizings.machine.axis(axis).spec.load, sizings.torques
+    if not isinstance(objective, str) or objective not in SUMMED:
+        return False
+    carried = sizings.carried[axis]
+    if torques is not None and axis in torques.joints and not found.missing:
+        own = (axis,) if sizings.moves_its_drive(axis) else ()
+        masses = {other: found.chosen[other].mass for other in (*carried, *own)}
+        return rises(torques, axis, masses) and axis not in sizings.uncertain
+    return not carried or not getattr(load, "counterweight", 0.0) > 0.0
+
+
+def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination) -> Iterator[str]:
+    """Choice of the drives, as sentences."""
+    if found.missing:
+        with_ = "with the drives that were tried" if sizings.uncertain else "even with the lightest drives"
+        yield f"{found.missing}: no drive meets all limits, {with_} on it"
+    for axis in axes:
+        lacking = [f"{part} of {one.of}" for one in axis.carried for part in one.lacking]
+        if lacking:
+            yield f"{axis.name} carries drives of which the mass of {', '.join(lacking)} is unknown: left out"
+    yield from sizings.torques.notes if sizings.torques else ()
+    for axis in axes:
+        own = next((one.mass for one in axis.carried if one.of == axis.name), None)
+        if own is not None and axis.best:
+            drive, loaded = carried_mass(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
+            heavier = f"{loaded} of its load, of one that is heavier than its {show(drive, 'kg', 'mass')}"
+            said = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
+            yield f"{axis.name} moves its own drive, {said}"
+        elif any(mass > 0.0 for (name, _), mass in sizings.own.items() if name == axis.name):
+            yield f"{axis.name} moves its own drive, and no drive carries itself"
+    if sizings.torques:
+        chosen = {one.name: one.best for one in axes if one.best and one.name in found.chosen}
+        yield from joint_notes(sizings.torques, {n: (one, found.chosen[n].mass) for n, one in chosen.items()})
+    until = {axis.name: axis.result.problem.machine.waits_until for axis in axes}
+    waits = {name: end for name, end in until.items() if end is not None}
+    if waits:
+        cycle = show(next(iter(waits.values())), "s", "time")
+        yield f"{', '.join(waits)}: at rest after the motion until the cycle of {cycle} is over; if not: repeats: true"
+
+
+def _within_limits(sizings: AxisSizings, found: Combination, best: MachineSizing) -> MachineSizing:
     """The machine with other drives where the best of all axes break a limit of its own."""
 
     def offers() -> dict[str, list[Choice]]:
-        on_it = {axis: tuple(found.chosen[other].mass for other in carried[axis]) for axis in found.chosen}
-        return {axis: sizings.offers(axis, masses, found.chosen[axis]) for axis, masses in on_it.items()}
+        chosen = found.chosen
+        return {axis: sizings.offers(axis, sizings.masses(axis, chosen), chosen[axis]) for axis in chosen}
 
     def tried(chosen: Mapping[str, Choice]) -> MachineSizing | None:
         try:
-            return _machine_with_drives(sizings, carried, found._replace(chosen=dict(chosen)))
+            return _machine_with_drives(sizings, found._replace(chosen=dict(chosen)))
         except LookupError:  # a drive does not carry what rides on it then
             return None
 
@@ -165,13 +229,15 @@ def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizi
     return replace(sizing, power=power, checks=(*power.checks, *own), notes=notes)
 
 
-def _with_few_kinds(
-    sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination, best: MachineSizing, more: float
-) -> MachineSizing:
+def _with_few_kinds(sizings: AxisSizings, found: Combination, best: MachineSizing, more: float) -> MachineSizing:
     """The machine with common drives, where they cost no more of the objective than permitted."""
-    machine = sizings.machine
-    _summed(machine, best.objective)
-    masses = {axis: tuple(found.chosen[other].mass for other in carried[axis]) for axis in machine.order}
+    machine, where = sizings.machine, sizings.machine.where(("few_kinds",))
+    if best.objective not in SUMMED:
+        text = f"{best.objective} has no sum; expected one objective of all axes, e.g. mass or price"
+        raise InputError(f"{where}: {text}")
+    if any(axis.spec.method == "paper" for axis in machine.axes):
+        raise InputError(f"{where}: the paper's method has no common drives; expected method: physics")
+    masses = {axis: sizings.masses(axis, found.chosen) for axis in machine.order}
     bests = {axis.name: axis.best for axis in best.axes if axis.best}
     offers = sizings.kinds = OfferedKinds(masses, sizings.loaded)
     statuses = {axis: one.status for axis, one in bests.items()}
@@ -179,137 +245,25 @@ def _with_few_kinds(
 
     def tried(shared: Permitted) -> Combination:
         def of_kinds(axis: str, on_it: tuple[float, ...]) -> list[Choice]:
-            offered = offers.choices(axis, on_it, shared.get(axis), statuses[axis])
-            return [one for one in offered if sizings.fits(axis, on_it, one.mass)]
+            choices = offers.choices(axis, on_it, shared.get(axis), statuses[axis])
+            return [one for one in choices if sizings.fits(axis, on_it, one.mass)]
 
-        return best_combination(machine.order, carried, of_kinds, len(machine.axes))
+        return best_combination(machine.order, sizings.carried, of_kinds, len(machine.axes))
 
     limit = found.cost[0], found.cost[1] * (1.0 + more)
     kinds = {axis: kind_of(one) for axis, one in bests.items()}
     fewer, common = fewer_kinds(found, kinds, offered, limit, tried)
     before, objective = len(set(kinds.values())), OBJECTIVES[best.objective].title
     if not common:
-        note = (
-            f"{before} kinds of motor and gearhead: fewer take over {show(more, '%', 'dimensionless')} more {objective}"
-        )
+        allowed = show(more, "%", "dimensionless")
+        note = f"{before} kinds of motor and gearhead: fewer take over {allowed} more {objective}"
         return replace(best, notes=(*best.notes, note)) if before > 1 else best
-    result = _machine_with_drives(sizings, carried, fewer)
-    note = _saved(before, result, best, objective)
+    result = _machine_with_drives(sizings, fewer)
+    after = len({kind_of(axis.best) for axis in result.axes if axis.best})
+    note = (
+        f"{after} kind{'s' * (after > 1)} of motor and gearhead instead of {before}: "
+        f"{show(result.total / best.total - 1.0, '%', 'dimensionless', 2)} more {objective} than the best of each axis"
+    )
     if ORDER.index(result.status) > ORDER.index(best.status):
         return replace(best, notes=(*best.notes, f"not {note}: {result.status}, where the best drives {best.status}"))
     return replace(result, certain=False, searches=len(sizings.made), notes=(*result.notes, note))
-
-
-def _summed(machine: MachineSpec, objective: str) -> None:
-    """Refuse common drives where the machine has no sum of which they may cost more."""
-    where = machine.where(("few_kinds",))
-    if objective not in SUMMED:
-        raise InputError(f"{where}: {objective} has no sum; expected one objective of all axes, e.g. mass or price")
-    if any(axis.spec.method == "paper" for axis in machine.axes):
-        raise InputError(f"{where}: the paper's method has no common drives; expected method: physics")
-
-
-def _saved(before: int, result: MachineSizing, best: MachineSizing, objective: str) -> str:
-    """Kinds of drives that a machine saves, and what it costs."""
-    after = len({kind_of(axis.best) for axis in result.axes if axis.best})
-    more = show(result.total / best.total - 1.0, "%", "dimensionless", 2)
-    kinds = f"{after} kind{'s' * (after > 1)} of motor and gearhead instead of {before}"
-    return f"{kinds}: {more} more {objective} than the best of each axis"
-
-
-def laden(machine: MachineSpec, axis: str) -> RobotSpec:
-    """The spec of one axis with the drives that ride on it."""
-    alone = machine.robot is None and not machine.axis(axis).carries
-    rides = any(axis in machine.carried(other.name) for other in machine.axes)
-    if alone and not rides and machine.few_kinds is None:
-        machine = with_choppers(machine, load_parts)
-        cycles = waiting_times(machine, lambda name: machine.axis(name).spec)
-        return machine.axis(axis).spec.waiting(cycles.get(axis, {}))
-    found = size_machine(machine).axis(axis)
-    return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
-
-
-def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:
-    """Whether the sum that is least is that of the objective, and more mass on the axis never lightens its load."""
-    objective, load = sizings.objective(axis), sizings.machine.axis(axis).spec.load
-    if not isinstance(objective, str) or objective not in SUMMED:
-        return False
-    carried = sizings.machine.carried(axis)
-    if sizings.joints.has(axis) and not found.missing:
-        own = [axis] if sizings.joints.moves_its_drive(axis) else []
-        rises = sizings.joints.rises(axis, {other: found.chosen[other].mass for other in (*carried, *own)})
-        return rises and axis not in sizings.uncertain
-    return not carried or not getattr(load, "counterweight", 0.0) > 0.0
-
-
-def _axis(sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str) -> AxisSizing:
-    """An axis with the drive that was chosen for the whole as its best."""
-    known = {other: choice.mass for other, choice in found.chosen.items()}
-    masses = tuple(known.get(other, 0.0) for other in carried[name])
-    chosen = found.chosen.get(name)
-    result = sizings.chosen(name, masses, chosen.name) if chosen else sizings.result(name, masses)
-    distances = sizings.machine.carried(name)
-    riding = tuple(
-        CarriedMass(other, mass, distances[other], _lacking(sizings, carried, found, other))
-        for other, mass in zip(carried[name], masses, strict=True)
-    )
-    own = sizings.result(name, masses).sets
-    if chosen and (name, masses) in sizings.own:
-        lacking = carried_mass(result.problem, result.sets[0])[1]
-        riding = (*riding, CarriedMass(name, sizings.own[name, masses], None, lacking))
-    for_all = bool(result.sets and own) and result.sets[0].label != own[0].label
-    return AxisSizing(name=name, result=result, carried=riding, for_all=for_all)
-
-
-def _lacking(
-    sizings: AxisSizings, carried: Mapping[str, tuple[str, ...]], found: Combination, name: str
-) -> tuple[str, ...]:
-    """Parts of unknown mass of the drive that was chosen for an axis."""
-    if name not in found.chosen:
-        return ()
-    masses = tuple(found.chosen[other].mass if other in found.chosen else 0.0 for other in carried[name])
-    result = sizings.chosen(name, masses, found.chosen[name].name)
-    return carried_mass(result.problem, result.sets[0])[1]
-
-
-def _own_drives(sizings: AxisSizings, axes: Sequence[AxisSizing]) -> Iterator[str]:
-    """Sentences on the joints whose drives are on a link that they move."""
-    for axis in axes:
-        own = next((one.mass for one in axis.carried if one.of == axis.name), None)
-        if own is not None and axis.best:
-            drive, loaded = carried_mass(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
-            heavier = f"{loaded} of its load, of one that is heavier than its {show(drive, 'kg', 'mass')}"
-            said = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
-            yield f"{axis.name} moves its own drive, {said}"
-        elif any(mass > 0.0 for (name, _), mass in sizings.own.items() if name == axis.name):
-            yield f"{axis.name} moves its own drive, and no drive carries itself"
-
-
-def _waiting(axes: Sequence[AxisSizing]) -> Iterator[str]:
-    """The axes that wait at rest until the machine's cycle is over."""
-    until = {axis.name: axis.result.problem.machine.waits_until for axis in axes}
-    waits = [name for name, end in until.items() if end is not None]
-    if waits:
-        cycle = show(next(end for end in until.values() if end is not None), "s", "time")
-        yield f"{', '.join(waits)}: at rest after the motion until the cycle of {cycle} is over; if not: repeats: true"
-
-
-def _joint_notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination) -> Iterator[str]:
-    """Sentences on the chosen drives of the robot's joints."""
-    drives = {
-        one.name: (one.best, found.chosen[one.name].mass) for one in axes if one.best and one.name in found.chosen
-    }
-    return sizings.joints.notes_on(drives)
-
-
-def _notes(machine: MachineSpec, found: Combination, axes: tuple[AxisSizing, ...], uncertain: bool) -> list[str]:
-    """Choice of the drives, as sentences."""
-    notes = []
-    if found.missing:
-        with_ = "with the drives that were tried" if uncertain else "even with the lightest drives"
-        notes.append(f"{found.missing}: no drive meets all limits, {with_} on it")
-    for axis in axes:
-        lacking = [f"{part} of {one.of}" for one in axis.carried for part in one.lacking]
-        if lacking:
-            notes.append(f"{axis.name} carries drives of which the mass of {', '.join(lacking)} is unknown: left out")
-    return notes

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import product
 from math import ceil, nan
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,9 +14,10 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.output.derivation import clean, short
+from drivesizer.output.report.figures.all_figures import figures_into
 from drivesizer.output.report.figures.style import COLOURS, Drawing, figure, placed
-from drivesizer.study.columns import Row, columns_of
 from drivesizer.study.plan import Plan
+from drivesizer.study.rows import Row, columns_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,50 +69,38 @@ def numbered(rows: Sequence[dict[str, Any]]) -> dict[str, int]:
     return {name: number for number, name in enumerate(first, 1)}
 
 
-def _entries(numbers: dict[str, int], others: int) -> list[tuple[str, Look]]:
-    columns = 1 if len(numbers) + (others > 0) <= _SHORT else 2
+def _entries(numbers: dict[str, int], others: int) -> tuple[list[tuple[str, Look]], int]:
+    """Names of the list with their looks, and the height of the list in lines."""
+    count = len(numbers) + (others > 0)
+    columns = 1 if count <= _SHORT else 2
     found = [(f"{n}  {short(clean(name), _LETTERS[columns])}", look_of(n)) for name, n in numbers.items()]
-    return found + ([(f"…  {others} other drives", OTHERS)] if others else [])
-
-
-def rows_of_list(numbers: dict[str, int], others: int) -> int:
-    """Height of the list in lines."""
-    count = len(_entries(numbers, others))
-    return count if count <= _SHORT else -(-count // 2)
+    return found + ([(f"…  {others} other drives", OTHERS)] if others else []), -(-count // columns)
 
 
 def listed(figure: Figure, numbers: dict[str, int], others: int, low: float, *, cells: bool) -> None:
     """Draw the list into a figure."""
-    sample = _cell if cells else _point
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Rectangle
+
     width, height = figure.get_size_inches()
-    entries, lines = _entries(numbers, others), rows_of_list(numbers, others)
+    entries, lines = _entries(numbers, others)
     for n, (text, look) in enumerate(entries):
         left, base = _INSET + _APART * (n // lines), low + LINE * (lines - 1 - n % lines)
         figure.text(left / width, base / height, text, va="bottom", fontsize=6.5)
-        box = (left - 0.2) / width, base / height, 0.13 / width, 0.09 / height
-        figure.add_artist(sample(look, *box, transform=figure.transFigure))
-
-
-def _cell(look: Look, x: float, y: float, wide: float, tall: float, **placed: Any) -> Any:
-    from matplotlib.patches import Rectangle
-
-    line: dict[str, Any] = {"edgecolor": "#555555", "linewidth": 0.3}
-    return Rectangle((x, y), wide, tall, facecolor=look.face, hatch=2 * look.hatch, **line, **placed)
-
-
-def _point(look: Look, x: float, y: float, wide: float, tall: float, **placed: Any) -> Any:
-    from matplotlib.lines import Line2D
-
-    line: dict[str, Any] = {"markeredgecolor": "#555555", "markeredgewidth": 0.3, "markersize": 4.0}
-    return Line2D(
-        [x + wide / 2],
-        [y + tall / 2],
-        linestyle="none",
-        marker=look.marker,
-        markerfacecolor=look.face,
-        **line,
-        **placed,
-    )
+        x, y, wide, tall = (left - 0.2) / width, base / height, 0.13 / width, 0.09 / height
+        at: dict[str, Any] = {"transform": figure.transFigure}
+        if cells:
+            line: dict[str, Any] = {"edgecolor": "#555555", "linewidth": 0.3, "facecolor": look.face}
+            figure.add_artist(Rectangle((x, y), wide, tall, hatch=2 * look.hatch, **line, **at))
+        else:
+            line = {
+                "markeredgecolor": "#555555",
+                "markeredgewidth": 0.3,
+                "markersize": 4.0,
+                "markerfacecolor": look.face,
+            }
+            sample = Line2D([x + wide / 2], [y + tall / 2], linestyle="none", marker=look.marker, **line, **at)
+            figure.add_artist(sample)
 
 
 # -- One map: cells of a grid, points of a sample, or a figure over one axis.
@@ -191,31 +181,44 @@ def _places(one: Dimension, rows: Sequence[dict[str, Any]]) -> NDArray[np.float6
 
 
 def _cells(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, Any]]) -> None:
+    from matplotlib.collections import PolyCollection
+
     x, y = _edges(scene.across), _edges(up)
     rounds = [row.get("round", 0) for row in rows]
     places = zip(_places(scene.across, rows), _places(up, rows), rounds, strict=True)
     boxes = [(*_within(x, across, scene.across, n), *_within(y, high, up, n)) for across, high, n in places]
     faces = [_face(scene, row) for row in rows]
+    corners = [
+        [(left, low), (left + width, low), (left + width, low + height), (left, low + height)]
+        for left, width, low, height in boxes
+    ]
     for finer in sorted(set(rounds)):  # over the coarser ones
-        _laid(axes, [(box, face) for box, face, n in zip(boxes, faces, rounds, strict=True) if n == finer])
+        own = [n for n, of in enumerate(rounds) if of == finer]
+        lines = {"edgecolors": "white", "linewidths": 0.4} if len(own) <= _MOST_LINES else {"edgecolors": "face"}
+        axes.add_collection(PolyCollection([corners[n] for n in own], facecolors=[faces[n][0] for n in own], **lines))
+        for pattern in sorted({faces[n][1] for n in own if faces[n][1]}):
+            look: dict[str, Any] = {"facecolors": "none", "linewidths": 0.0, "hatch": pattern}
+            look["edgecolors"] = "#999999" if pattern == _HATCH else "#777777"
+            axes.add_collection(PolyCollection([corners[n] for n in own if faces[n][1] == pattern], **look))
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if len(rows) <= _MOST_TEXTS:
         _lettered(axes, [_text(scene, row) for row in rows], boxes, faces, rounds)
-
-
-def _laid(axes: Axes, cells: Sequence[tuple[Box, tuple[Any, str]]]) -> None:
-    """Cells with their colours and patterns."""
-    _filled(axes, [box for box, _ in cells], [face for _, (face, _) in cells])
-    for pattern in sorted({hatch for _, (_, hatch) in cells if hatch}):
-        _hatched(axes, [box for box, (_, hatch) in cells if hatch == pattern], pattern)
 
 
 def _lettered(
     axes: Axes, texts: Sequence[str], boxes: Sequence[Box], faces: Sequence[tuple[Any, str]], rounds: Sequence[int]
 ) -> None:
     """Texts in all cells or in none; of a refined map in those that have room and no finer ones over them."""
-    (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
-    fits = [_fits(axes, text, (w / (x1 - x0), h / (y1 - y0))) for text, (_, w, _, h) in zip(texts, boxes, strict=True)]
+    from matplotlib.colors import to_rgb
+
+    (x0, x1), (y0, y1), position, figure = axes.get_xlim(), axes.get_ylim(), axes.get_position(), axes.get_figure(True)
+    assert figure is not None
+    wide, tall = figure.get_size_inches()
+    across, upward = position.width * wide / (x1 - x0), position.height * tall / (y1 - y0)  # in, of a unit of each axis
+    fits = [
+        bool(width * across > _LETTER * len(text) + 0.04 and height * upward > _TALL)
+        for text, (_, width, _, height) in zip(texts, boxes, strict=True)
+    ]
     if not any(rounds):
         fits = [all(fits)] * len(fits)
     for n, (left, width, low, height) in enumerate(boxes):
@@ -224,7 +227,8 @@ def _lettered(
             continue
         face, hatch = faces[n]
         put = axes.text(left + width / 2, low + height / 2, texts[n], ha="center", va="center", fontsize=6)
-        put.set_color(_ink(face))
+        red, green, blue = to_rgb(face)
+        put.set_color("white" if 0.299 * red + 0.587 * green + 0.114 * blue < 0.5 else "black")
         if hatch and texts[n]:
             put.set_bbox({"boxstyle": "round,pad=0.12", "facecolor": face, "edgecolor": "none"})
 
@@ -235,28 +239,6 @@ def _overlap(one: Box, other: Box) -> bool:
         (*one[:2], *other[:2]), (*one[2:], *other[2:])
     )]  # fmt: skip
     return all(gap < -1e-9 * max(one[1], one[3]) for gap in gaps)
-
-
-def _corners(boxes: Sequence[Box]) -> list[list[tuple[float, float]]]:
-    return [
-        [(left, low), (left + width, low), (left + width, low + height), (left, low + height)]
-        for left, width, low, height in boxes
-    ]
-
-
-def _filled(axes: Axes, boxes: Sequence[Box], faces: Sequence[Any]) -> None:
-    from matplotlib.collections import PolyCollection
-
-    lines = {"edgecolors": "white", "linewidths": 0.4} if len(boxes) <= _MOST_LINES else {"edgecolors": "face"}
-    axes.add_collection(PolyCollection(_corners(boxes), facecolors=faces, **lines))
-
-
-def _hatched(axes: Axes, boxes: Sequence[Box], pattern: str) -> None:
-    from matplotlib.collections import PolyCollection
-
-    colour = "#999999" if pattern == _HATCH else "#777777"
-    look: dict[str, Any] = {"facecolors": "none", "edgecolors": colour, "linewidths": 0.0, "hatch": pattern}
-    axes.add_collection(PolyCollection(_corners(boxes), **look))
 
 
 def _within(edges: NDArray[np.float64], value: float, one: Dimension, halvings: int) -> tuple[float, float]:
@@ -298,13 +280,6 @@ def _look(scene: Scene, name: str) -> Look:
     return look_of(number) if number else OTHERS
 
 
-def _ink(face: Any) -> str:
-    from matplotlib.colors import to_rgb
-
-    red, green, blue = to_rgb(face)
-    return "white" if 0.299 * red + 0.587 * green + 0.114 * blue < 0.5 else "black"
-
-
 def _text(scene: Scene, row: dict[str, Any]) -> str:
     """Text of a cell: ``≥`` before a sum that does not cover all parts, ``?`` after a drive with an unknown check."""
     value = row[scene.shown.column]
@@ -316,15 +291,6 @@ def _text(scene: Scene, row: dict[str, Any]) -> str:
     if value is None or row["status"] == "fail":
         return ""
     return f"{'≥' * bool(scene.shown.lacks and row[scene.shown.lacks])}{value * scene.shown.scale:.3g}"
-
-
-def _fits(axes: Axes, text: str, share: tuple[float, float]) -> bool:
-    """Whether a text fits a cell that takes some share of the axes' width and height."""
-    box, figure = axes.get_position(), axes.get_figure(root=True)
-    assert figure is not None
-    width, height = figure.get_size_inches()
-    room = share[0] * box.width * width, share[1] * box.height * height
-    return bool(room[0] > _LETTER * len(text) + 0.04 and room[1] > _TALL)
 
 
 def _points(axes: Axes, scene: Scene, up: Dimension, rows: Sequence[dict[str, Any]]) -> None:
@@ -392,13 +358,19 @@ def draw(
     rows = [row for panel in panels for row in panel.rows]
     numbers = numbered(rows) if shown.name == "best_set" else {}
     others = len({row["set"] for row in rows if row["set"]} - set(numbers)) if numbers else 0
-    same = None if numbers else _one_value(shown, rows)
+    values = set() if numbers else set(_known(shown, rows))
+    same = values.pop() if len(values) == 1 else None  # no colour scale is needed
     signs = _signs(shown, rows, numbers, same, grid and up is not None)
     count = 2 if len(panels) == 4 else min(len(panels), 3)
     lines = ceil(len(panels) / count)
-    left, right = _left(up), 0.95 if not numbers and up and same is None else 0.2
-    upright = _upright(across, (_WIDTH - left - right) / count)
-    bottom = 0.45 + upright + LINE * (rows_of_list(numbers, others) + len(signs) + 0.5)
+    longest = max(map(len, words(up))) if up and not up.numeric else 0  # label of the vertical axis
+    left, right = max(0.75, 0.4 + _WORD * longest), 0.95 if not numbers and up and same is None else 0.2
+    upright = 0.0  # in, of labels of the horizontal axis that are turned for want of room
+    if not across.numeric:
+        letters = max(map(len, words(across)))
+        if _WORD * (letters + 1) > (_WIDTH - left - right) / count / len(across.values):
+            upright = _WORD * (letters - 1)
+    bottom = 0.45 + upright + LINE * (_entries(numbers, others)[1] + len(signs) + 0.5)
     height = 0.3 + (_SINGLE if len(panels) == 1 else lines * _HEIGHT) + bottom
 
     scene = Scene(shown, across, up, grid, None if numbers else _coloured(shown, rows), numbers)
@@ -422,30 +394,9 @@ def draw(
         figure.text(0.75 / _WIDTH, (0.06 + LINE * n) / height, line, va="bottom", fontsize=6.5)
 
 
-def _left(up: Dimension | None) -> float:
-    """Width of the labels and title of the vertical axis [in]."""
-    longest = max(map(len, words(up))) if up and not up.numeric else 0
-    return max(0.75, 0.4 + _WORD * longest)
-
-
-def _upright(across: Dimension, room: float) -> float:
-    """Extra height of the labels of the horizontal axis where they are turned for want of room [in]."""
-    if across.numeric:
-        return 0.0
-    labels = words(across)
-    longest = max(map(len, labels))
-    return _WORD * (longest - 1) if _WORD * (longest + 1) > room / len(labels) else 0.0
-
-
 def _known(shown: Map, rows: Sequence[dict[str, Any]]) -> list[float]:
     known = [row[shown.column] * shown.scale for row in rows if row[shown.column] is not None]
     return [value for value in known if np.isfinite(value)]
-
-
-def _one_value(shown: Map, rows: Sequence[dict[str, Any]]) -> float | None:
-    """The figure where all are equal, so that no colour scale is needed."""
-    known = set(_known(shown, rows))
-    return known.pop() if len(known) == 1 else None
 
 
 def _coloured(shown: Map, rows: Sequence[dict[str, Any]]) -> Any:
@@ -605,12 +556,18 @@ def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str
 
 
 def _title(beside: Sequence[Dimension], key: Sequence[Any]) -> str:
-    return ", ".join(_panel_label(one, value) for one, value in zip(beside, key, strict=True))
+    """Short label of a panel: fields without their sections, and their values."""
+    found = []
+    for one, value in zip(beside, key, strict=True):
+        unit = one.head.removeprefix(one.name).strip(" ()")
+        named = f"{one.name.rpartition('.')[2]} {value:g} {unit}".rstrip() if one.numeric else str(value)
+        found.append(f"by {value}" if one.name == "objective" else named)
+    return ", ".join(found)
 
 
-def _panel_label(one: Dimension, value: Any) -> str:
-    """Short label of a panel: the field without its section, and the value."""
-    if one.name in ("spec", "catalogs", "objective"):
-        return f"by {value}" if one.name == "objective" else str(value)
-    unit = one.head.removeprefix(one.name).strip(" ()")
-    return f"{one.name.rpartition('.')[2]} {value:g} {unit}".rstrip() if one.numeric else str(value)
+def draw_maps(plan: Plan, chunks: Iterable[list[Row]], over: MapAxes, folder: Path) -> tuple[list[Path], list[str]]:
+    """Write the maps of a study into a folder; files and notes."""
+    if plan.total > MOST_POINTS:
+        return [], [f"no maps: more than {MOST_POINTS} variants; the tables have all"]
+    found, left_out = drawings(over, points(plan, over, chunks))
+    return figures_into(found, folder) if found else [], left_out

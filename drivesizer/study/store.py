@@ -1,16 +1,32 @@
-"""Stored results of a study: manifest, chunks of variants, digests of inputs, one process at a time in its folder."""
+"""A study's folder: manifest, chunks of variants, digests of inputs, one process at a time in it, and its tables.
+
+A chunk is written in one step and carries the digest of its rows, so after a kill or a power failure it is complete or
+is computed again. The manifest has the digests of all inputs; rows of different studies are never mixed.
+
+    FOLDER/study.json                the inputs of the results
+    FOLDER/chunks/000/000012.jsonl   a head with the digest, then a row in each line
+    FOLDER/lock, lock.txt            held by a process while it works, and its name
+    FOLDER/results.csv, .parquet     the table, units in the heads of CSV and in the metadata of Parquet's columns
+
+The operating system holds the lock for as long as the process lives, so a killed process leaves none behind. A file
+system without such locks is refused: a lock file in their place would outlive the process.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import os
 import socket
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from filelock import FileLock, Timeout
 
@@ -18,21 +34,17 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.cache import digest_of
 from drivesizer.files.text import read_bytes
-from drivesizer.files.writing import remove_files, write_files
+from drivesizer.files.writing import ready, remove_files, write_files
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.words import csv_cell
 from drivesizer.spec.drive import Select
-from drivesizer.study.columns import Row, columns_of
 from drivesizer.study.plan import Plan
-from drivesizer.study.variant import Part, rows_of
+from drivesizer.study.rows import Column, Part, Row, columns_of, rows_of
 from drivesizer.version import __version__
 
-__all__ = ["Store", "locked", "made_of", "opened", "refuse_if_all_invalid"]
-
-
-# -- One process at a time in a study's folder.
-#
-# The operating system holds the lock for as long as the process lives, so a killed process leaves none behind. A
-# file system without such locks is refused: a lock file in their place would outlive the process.
+__all__ = [
+    "Store", "has_parquet", "locked", "made_of", "opened", "refuse_if_all_invalid", "write_csv", "write_parquet",
+]  # fmt: skip
 
 
 _LOCK = "lock"
@@ -46,7 +58,12 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         lock.acquire()
     except Timeout:
-        raise InputError(_refusal(folder)) from None
+        try:
+            holder = (folder / _HOLDER).read_text("utf-8", errors="replace")[:200]
+        except OSError:  # the other process has the lock and has not written its name yet
+            holder = "another process"
+        text = "is at work on this study; wait until it is done, or choose another folder with -o"
+        raise InputError(f"{folder}: {holder} {text}") from None
     except OSError as error:
         raise InputError(f"{folder / _LOCK}: cannot be written or locked ({reason_of(error)})") from None
     try:
@@ -55,17 +72,6 @@ def locked(folder: Path) -> Iterator[None]:
     finally:
         remove_files([folder / _HOLDER])
         lock.release()
-
-
-def _refusal(folder: Path) -> str:
-    try:
-        holder = (folder / _HOLDER).read_text("utf-8", errors="replace")[:200]
-    except OSError:  # the other process has the lock and has not written its name yet
-        holder = "another process"
-    return f"{folder}: {holder} is at work on this study; wait until it is done, or choose another folder with -o"
-
-
-# -- Inputs of a study's results by name with their digests: runs with the same inputs are the same study.
 
 
 _READ = (".csv", ".txt", ".json", ".urdf", ".xml", ".mjcf")  # ends of names of files that specs name
@@ -97,18 +103,14 @@ def _canonical(data: Any) -> bytes:
 
 def _named(data: Any) -> list[str]:
     """Catalogues that a spec or the axes of a machine name; default ones where it has none or a field is malformed."""
-    axes = data.get("axes")
-    found = [_named_in(data), *(_named_in(axis) for axis in (axes.values() if isinstance(axes, dict) else ()))]
-    names = [name for some in found for name in some]
-    return list(dict.fromkeys(names if found[0] else [*Select().catalogs, *names]))
-
-
-def _named_in(data: Any) -> list[str]:
-    """Catalogues of a section ``select``."""
-    select = data.get("select") if isinstance(data, dict) else None
-    given = select.get("catalogs") if isinstance(select, dict) else None
-    names = [given] if isinstance(given, str) else given
-    return [str(name) for name in names] if isinstance(names, list) else []
+    axes, found = data.get("axes"), list[list[str]]()
+    for section in (data, *(axes.values() if isinstance(axes, dict) else ())):
+        select = section.get("select") if isinstance(section, dict) else None
+        given = select.get("catalogs") if isinstance(select, dict) else None
+        names = [given] if isinstance(given, str) else given
+        found.append([str(name) for name in names] if isinstance(names, list) else [])
+    every = [name for names in found for name in names]
+    return list(dict.fromkeys(every if found[0] else [*Select().catalogs, *every]))
 
 
 def _files(data: Any, folder: Path) -> Iterator[str]:
@@ -137,22 +139,12 @@ def refuse_if_all_invalid(plan: Plan) -> str:
     return f"each of {len(few)} variants tried is invalid, the first: {first}"
 
 
-# -- Stored results of a study: a manifest, and a file for each completed chunk of variants.
-#
-# A chunk is written in one step and carries the digest of its rows, so after a kill or a power failure it is
-# complete or is computed again. The manifest has the digests of all inputs; rows of different studies are never
-# mixed.
-#
-#     FOLDER/study.json                the inputs of the results
-#     FOLDER/chunks/000/000012.jsonl   a head with the digest, then a row in each line
-#     FOLDER/lock, lock.txt            held by a process while it works, and its name
-
-
 FORMAT = 1  # of the folder
 _MANIFEST = "study.json"
 _CHUNKS = "chunks"
 _RESULTS = ("results.csv", "results.parquet")
 _MAPS = "maps"
+_GROUP = 50_000  # least number of rows that are written together to Parquet
 _FRESH = "--fresh begins anew, -o FOLDER keeps both"
 
 
@@ -217,9 +209,16 @@ def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool 
     """Prepare a study's folder; the caller holds its lock."""
     store = Store(folder, made_of, plan.chunks)
     manifest = {"format": FORMAT, "variants": plan.total, "chunk": plan.chunk, "made_of": dict(made_of)}
-    before = _manifest(folder / _MANIFEST)
-    if fresh:
-        _cleared(store)
+    try:
+        read: Any = json.loads((folder / _MANIFEST).read_bytes())
+    except FileNotFoundError:
+        read = None
+    except (OSError, ValueError):
+        read = {}
+    before = read if isinstance(read, dict | None) else {}
+    if fresh:  # the files of a study, and no others
+        own = [*store.results, store.folder / _MANIFEST, *(store.folder / _CHUNKS).glob("*/*.jsonl")]
+        remove_files([*own, *store.maps.glob("*.svg"), *store.maps.glob("*.png")])
     elif before is not None and before != manifest:
         raise InputError(f"{folder}: holds results of another study ({_difference(before, manifest)}); {_FRESH}")
     try:
@@ -233,31 +232,68 @@ def opened(folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool 
     return store
 
 
-def _manifest(path: Path) -> dict[str, Any] | None:
-    try:
-        found = json.loads(path.read_bytes())
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError):
-        found = None
-    return found if isinstance(found, dict) else {}
-
-
 def _difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """Inputs that have changed since the results were computed."""
     made = before.get("made_of")
     if before.get("format") != now["format"] or not isinstance(made, dict):
         return f"its {_MANIFEST} is none of this version"
     names = [name for name in {**made, **now["made_of"]} if made.get(name) != now["made_of"].get(name)]
-    return f"{_listed(names)} changed since" if names else "of another size"
+    listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+    return f"{listed} changed since" if names else "of another size"
 
 
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+# Its tables, written a chunk at a time and whole or not at all.
 
 
-def _cleared(store: Store) -> None:
-    """Remove the files of a study, and no others."""
-    own = [*store.results, store.folder / _MANIFEST]
-    own += [*(store.folder / _CHUNKS).glob("*/*.jsonl"), *store.maps.glob("*.svg"), *store.maps.glob("*.png")]
-    remove_files(own)
+def write_csv(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
+    """Write a table as CSV."""
+    with _whole(path) as stream:
+        text = io.TextIOWrapper(stream, "utf-8", newline="", write_through=True)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow([csv_cell(column.head) for column in columns])
+        for rows in chunks:
+            writer.writerows([["" if cell is None else csv_cell(cell) for cell in row] for row in rows])
+        text.detach()
+
+
+def has_parquet() -> bool:
+    """Whether pyarrow is installed."""
+    return find_spec("pyarrow") is not None
+
+
+def write_parquet(path: Path, columns: Sequence[Column], chunks: Iterable[list[Row]]) -> None:
+    """Write a table as Parquet, with units in the metadata of its columns."""
+    pyarrow: Any = import_module("pyarrow")
+    parquet: Any = import_module("pyarrow.parquet")
+    types = {"whole": pyarrow.int64(), "number": pyarrow.float64(), "text": pyarrow.string()}
+    schema = pyarrow.schema([
+        pyarrow.field(column.head, types[column.form], metadata={"unit": column.unit} if column.unit else None)
+        for column in columns
+    ])  # fmt: skip
+    with _whole(path) as stream, parquet.ParquetWriter(stream, schema, compression="zstd") as writer:
+        group: list[Row] = []  # rows of several chunks together, so that a file has few row groups
+        for rows in chain(chunks, [None]):
+            group += rows or []
+            if group and (rows is None or len(group) >= _GROUP):
+                arrays = [pyarrow.array([row[n] for row in group], field.type) for n, field in enumerate(schema)]
+                writer.write_table(pyarrow.table(arrays, schema=schema))
+                group = []
+
+
+@contextmanager
+def _whole(path: Path) -> Iterator[BinaryIO]:
+    """Stream to a temporary file that replaces the target when complete, for content larger than memory."""
+    ready(path)
+    if path.exists() and not path.is_file():  # a device or a pipe, which a file would take the place of
+        raise InputError(f"{path}: cannot be written, it is no file; remove it, or choose another folder with -o")
+    target = path.resolve()
+    temporary = target.with_name(f"{target.name}.part")
+    try:
+        temporary.unlink(missing_ok=True)
+        with temporary.open("xb") as stream:
+            yield stream
+        temporary.replace(target)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -27,9 +27,8 @@ from drivesizer.files import cache, text
 from drivesizer.live.engine import JOBS, done
 from drivesizer.live.guard import REQUESTS, request_of
 from drivesizer.live.held import EngineMemory
+from drivesizer.study import rows
 from drivesizer.study import run as study_run
-from drivesizer.study import variant
-from drivesizer.study.local import tasks
 
 __all__ = ["HANG", "Ended", "HangError", "ran"]
 
@@ -123,25 +122,29 @@ def _emptied(folder: Path) -> None:
         shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
+def _in_this_process(plan: Any, chunks: Any, _: object) -> Iterator[tuple[int, rows.Part]]:
+    for chunk in chunks:
+        variants = plan.variants(chunk)
+        yield chunk, rows.rows_of(plan.job, variants, [plan.head(variant) for variant in variants])
+
+
 @contextlib.contextmanager
 def _own_folder(folder: Path) -> Iterator[None]:
     """A study's variants computed in this process; nothing else is replaced."""
-    before = study_run.started, study_run.compute_on_processes
-    study_run.started = contextlib.nullcontext  # type: ignore[assignment, misc]
-    study_run.compute_on_processes = lambda plan, chunks, _: (  # type: ignore[assignment]
-        (chunk, variant.rows_of(plan.job, given, heads)) for chunk, given, heads in tasks(plan, chunks)
-    )
+    before = study_run.workers, study_run.computed
+    study_run.workers = lambda *_: contextlib.nullcontext()  # type: ignore[assignment, return-value]
+    study_run.computed = _in_this_process  # type: ignore[assignment]
     try:
         yield
     finally:
-        study_run.started, study_run.compute_on_processes = before
+        study_run.workers, study_run.computed = before
 
 
 def _forgotten() -> None:
     """What a process remembers of files: each command has a process of its own at a terminal."""
     text._read.clear()
-    variant._source.cache_clear()
-    variant._catalog.cache_clear()
+    rows._source.cache_clear()
+    rows._catalog.cache_clear()
 
 
 @contextlib.contextmanager

@@ -9,9 +9,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from drivesizer.study.local import tasks
 from drivesizer.study.plan import Plan
-from drivesizer.study.variant import Part, rows_of
+from drivesizer.study.rows import Part, rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = (ROOT / "examples" / "sps_robot.yaml").read_text(encoding="utf-8")
@@ -85,6 +84,8 @@ def results(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
 
 
-def in_this_process(plan: Plan, chunks: Sequence[int], processes: int) -> Iterator[tuple[int, Part]]:
+def in_this_process(plan: Plan, chunks: Sequence[int], _: object) -> Iterator[tuple[int, Part]]:
     """Chunks without a process of their own, each of which takes a second to start."""
-    return ((chunk, rows_of(plan.job, variants, heads)) for chunk, variants, heads in tasks(plan, chunks))
+    for chunk in chunks:
+        variants = plan.variants(chunk)
+        yield chunk, rows_of(plan.job, variants, [plan.head(variant) for variant in variants])

@@ -13,7 +13,7 @@ from forty_motors import MOTORS, catalogue
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import explain, load_parts, size
 from drivesizer.spec.robot import read_spec
-from drivesizer.study.columns import best
+from drivesizer.study.rows import best
 
 FAN = "load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}\n"
 SPEC = """

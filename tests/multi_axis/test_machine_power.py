@@ -12,8 +12,8 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.machine.supply_power import DrivePower, side_by_side
-from drivesizer.multi_axis.axis_sizings import machine_power
 from drivesizer.multi_axis.common_supply import shared_sections
+from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from drivesizer.machine.problem import problem
-from drivesizer.multi_axis.axis_sizings import machine_power, over_tolerances
 from drivesizer.multi_axis.common_supply import AxisPower, shared_sections
+from drivesizer.multi_axis.machine_power import machine_power, over_tolerances
 from drivesizer.multi_axis.sampled_supply import uncertain_machine
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.json.documents import as_text, machine_document

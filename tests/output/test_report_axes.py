@@ -14,7 +14,7 @@ from forty_motors import catalogue
 from lxml import html
 from printed import blank_figures, text_of
 
-from drivesizer.multi_axis.axis_sizings import machine_power
+from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin
 from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals, totals_of_axes

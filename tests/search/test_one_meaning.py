@@ -55,7 +55,7 @@ def test_samples_in_closed_loop_do_not_say_so_either(pair):
         "Motor permissible speed", "Motor voltage", "Supply current, all drives"
     }  # fmt: skip
     assert math.isnan(found.loop.passing)
-    written = contract.reliability(found)["closed_loop"]
+    written = contract.written(contract.schema.Reliability, found)["closed_loop"]
     assert written["probability"] is None and written["none_fails"] == found.loop.probability
     assert drive_cells(pair.sets[0])["loop"].startswith("unknown; none fails: ")
 

@@ -157,7 +157,7 @@ def test_what_is_uncertain_names_maker_and_document(makers: Catalog) -> None:
         ),
     ]
     assert "measured here" in said.assumptions[0].source  # and no class of a gearhead: there is none
-    told_ = json_documents.uncertainty(said)
+    told_ = json_documents.written(json_documents.schema.Uncertainty, said)
     assert told_ and told_["assumptions"][1] == {
         "name": "motor.torque_constant (Acme)", "tolerance": "+- 5 %", "source": "Acme: Acme data sheet, 2026-05"
     }  # fmt: skip

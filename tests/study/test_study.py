@@ -19,11 +19,10 @@ from drivesizer.results.sizing import worst
 from drivesizer.search.ranking import sifted
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
-from drivesizer.study.columns import best, columns_of
 from drivesizer.study.fields import changed, path_of
 from drivesizer.study.plan import MOST, read_study
+from drivesizer.study.rows import best, columns_of, document_of, rows_of, spec_of
 from drivesizer.study.store import made_of, refuse_if_all_invalid
-from drivesizer.study.variant import document_of, rows_of, spec_of
 from drivesizer.units import to_si
 
 
@@ -382,7 +381,7 @@ def test_a_variant_that_is_no_machine_is_a_row_and_the_others_go_on(tmp_path):
 
 
 def test_a_fault_of_the_program_is_reported_as_one_and_does_not_end_the_study(tmp_path, monkeypatch):
-    monkeypatch.setattr("drivesizer.study.variant.best", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr("drivesizer.study.rows.best", lambda *_, **__: 1 / 0)
     (row,) = table(planned(tmp_path, "spec: robot.yaml\n"))
     assert (row["status"], row["error"]) == (
         "error", "a fault of drivesizer, please report it: ZeroDivisionError: division by zero",

@@ -17,14 +17,13 @@ from studies import ROOT, in_this_process, results
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.study import machine_rows
-from drivesizer.study.columns import columns_of
+from drivesizer.joints import mass_columns
 from drivesizer.study.fields import kind_of, path_of
 from drivesizer.study.maps import drawings, map_axes, points
 from drivesizer.study.plan import Plan, read_study
+from drivesizer.study.rows import columns_of, document_of, rows_of
 from drivesizer.study.run import carry_out
 from drivesizer.study.store import made_of, opened
-from drivesizer.study.variant import document_of, rows_of
 
 CELL = """\
 name: cell
@@ -119,7 +118,7 @@ def tightest(checks: list[dict[str, Any]]) -> tuple[float, str]:
 
 
 def test_kept_chunks_and_their_order_change_no_byte(folder, monkeypatch):
-    monkeypatch.setattr("drivesizer.study.run.compute_on_processes", in_this_process)
+    monkeypatch.setattr("drivesizer.study.run.computed", in_this_process)
     plan = planned(folder, STUDY)
     outcome = carry_out(plan, folder / "study", maps=None)
     assert outcome.variants["fail"] == 2 and not outcome.notes
@@ -215,8 +214,8 @@ def test_joints_of_a_robot_are_axes_and_their_trajectory_is_computed_once(folder
     machine = {**two_joints(folder), "select": {"catalogs": ["parts.yaml"], "estimates": "off"}}
     machine["robot"]["payload"] = {"mass": "0.5 kg", "link": "fore"}
     (folder / "arm.yaml").write_text(json.dumps(machine), encoding="utf-8")
-    calls, real = [], machine_rows.joint_torques
-    monkeypatch.setattr(machine_rows, "joint_torques", lambda *given: calls.append(given) or real(*given))
+    calls, real = [], mass_columns.joint_torques
+    monkeypatch.setattr(mass_columns, "joint_torques", lambda *given: calls.append(given) or real(*given))
     vary = "vary: {robot.payload.mass: {from: 0.5 kg, to: 1 kg, steps: 2}, supply.current: [20 A, 30 A]}\n"
     plan = planned(folder, f"spec: arm.yaml\n{vary}")
     rows = table(plan)

@@ -26,7 +26,7 @@ from drivesizer.study.maps import (
     points,
 )
 from drivesizer.study.plan import read_study
-from drivesizer.study.variant import rows_of, spec_of
+from drivesizer.study.rows import rows_of, spec_of
 
 GRID = """\
 spec: robot.yaml

@@ -10,11 +10,10 @@ from studies import CHEAP, in_this_process, laid, results
 from drivesizer.errors import InputError
 from drivesizer.sizing import size
 from drivesizer.study import run
-from drivesizer.study.columns import columns_of
 from drivesizer.study.maps import Dimension, _edges, _within
 from drivesizer.study.plan import read_study
+from drivesizer.study.rows import columns_of, spec_of
 from drivesizer.study.run import carry_out, refined
-from drivesizer.study.variant import spec_of
 
 GRID = """\
 spec: robot.yaml
@@ -28,7 +27,7 @@ PLACE = "load.mass (kg)", "motion.speed (m/s)"
 
 def carried(folder, study, compute=in_this_process, maps=None):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "compute_on_processes", compute)
+        patch.setattr(run, "computed", compute)
         return carry_out(read_study(laid(folder, study)), folder / "study", maps=maps)
 
 

@@ -16,7 +16,7 @@ import pytest
 from studies import CHEAP, FEW, MANY, command, halted, in_this_process, laid, ran, results, surroundings
 
 from drivesizer import cli
-from drivesizer.study import local
+from drivesizer.study import workers
 from drivesizer.study.store import locked
 
 WAIT = 120.0  # s, for a process to come so far
@@ -40,7 +40,7 @@ def table(tmp_path_factory):
     folder = tmp_path_factory.mktemp("table")
     laid(folder, MANY.replace("steps: 25", "steps: 9").replace("steps: 20", "steps: 6"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("drivesizer.study.run.compute_on_processes", in_this_process)
+        patch.setattr("drivesizer.study.run.computed", in_this_process)
         patch.chdir(folder)
         patch.setattr(sys, "argv", ["drivesizer", "study"])
         with pytest.raises(SystemExit) as end:
@@ -59,7 +59,7 @@ def run(run, monkeypatch, tmp_path):
 @pytest.fixture
 def here(monkeypatch):
     """Variants in this process, of studies where it is not the processes that matter: each takes a second to start."""
-    monkeypatch.setattr("drivesizer.study.run.compute_on_processes", in_this_process)
+    monkeypatch.setattr("drivesizer.study.run.computed", in_this_process)
 
 
 def until(condition, *, every=0.02):
@@ -265,8 +265,8 @@ def without_maps(files):
 def test_a_scheduler_that_is_not_there_is_one_line_within_seconds(run, tmp_path, monkeypatch, address, said):
     pytest.importorskip("distributed")
     laid(tmp_path, FEW)
-    assert local._PATIENCE <= 10.0  # s; here less of it: a port that nobody has is tried for as long
-    monkeypatch.setattr(local, "_PATIENCE", 1.0)
+    assert workers._PATIENCE <= 10.0  # s; here less of it: a port that nobody has is tried for as long
+    monkeypatch.setattr(workers, "_PATIENCE", 1.0)
     start = time.monotonic()
     status, out, err = run("--scheduler", address)
     assert (status, out, err.count("\n")) == (2, "", 1)
@@ -415,7 +415,7 @@ def test_without_pyarrow_there_is_the_csv_and_a_note(run, tmp_path, monkeypatch)
 
 def test_without_dask_the_option_says_what_to_install(run, tmp_path, monkeypatch):
     laid(tmp_path, FEW)
-    monkeypatch.setattr("drivesizer.study.local.find_spec", lambda name: None)
+    monkeypatch.setattr("drivesizer.study.workers.find_spec", lambda name: None)
     assert run("--scheduler", "tcp://127.0.0.1:8786")[2] == (
         "drivesizer: --scheduler needs Dask; install drivesizer[cluster]\n"
     )

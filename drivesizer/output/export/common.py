@@ -342,9 +342,9 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
     _, case, spec = cases[0]
     if wheel is not None:
         place = check_wheel(whole, wheel)
-        own = [one for one in cases if not one[0]]
+        every = [one for one in cases if not one[0]]
         _, case, spec = next(
-            one for one in own if not isinstance(one[2].load, WheelLoad) or place in one[2].load.numbers
+            one for one in every if not isinstance(one[2].load, WheelLoad) or place in one[2].load.numbers
         )
     stepper, controller = None, None
     if found.steps:

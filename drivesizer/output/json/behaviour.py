@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, cast
 
 import numpy as np
-from pydantic import Field, TypeAdapter
+from pydantic import Field
 from typing_extensions import TypedDict
 
 from drivesizer.control.path_following.following import Followed, extremes
-from drivesizer.load_cases.platform import Driving, Wheel
+from drivesizer.load_cases.platform import Driving
 from drivesizer.machine.platform_budget import PermittedSpeeds
-from drivesizer.output.json.documents import SCHEMA_VERSION, drive_set, number, requirement
-from drivesizer.output.json.schema import Assumption, Column, Count, Generator, Number, Version
-from drivesizer.results.drive_set import DriveSet, EstimatedFigure
-from drivesizer.results.prediction import Band, Predicted, Prediction, WarmingCourse
+from drivesizer.output.json import schema
+from drivesizer.output.json.documents import SCHEMA_VERSION, written
+from drivesizer.output.json.schema import Assumption, Column, Count, Number, Version
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.prediction import Prediction
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import KINDS, from_si
 from drivesizer.version import __version__
 
-if TYPE_CHECKING:
-    from drivesizer.output.json import schema
-
 __all__ = ["driving", "path_document", "prediction", "prediction_schema"]
-
-
-# -- The JSON document of a platform on its path.
 
 
 def driving(
@@ -50,6 +45,16 @@ def driving(
     dict
         Plain data.
     """
+    wheels = [
+        {
+            "number": wheel.number,
+            "requirements": written(dict[str, schema.Requirement], wheel.requirements),
+            "force_on_the_floor_N": written(Number, wheel.grip and wheel.grip.demand),
+            "grip_N": written(Number, wheel.grip and wheel.grip.limit),
+            "at_time_s": written(Number, wheel.grip and wheel.grip.time),
+        }
+        for wheel in found.wheels
+    ]
     return {
         "schema_version": SCHEMA_VERSION,
         "drivesizer": __version__,
@@ -57,71 +62,43 @@ def driving(
         "trajectory": getattr(found.spec.motion, "trajectory", None),
         "length_m": found.trajectory.length,
         "time_s": found.trajectory.total,
-        "wheels": [_wheel(wheel) for wheel in found.wheels],
-        "set": drive_set(chosen) if chosen else None,
+        "wheels": wheels,
+        "set": written(schema.Set, chosen),
         **path_document(found.spec, speeds, runs),
     }
 
 
 def path_document(spec: RobotSpec, speeds: PermittedSpeeds | None, runs: Mapping[str, Followed]) -> schema.OnPath:
-    """Speeds that a platform's drives permit, and simulated path following beside measured errors."""
-    return {
-        "permitted_speeds": _permitted(speeds) if speeds else None,
-        "measured": _measured(spec),
-        "following": {name: _run(run) for name, run in runs.items()},
+    """Highest steady speeds by failed wheel and direction, and simulated path following beside measured errors."""
+    permitted = speeds and {
+        "speeds": [
+            {"failed_wheel": failed or None, "direction_deg": degrees, "speed_m_per_s": speed, "limited_by": limit}
+            for failed in speeds.speed
+            for degrees in speeds.direction.tolist()
+            for speed, limit in [speeds.at(degrees)[failed]]
+        ],
+        "unknown": speeds.unknown,
+        "estimated": speeds.estimated,
     }
-
-
-def _permitted(speeds: PermittedSpeeds) -> schema.Permitted:
-    """Highest steady speeds by failed wheel and direction."""
-    every: list[schema.PermittedSpeed] = [
-        {"failed_wheel": failed or None, "direction_deg": degrees, "speed_m_per_s": number(speed), "limited_by": limit}
-        for failed in speeds.speed
-        for degrees in speeds.direction.tolist()
-        for speed, limit in [speeds.at(degrees)[failed]]
+    following = {}
+    for name, run in runs.items():
+        largest = [
+            {"title": e.title, "si": e.value, "si_unit": KINDS[e.kind].si, "at_time_s": e.time, "at_way_m": e.travel}
+            for e in extremes(run)
+        ]
+        following[name] = {"largest": largest, "time_at_torque_limit": float(run.limited.max())}
+    measured = [
+        {"name": one.name, "position_m": one.position, "heading_rad": one.heading}
+        for one in (spec.platform.following.measured if spec.platform else [])
     ]
-    return {"speeds": every, "unknown": [*speeds.unknown], "estimated": [*speeds.estimated]}
+    found = {"permitted_speeds": permitted, "measured": measured, "following": following}
+    return cast("schema.OnPath", written(schema.OnPath, found))
 
 
-def _measured(spec: RobotSpec) -> list[schema.Measured]:
-    """Measured errors that the spec states."""
-    section = spec.platform
-    measured = section.following.measured if section else []
-    return [{"name": one.name, "position_m": one.position, "heading_rad": one.heading} for one in measured]
-
-
-def _run(run: Followed) -> schema.Run:
-    """Largest deviations of a run."""
-    largest: list[schema.Deviation] = [
-        {
-            "title": e.title,
-            "si": number(e.value),
-            "si_unit": KINDS[e.kind].si,
-            "at_time_s": e.time,
-            "at_way_m": e.travel,
-        }
-        for e in extremes(run)
-    ]
-    return {"largest": largest, "time_at_torque_limit": number(float(run.limited.max()))}
-
-
-def _wheel(wheel: Wheel) -> dict[str, Any]:
-    grip = wheel.grip
-    return {
-        "number": wheel.number,
-        "requirements": {r.name: requirement(r) for r in wheel.requirements},
-        "force_on_the_floor_N": number(grip.demand) if grip else None,
-        "grip_N": number(grip.limit) if grip else None,
-        "at_time_s": number(grip.time) if grip else None,
-    }
-
-
-# -- ``drivesizer predict --json``: the document, and the JSON Schema that is generated from its records.
+# ``drivesizer predict --json``.
 
 
 # ruff: noqa: UP013 - several fields to a line, as in a table
-
-
 Missing = Annotated[list[str], Field(description="figures that no data sheet gives, where the value is unknown")]
 Never = Annotated[float | None, Field(description="share of the samples in which it is never reached")]
 Sold = Annotated[dict[str, str], Field(description="part number by role: motor or actuator, gearhead, controller")]
@@ -152,73 +129,57 @@ BenchPrediction = TypedDict("BenchPrediction", {
 
 def prediction(found: Prediction) -> BenchPrediction:
     """The document of ``drivesizer predict --json``."""
+
+    def celsius(kelvin: float) -> float:
+        return float(from_si(kelvin, "degC", "temperature"))
+
+    def percentiles(band: Any, kind: str, unit: str) -> dict[str, Any]:
+        columns = (np.asarray(from_si(values, unit, kind)).tolist() for values in band)
+        return dict(zip(("value", "p5", "p50", "p95"), columns, strict=True))
+
     given = found.conditions
-    return {
+    figures, courses = {}, {}
+    for one in found.figures:
+        value, low, middle, high = (float(from_si(x, one.unit, one.kind)) for x in one.band)
+        figures[one.name] = {
+            "group": one.group, "title": one.title, "value": value, "p5": low, "p50": middle, "p95": high,
+            "unit": one.unit, "never": one.never, "missing": one.missing,
+        }  # fmt: skip
+    for course in found.courses:
+        bodies = {"winding_degC": course.winding, "housing_degC": course.housing}
+        bands = {name: percentiles(band, "temperature", "degC") for name, band in bodies.items()}
+        courses[course.name] = {"title": course.title, "time_s": course.time.tolist()} | bands
+    estimates = []
+    for part in found.estimates:
+        value, low, high = (float(from_si(x, part.unit, part.kind)) for x in (part.value, part.low, part.high))
+        named = {"part": part.part, "figure": part.figure, "value": value, "p5": low, "p95": high}
+        estimates.append(named | {"unit": part.unit, "law": part.law})
+    document = {
         "schema_version": SCHEMA_VERSION,
         "drivesizer": __version__,
         "catalogs": found.digests,
         "parts": found.parts,
         "set": found.label,
         "conditions": {
-            "voltage_V": number(given.voltage),
-            "ambient_degC": _celsius(given.ambient),
-            "load_Nm": number(given.load),
-            "hold_Nm": number(given.hold),
-            "inertia_kgm2": number(given.inertia),
-            "duration_s": number(given.duration),
-            "warm_degC": _celsius(given.warm),
-            "resistance_ohm": number(given.resistance),
+            "voltage_V": given.voltage, "ambient_degC": celsius(given.ambient), "load_Nm": given.load,
+            "hold_Nm": given.hold, "inertia_kgm2": given.inertia, "duration_s": given.duration,
+            "warm_degC": celsius(given.warm), "resistance_ohm": given.resistance,
         },
-        "figures": {one.name: _figure(one) for one in found.figures},
-        "line": {"torque_Nm": found.torque.tolist(), "speed_rad_per_s": _columns(found.speed)},
-        "courses": {one.name: _course(one) for one in found.courses},
-        "winding_limit_degC": _celsius(found.limit),
-        "estimates": [_estimate(one) for one in found.estimates],
-        "tolerances": [{"name": name, "tolerance": text, "source": why} for name, text, why in found.tolerances],
+        "figures": figures,
+        "line": {
+            "torque_Nm": found.torque.tolist(), "speed_rad_per_s": percentiles(found.speed, "rotary_speed", "rad/s"),
+        },
+        "courses": courses,
+        "winding_limit_degC": celsius(found.limit),
+        "estimates": estimates,
+        "tolerances": [{"name": name, "text": text, "source": why} for name, text, why in found.tolerances],
         "samples": found.samples,
-        "assumptions": list(found.assumptions),
-        "warnings": list(found.warnings),
-    }
-
-
-def _celsius(kelvin: float) -> float | None:
-    return number(float(from_si(kelvin, "degC", "temperature")))
-
-
-def _figure(one: Predicted) -> BenchFigure:
-    value, low, middle, high = (number(float(from_si(x, one.unit, one.kind))) for x in one.band)
-    return {
-        "group": one.group,
-        "title": one.title,
-        "value": value,
-        "p5": low,
-        "p50": middle,
-        "p95": high,
-        "unit": one.unit,
-        "never": number(one.never),
-        "missing": list(one.missing),
-    }
-
-
-def _columns(band: Band, kind: str = "rotary_speed", unit: str = "rad/s") -> Percentiles:
-    nominal, low, middle, high = ([number(x) for x in np.asarray(from_si(y, unit, kind)).tolist()] for y in band)
-    return {"value": nominal, "p5": low, "p50": middle, "p95": high}
-
-
-def _course(one: WarmingCourse) -> TemperatureCourse:
-    winding, housing = (_columns(band, "temperature", "degC") for band in (one.winding, one.housing))
-    return {"title": one.title, "time_s": one.time.tolist(), "winding_degC": winding, "housing_degC": housing}
-
-
-def _estimate(one: EstimatedFigure) -> EstimatedOf:
-    value, low, high = (float(from_si(x, one.unit, one.kind)) for x in (one.value, one.low, one.high))
-    return {"part": one.part, "figure": one.figure, "value": value, "p5": low, "p95": high, "unit": one.unit,
-            "law": one.law}  # fmt: skip
+        "assumptions": found.assumptions,
+        "warnings": found.warnings,
+    }  # fmt: skip
+    return cast("BenchPrediction", written(BenchPrediction, document))
 
 
 def prediction_schema() -> dict[str, Any]:
     """The JSON Schema of ``drivesizer predict --json``."""
-    made = TypeAdapter(list[BenchPrediction]).json_schema(schema_generator=Generator)
-    document: dict[str, Any] = made["$defs"].pop("BenchPrediction")
-    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "drivesizer prediction"}
-    return document | dialect | {"$defs": made["$defs"]}
+    return schema.document_schema(BenchPrediction, "drivesizer prediction")

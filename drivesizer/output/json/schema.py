@@ -8,7 +8,7 @@ is ``validation`` without ``series``.
 # ruff: noqa: UP013 - several fields to a line, as in a table
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NamedTuple, NotRequired
+from typing import Annotated, Any, Final, Literal, NamedTuple, NotRequired
 
 from pydantic import Field, TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
@@ -18,10 +18,10 @@ from drivesizer.catalog import columns_of
 from drivesizer.catalog.tables import CONFIDENCE, ESTIMATED
 from drivesizer.units import KINDS
 
-__all__ = ["Generator", "machine_report_schema", "report_schema"]
+__all__ = ["SCHEMA_VERSION", "Generator", "PartOf", "document_schema", "machine_report_schema", "report_schema"]
 
 
-class _PartOf(NamedTuple):
+class PartOf(NamedTuple):
     """A part of a section: every column, in SI."""
 
     section: str
@@ -42,6 +42,7 @@ Text = str | None
 Status = Literal["pass", "fail", "open", "unknown"]
 Confidence = Annotated[str | None, Field(json_schema_extra={"enum": [*CONFIDENCE, ESTIMATED, None]})]
 Version = Literal[1]
+SCHEMA_VERSION: Final = 1
 Method = Annotated[str, Field(json_schema_extra={"enum": ["paper", "physics"]})]
 
 Requirement = TypedDict("Requirement", {
@@ -74,13 +75,13 @@ Line = TypedDict("Line", {
     "price_from_pieces": int | None, "price_date": Text, "price_source": Text, "price_confidence": Confidence,
     "part_source": Text, "part_source_date": Text, "part_confidence": Confidence, "url": Text, "note": Text,
 })  # fmt: skip
-Pulley = Annotated[dict[str, Any], _PartOf("pulleys")]
+Pulley = Annotated[dict[str, Any], PartOf("pulleys")]
 Pulleys = TypedDict("Pulleys", {"driving": Pulley, "driven": Pulley})
 Belt = TypedDict("Belt", {
     "ratio": float, "efficiency": float, "pulleys": Pulleys | None,
-    "part": Annotated[dict[str, Any], _PartOf("belts")] | None, "centre_distance_m": Number, "teeth_in_mesh": Number,
+    "part": Annotated[dict[str, Any], PartOf("belts")] | None, "centre_distance_m": Number, "teeth_in_mesh": Number,
 })  # fmt: skip
-Screw = TypedDict("Screw", {"part": Annotated[dict[str, Any], _PartOf("screws")], "length_m": float})
+Screw = TypedDict("Screw", {"part": Annotated[dict[str, Any], PartOf("screws")], "length_m": float})
 Mass = TypedDict("Mass", {
     "name": str, "number": Count, "each_kg": Number, "total_kg": Number, "band_kg": list[float] | None,
 })  # fmt: skip
@@ -91,7 +92,7 @@ Energy = TypedDict("Energy", {
     "battery": str, "consumers": list[Consumer], "figures": dict[str, Figure], "assumptions": list[str],
 })  # fmt: skip
 Braking = TypedDict("Braking", {
-    "resistor": Annotated[dict[str, Any], _PartOf("brake_resistors")] | None, "figures": dict[str, Figure],
+    "resistor": Annotated[dict[str, Any], PartOf("brake_resistors")] | None, "figures": dict[str, Figure],
     "assumptions": list[str],
 })  # fmt: skip
 Margins = TypedDict("Margins", {"p5": Number, "p50": Number, "p95": Number})
@@ -107,9 +108,8 @@ LoopShare = TypedDict("LoopShare", {
 SampledFigure = TypedDict("SampledFigure", {"p5": Number, "p50": Number, "p95": Number, "unit": str})
 Reliability = TypedDict("Reliability", {
     "probability": Number, "none_fails": float, "error_95": float, "weakest_check": str, "unknown": list[str],
-    "smallest_margin": Margins, "checks": list[Spread], "drivers": list[Driver], "closed_loop": LoopShare | None,
-    "figures": dict[str, SampledFigure],
-    "closed_loop_refused": Text,
+    "smallest_margin": Margins, "checks": list[Spread], "figures": dict[str, SampledFigure], "drivers": list[Driver],
+    "closed_loop": LoopShare | None, "closed_loop_refused": Text,
 })  # fmt: skip
 Estimate = TypedDict("Estimate", {
     "part": str, "figure": str, "value": float, "low": float, "high": float, "si_unit": str, "confidence": Confidence,
@@ -125,13 +125,13 @@ PlatformTable = TypedDict("PlatformTable", {
 })  # fmt: skip
 PlatformNumbers = TypedDict("PlatformNumbers", {"remarks": list[str], "tables": dict[str, PlatformTable]})
 Set = TypedDict("Set", {
-    "rank": Count, "status": Status, "actuator": Annotated[dict[str, Any], _PartOf("actuators")] | None,
-    "motor": Annotated[dict[str, Any], _PartOf("motors")],
-    "gearhead": Annotated[dict[str, Any], _PartOf("gearheads")], "belt": Belt,
+    "rank": Count, "status": Status, "actuator": Annotated[dict[str, Any], PartOf("actuators")] | None,
+    "motor": Annotated[dict[str, Any], PartOf("motors")],
+    "gearhead": Annotated[dict[str, Any], PartOf("gearheads")], "belt": Belt,
     "screw": Annotated[Screw | None, Field(description="null where it is not from a catalogue")],
-    "brake": Annotated[dict[str, Any], _PartOf("brakes")] | None,
-    "encoder": Annotated[dict[str, Any], _PartOf("encoders")] | None,
-    "controller": Annotated[dict[str, Any], _PartOf("controllers")] | None, "total_ratio": float, "mass_kg": Number,
+    "brake": Annotated[dict[str, Any], PartOf("brakes")] | None,
+    "encoder": Annotated[dict[str, Any], PartOf("encoders")] | None,
+    "controller": Annotated[dict[str, Any], PartOf("controllers")] | None, "total_ratio": float, "mass_kg": Number,
     "mass_of": list[str], "objective": Number, "objective_of": list[str], "requirements": dict[str, Requirement],
     "figures": dict[str, Figure], "results": dict[str, Result], "checks": list[Check],
     "machine": list[MachineFigure], "masses": list[Mass], "energy": Energy | None,
@@ -174,7 +174,7 @@ Remedy = TypedDict("Remedy", {
     "status": Status, "tightest": Annotated[Check | None, Field(description="the check of the smallest margin")],
 })  # fmt: skip
 Proof = TypedDict("Proof", {
-    "schema_version": Version, "drivesizer": str, "spec": dict[str, Any], "case": Text, "profile": str,
+    "schema_version": Version, "drivesizer": str, "spec": dict[str, Any], "case": str, "profile": str,
     "status": Status, "set": Set, "gains": dict[str, Any], "controller_gains": list[ControllerGain],
     "figures": dict[str, Figure], "checks": list[Check], "loops": list[Loop], "assumptions": list[str],
     "warnings": list[str],
@@ -198,6 +198,10 @@ Sizing = TypedDict("Sizing", {
 })  # fmt: skip
 
 
+Explained = TypedDict("Explained", {
+    "schema_version": Version, "drivesizer": str, "sets": list[Set], "uncertainty": Uncertainty | None,
+    "warnings": list[str],
+})  # fmt: skip
 PermittedSpeed = TypedDict("PermittedSpeed", {
     "failed_wheel": Count | None, "direction_deg": Count, "speed_m_per_s": Number, "limited_by": str,
 })  # fmt: skip
@@ -271,15 +275,16 @@ class Generator(GenerateJsonSchema):
 
 def report_schema() -> dict[str, Any]:
     """The JSON Schema of ``drivesizer report -o report.json``."""
-    return _document(Report, "drivesizer report")
+    return document_schema(Report, "drivesizer report")
 
 
 def machine_report_schema() -> dict[str, Any]:
     """The JSON Schema of ``drivesizer size --json`` and ``drivesizer report -o report.json`` of a machine."""
-    return _document(Machine, "drivesizer report of a machine")
+    return document_schema(Machine, "drivesizer report of a machine")
 
 
-def _document(of: Any, title: str) -> dict[str, Any]:
+def document_schema(of: Any, title: str) -> dict[str, Any]:
+    """The JSON Schema of a document."""
     every = TypeAdapter(list[of]).json_schema(schema_generator=Generator)
     document: dict[str, Any] = every["$defs"].pop(of.__name__)
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title}

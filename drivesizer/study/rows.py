@@ -1,0 +1,399 @@
+"""Rows of a study's variants, as each process computes them: the columns of the table, and what was found for each.
+
+The same number always gives the same rows. A figure of a drive becomes a column by one line in ``_DRIVE``, one of a
+machine of several axes in ``_MACHINE``; by one more in ``maps.MAPS`` it is drawn as well.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import chain, groupby, islice
+from math import fsum, isnan, nan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from drivesizer.catalog import Catalog, load
+from drivesizer.catalog.view.mounted import STEPPER, view_for
+from drivesizer.errors import DrivesizerError, InputError
+from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.output.parts import unknown_of
+from drivesizer.results.check import worst
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import Counts, unknown_parts
+from drivesizer.search.ranking import objective_of, title_of
+from drivesizer.search.shortlist import shortlist
+from drivesizer.spec.any_spec import is_machine, read_any
+from drivesizer.spec.drive import Ranking
+from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.study.fields import changed
+from drivesizer.study.plan import Job, Plan, Variant
+from drivesizer.version import __version__
+
+if TYPE_CHECKING:
+    from drivesizer.joints.mass_columns import JointTorques
+    from drivesizer.results.machine import AxisSizing, MachineSizing
+    from drivesizer.spec.robot_section import RobotSection
+
+__all__ = ["Best", "Column", "Part", "Row", "best", "columns_of", "document_of", "parts_for", "rows_of", "spec_of"]
+
+Form = Literal["whole", "number", "text"]
+Row = list[Any]  # a figure that is not known is None
+_DIGITS = 12  # of a figure, to hide rounding errors
+
+
+class Column(NamedTuple):
+    """A column of the table: its head, its type, and its unit for programs that read units separately."""
+
+    head: str
+    form: Form = "number"
+    unit: str = ""
+
+    def cell(self, value: Any) -> Any:
+        """A value as a table has it."""
+        if self.form != "number":
+            return value
+        return None if isnan(value) else float(f"{value:.{_DIGITS}g}")
+
+
+class Part(NamedTuple):
+    """The rows of some variants, and the inputs of the process that computed them."""
+
+    rows: list[Row]
+    made_of: dict[str, str]  # program and catalogues, by version and digest
+
+
+# Columns of a drive, and of a machine of several axes.
+
+
+def _text(head: str, of: Callable[[Any], Any]) -> tuple[Column, Callable[[Any], Any]]:
+    return Column(head, "text"), of
+
+
+def _number(head: str, unit: str, of: Callable[[Any], Any]) -> tuple[Column, Callable[[Any], Any]]:
+    return Column(head, "number", unit), of
+
+
+def _mass_lacks(one: DriveSet) -> list[str]:
+    return sorted(unknown_parts(one, "mass", one.mass_of))
+
+
+def _price_lacks(one: DriveSet) -> Sequence[str]:
+    return unknown_of(one, one.price_of)
+
+
+def _part(one: Any, name: str = "part") -> str:
+    return str(getattr(one, name)) if one is not None else ""
+
+
+_DRIVE = (
+    _text("set", lambda one: one.label),
+    _text("motor_family", lambda one: one.motor.family),
+    _text("motor_part", lambda one: one.motor.part),
+    _text("gearhead_family", lambda one: one.gearhead.family),
+    _text("gearhead_part", lambda one: one.gearhead.part),
+    _number("gearhead_ratio", "1", lambda one: one.gearhead.ratio),
+    _number("belt_ratio", "1", lambda one: one.belt_ratio),
+    _text("belt_part", lambda one: _part(one.belt_drive and one.belt_drive.belt)),
+    _text("screw_part", lambda one: _part(one.chosen_screw and one.chosen_screw.screw)),
+    _text("brake_part", lambda one: _part(one.brake)),
+    _text("encoder_family", lambda one: _part(one.encoder, "family")),
+    _text("encoder_part", lambda one: _part(one.encoder)),
+    _text("controller_family", lambda one: _part(one.controller, "family")),
+    _text("controller_part", lambda one: _part(one.controller)),
+    _number("total_ratio", "1", lambda one: one.total_ratio),
+    _number("mass_kg", "kg", lambda one: one.mass),  # as the objective counts it
+    _text("mass_lacks", lambda one: " + ".join(_mass_lacks(one))),
+    _number("price_EUR", "EUR", lambda one: one.price),  # of all parts whose price is known
+    _text("price_lacks", lambda one: " + ".join(_price_lacks(one))),
+    _number("objective_si", "", lambda one: one.objective),
+    _number("energy_J", "J", lambda one: next((x.value for x in one.figures if x.name == "energy"), nan)),
+    _number("probability", "1", lambda one: one.reliability.passing if one.reliability else nan),  # that all pass
+    _number("none_fails", "1", lambda one: one.reliability.probability if one.reliability else nan),
+    _number("probability_error", "1", lambda one: one.reliability.error if one.reliability else nan),  # 95 %
+)
+_TOTALS = Column("drives", "whole"), Column("machine_mass_kg", unit="kg"), Column("machine_price_EUR", unit="EUR")
+
+
+def _sum(sizing: MachineSizing, of: Callable[[DriveSet], float]) -> float:
+    """A figure of all drives; unknown where an axis has none."""
+    return fsum(one.drives * of(one.best) if one.best else nan for one in sizing.axes)
+
+
+def _known_price(sizing: MachineSizing) -> float:
+    """Sum of the known prices of all parts [EUR]; NaN where none is known or an axis has no drive."""
+    known = [one.drives * one.best.price for one in sizing.axes if one.best and not isnan(one.best.price)]
+    return fsum(known) if known and sizing.complete else nan
+
+
+def _lacking(sizing: MachineSizing, of: Callable[[DriveSet], Sequence[str]]) -> str:
+    """Parts that a sum does not cover, by axis: ``lift: motor + encoder; slide: encoder``."""
+    parts = [(one.name, of(one.best)) for one in sizing.axes if one.best] if sizing.complete else []
+    return "; ".join(f"{name}: {' + '.join(some)}" for name, some in parts if some)
+
+
+def _energy(sizing: MachineSizing) -> float:
+    """Energy out of the supply over the machine's cycle [J]."""
+    power = sizing.power
+    return power.mean * next(x.value for x in power.figures if x.name == "machine_cycle") if power else nan
+
+
+_MACHINE = (
+    (Column("drives", "whole"), lambda sizing: sum(one.drives for one in sizing.axes if one.best)),
+    (
+        Column("kinds", "whole"),  # of motor and gearhead
+        lambda sizing: len({(one.best.motor.part, one.best.gearhead.part) for one in sizing.axes if one.best}),
+    ),
+    _number("machine_mass_kg", "kg", lambda sizing: _sum(sizing, lambda one: one.mass)),  # of motors and gearheads
+    _text("mass_lacks", lambda sizing: _lacking(sizing, _mass_lacks)),
+    _number("machine_price_EUR", "EUR", _known_price),
+    _text("price_lacks", lambda sizing: _lacking(sizing, _price_lacks)),
+    _number("objective_si", "", lambda sizing: sizing.total),
+    _number("energy_J", "J", _energy),
+    _number("mean_W", "W", lambda sizing: sizing.power.mean if sizing.power else nan),
+    _number("peak_W", "W", lambda sizing: sizing.power.peak if sizing.power else nan),
+    _number(
+        "supply_none_fails", "1",  # without tolerances unknown
+        lambda sizing: sizing.power.reliability.probability if sizing.power and sizing.power.reliability else nan,
+    ),
+)  # fmt: skip
+_MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
+_WHERE = Column("smallest_margin_axis", "text")
+_HEAD = Column("objective", "text"), Column("rank", "whole"), Column("status", "text")
+_COUNTS = Column("sets_examined", "whole"), Column("sets_that_stand", "whole")
+_LAST = Column("nearest_miss", "text"), Column("error", "text")
+
+
+def columns_of(plan: Plan) -> tuple[Column, ...]:
+    """The columns of a study's table."""
+    spec = (Column("spec", "text"),) if len(plan.names) > 1 else ()
+    catalogs = (Column("catalogs", "text"),) if any(plan.catalogs) else ()
+    varied = []
+    for axis in plan.job.axes:
+        whole = all(isinstance(axis.table_value(value), int) for value in axis.values)
+        varied.append(Column(axis.head, "number" if axis.kind else "whole" if whole else "text", axis.unit))
+    return (Column("variant", "whole"), *spec, *varied, *catalogs, *_result(plan.job))
+
+
+def _result(job: Job) -> tuple[Column, ...]:
+    """The columns behind what varies: of a drive, or of a machine."""
+    if job.machine and job.axis is None:
+        drives = (Column(f"{name}.set", "text") for name in job.members)
+        return (*_HEAD, *(column for column, _ in _MACHINE), *_MARGIN, _WHERE, *drives, *_COUNTS, *_LAST)
+    return (*_HEAD, *(column for column, _ in _DRIVE), *_TOTALS, *_MARGIN, *_COUNTS, *_LAST)
+
+
+# The best drives of a variant: the result of ``drivesizer size`` without relaxations, the other method and the
+# catalogue. These take many further searches where no drive passes, which is frequent in a study.
+
+
+class Best(NamedTuple):
+    """Short result of a search."""
+
+    sets: tuple[DriveSet, ...]  # that pass or are unknown, best first
+    nearest: DriveSet | None  # closest rejected, where none passes
+    counts: Counts
+    objective: str
+    drives: int  # of this kind that the machine has
+
+
+def best(
+    spec: RobotSpec,
+    catalog: Catalog,
+    *,
+    objective: Ranking | None = None,
+    top: int = 1,
+    made: dict[Hashable, Any] | None = None,
+) -> Best:
+    """The best drives of a spec."""
+    ranked = catalog.once(("ranked by", repr(objective)), lambda: spec.select.ranked_by(objective), (spec.select,))
+    spec = spec.with_select(ranked)
+    found = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, made=made)
+    first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]
+    shown = tuple(found.record(row, rank, reliability=found.reliability.get(row)) for rank, row in enumerate(first, 1))
+    sets, nearest = (shown, None) if found.best else ((), next(iter(shown), None))
+    return Best(sets, nearest, found.found.counts, title_of(spec.select.objective), spec.load.motors)
+
+
+def _drive_rows(head: Row, found: Best) -> list[Row]:
+    """Rows of a variant: one for each drive, or one with the check that the closest rejected drive fails most."""
+    counts = [found.counts.considered, found.counts.feasible]
+    rows = []
+    for one in found.sets:
+        totals = [found.drives, *(found.drives * value for value in (one.mass, one.price))]
+        rows.append([
+            *head, found.objective, one.rank, one.status, *(column.cell(of(one)) for column, of in _DRIVE),
+            *(column.cell(value) for column, value in zip(_TOTALS, totals, strict=True)), *_smallest_margin(one),
+            *counts, "", "",
+        ])  # fmt: skip
+    if rows:
+        return rows
+    near = found.nearest
+    none = [None if column.form != "text" else "" for column in (*(column for column, _ in _DRIVE), *_TOTALS)]
+    margin, label = (_smallest_margin(near), near.label) if near else ([None, ""], "")
+    return [[*head, found.objective, None, "fail", *none, *margin, *counts, label, ""]]
+
+
+def _smallest_margin(one: DriveSet) -> Row:
+    """The smallest margin and its check."""
+    check = worst(one.deciding)
+    return [_MARGIN[0].cell(check.margin), check.name] if check else [None, ""]
+
+
+def _machine_row(head: Row, members: Sequence[str], sizing: MachineSizing) -> Row:
+    """The row of a variant; of an axis without a drive the margin is that of the closest rejected."""
+    labels = {one.name: one.best.label for one in sizing.axes if one.best}
+    counts = [one.result.counts for one in sizing.axes]
+    margins = [(worst(near.deciding), axis.name) for axis in sizing.axes if (near := axis.best or _closest(axis))]
+    margins.append((worst(tuple(check for check in sizing.checks if not check.advice)), "all"))
+    known = [(check.margin, check.name, name) for check, name in margins if check]
+    margin, check, axis = min(known, key=lambda one: one[0], default=(nan, "", ""))
+    lost = next((one for one in sizing.axes if one.best is None), None)
+    near = _closest(lost) if lost else None
+    return [
+        *head, sizing.objective, 1 if sizing.status != "fail" else None, sizing.status,
+        *(column.cell(of(sizing)) for column, of in _MACHINE), _MARGIN[0].cell(margin), check, axis,
+        *(labels.get(name, "") for name in members),
+        sum(one.considered for one in counts), sum(one.feasible for one in counts),
+        f"{lost.name}: {near.label}" if lost and near else "", "",
+    ]  # fmt: skip
+
+
+def _closest(one: AxisSizing) -> DriveSet | None:
+    """The closest rejected drive of an axis."""
+    return next(iter((*one.result.unsure, *one.result.misses)), None)
+
+
+# Variants, with what a process loads once.
+
+
+@lru_cache(maxsize=8)
+def _source(name: str, text: str) -> YamlSource:
+    return YamlSource(text, name)
+
+
+@lru_cache(maxsize=8)
+def _as_written(name: str, text: str) -> RobotSpec | None:
+    """The spec as its file has it; None where it is invalid without the study's values."""
+    try:
+        return read_spec(_source(name, text))
+    except InputError:
+        return None
+
+
+@lru_cache(maxsize=8)
+def _catalog(
+    names: tuple[str, ...], beside: str, kind: str | None, estimates: bool, phase_current: float | None
+) -> Catalog:
+    return view_for(load(names, beside=Path(beside)), kind, estimates, phase_current)
+
+
+@dataclass(frozen=True, slots=True)
+class _Robot:
+    """A robot's section, known by its text."""
+
+    text: str
+    section: RobotSection = field(compare=False, repr=False)
+
+
+@lru_cache(maxsize=4)
+def _torques(robot: _Robot, file: str, gravity: float) -> JointTorques:
+    from drivesizer.joints.mass_columns import joint_torques
+
+    return joint_torques(robot.section, file, gravity)
+
+
+def document_of(job: Job, variant: Variant) -> YamlSource:
+    """The file of a variant: the spec's with other values in some fields, and other catalogues where it names some."""
+    source = _source(*job.specs[variant.spec])
+    data = source.data
+    for axis, value in zip(job.axes, variant.values, strict=True):
+        data = changed(data, axis.path, value)
+    found, names = source.with_data(data), job.catalogs[variant.catalogs]
+    axes = (found.data.get("axes") or {}) if is_machine(found) else {}
+    own = [name for name, given in axes.items() if "catalogs" in ((given or {}).get("select") or ())]
+    places: list[Path_] = [(), *(("axes", name) for name in own)]
+    for path in places if names else ():
+        found.data = changed(found.data, (*path, "select", "catalogs"), list(names or ()))
+    return found
+
+
+def spec_of(job: Job, variant: Variant) -> RobotSpec:
+    """The spec of a variant of a single axis."""
+    source = document_of(job, variant)
+    if not is_machine(source):
+        return read_spec(source, _as_written(*job.specs[variant.spec]))
+    machine: Any = read_any(source)
+    spec: RobotSpec = machine.axes[0].spec
+    return spec
+
+
+def parts_for(spec: RobotSpec) -> Catalog:
+    """The catalogues that a spec names, loaded once in a process."""
+    names, beside = tuple(spec.select.catalogs), str(Path(spec.file).parent)
+    kind = STEPPER if spec.steps else None
+    return _catalog(names, beside, kind, spec.select.estimates == "on", spec.control.phase_current)
+
+
+def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part:
+    """The rows of some variants."""
+    made, rows = {"drivesizer": __version__}, list[Row]()
+
+    def parts(spec: RobotSpec) -> Catalog:
+        catalog = parts_for(spec)
+        made.update({f"catalogue {name}": digest for name, digest in catalog.digests.items()})
+        return catalog
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # figures that overflow are unknown in the table
+        both = zip(variants, heads, strict=True)
+        for _, of_point in groupby(both, lambda one: (one[0].number - 1) // len(job.objectives)):
+            alike: dict[Hashable, Any] = {}  # by all objectives of a point
+            for variant, head in of_point:
+                objective = objective_of(text) if (text := job.objectives[variant.objective]) else None
+                try:
+                    rows += _rows(job, variant, objective, head, parts, alike)
+                    continue
+                except DrivesizerError as error:
+                    message = " ".join(str(error).split())
+                except (ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
+                    # of the program, not of the variant: its row says so, and the following variants are still computed
+                    message = f"a fault of drivesizer, please report it: {type(error).__name__}: {error}"[:400]
+                none = ["" if column.form == "text" else None for column in _result(job)[len(_HEAD) : -1]]
+                rows.append([*head, title_of(objective) if objective else "", None, "error", *none, message])
+    return Part(rows, made)
+
+
+def _rows(
+    job: Job,
+    variant: Variant,
+    objective: Ranking | None,
+    head: Row,
+    parts: Callable[[RobotSpec], Catalog],
+    alike: dict[Hashable, Any],
+) -> list[Row]:
+    """The rows of a variant."""
+    if not job.machine:
+        if "spec" not in alike:
+            alike["spec"] = spec_of(job, variant)
+        spec = alike["spec"]
+        return _drive_rows(head, best(spec, parts(spec), objective=objective, top=job.top, made=alike))
+    from drivesizer.multi_axis.sizing import size_machine  # a spec of one axis needs nothing of machines
+
+    source = document_of(job, variant)
+    robot = json.dumps(source.data.get("robot"), ensure_ascii=False)
+
+    def torques(section: RobotSection, file: str, gravity: float) -> JointTorques:
+        """Of variants with the same section they are computed once in a process."""
+        return _torques(_Robot(robot, section), file, gravity)
+
+    machine: Any = read_any(source)
+    sizing = size_machine(machine, top=job.top, objective=objective, brief=True, parts=parts, torques=torques)
+    if job.axis is None:
+        return [_machine_row(head, job.members, sizing)]
+    axis = sizing.axis(job.axis)
+    sets, result = axis.result.sets[: job.top], axis.result
+    return _drive_rows(head, Best(sets, None if sets else _closest(axis), result.counts, result.objective, axis.drives))
