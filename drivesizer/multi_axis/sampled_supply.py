@@ -198,8 +198,8 @@ def with_samples(
     said = f"over tolerances: {drawn.size} samples of the machine; drives of all axes deviate alike; {_NOMINAL}"
     checks = power.checks
     if how.confidence is not None:  # required: its margin is none of the load
-        asked = at_least("supply_confidence", how.confidence, reliability.probability, by_choice=True)
-        checks = (*checks, asked.at((), "budget"))
+        required = at_least("supply_confidence", how.confidence, reliability.probability, by_choice=True)
+        checks = (*checks, required.at((), "budget"))
     return replace(power, reliability=reliability, checks=checks, assumptions=(*power.assumptions, said))
 
 
