@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -252,8 +253,8 @@ def show(
     source: Annotated[bool, typer.Option("--source", help="Source and confidence of each figure.")] = False,
     json: Json = False,
 ) -> None:
-    """Show one part as a data sheet, with matching parts."""
-    from drivesizer.catalog.query import find, partners
+    """Show one part as a data sheet, with matching parts; one of several voltages as a column for each."""
+    from drivesizer.catalog.query import find, partners, side_by_side
 
     shelf = open_named(catalog)
     hits = find(shelf, part)
@@ -270,8 +271,16 @@ def show(
         return
     from drivesizer.output.terminal import catalog as terminal_part
 
+    same: dict[Any, list[Any]] = {}  # rows of what is bought under one number, at several voltages
     for hit in hits:
-        terminal_part.page(hit, sources=source)
+        number = hit["order_number"] if hit.section in ("motors", "actuators") else ""
+        same.setdefault((hit.catalogue, hit.section, number or hit.part), []).append(hit)
+    for rows in same.values():
+        if len(rows) == 1:
+            terminal_part.page(rows[0], sources=source)
+            continue
+        terminal_part.comparison(rows, side_by_side(rows))
+        print(f"\nwith curves and what goes with it: drivesizer catalog show {shlex.quote(rows[0].part)}")
 
 
 @app.command(epilog="Example: drivesizer catalog compare 118752 118743")

@@ -268,7 +268,7 @@ def unstated_supply(sets: Iterable[DriveSet]) -> tuple[str, ...]:
     """Assumption for controllers inside a motor or actuator of which nobody states at which voltages they work."""
     silent = (one for one in sets if one.actuator is None or np.isnan(one.actuator.supply_max))
     said = ", ".join(dict.fromkeys(one.controller.inside for one in silent if one.controller and one.controller.inside))
-    usual = "0.85 to 1.15 times the nominal voltage are assumed, of IEC 60204-1"
+    usual = "0.85 to 1.15 times the nominal voltage are assumed, as of batteries in IEC 60204-1, 4.3.3"
     return (f"no catalogue says at which supply the controller inside {said} works: {usual}",) if said else ()
 
 

@@ -591,13 +591,18 @@ class Wanted(NamedTuple):
     lines: float  # Hz, of the encoder; 0 where none is asked for
 
 
+def size_of(spec: Any) -> Callable[[Any], float]:
+    """What a controller adds to an objective."""
+    sizes = {"mass": lambda c: math.inf if math.isnan(c.mass) else c.mass, "energy": loss_per_ampere}
+    return sizes.get(spec.select.objective, lambda _: 0.0)
+
+
 def controllers_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) -> list[tuple[int, Any]]:
     """Those that do what is asked with the number of figures that each lacks: fewest first, then by the objective.
 
     By mass the lightest of those whose mass is known, by energy that with the least loss; then by current.
     """
-    sizes = {"mass": lambda c: math.inf if math.isnan(c.mass) else c.mass, "energy": loss_per_ampere}
-    size = sizes.get(spec.select.objective, lambda _: 0)
+    size = size_of(spec)
     does = []
     for c in offered:
         if c.supply_min > spec.supply.lowest or not c.supply_max >= spec.supply.highest:
@@ -747,11 +752,14 @@ def chosen(
             best, one = new, other
     if fails(best) and not fails(with_one(None)):
         best, one = with_one(None), None
-    if spec.select.objective == "margin" and not does[0][0] and not fails(best):
-        for other in (c for lacks, c in does if not lacks):
-            new = with_one(other)
-            if not fails(new) and (lacking(new), -least_margin(new)) < (lacking(best), -least_margin(best)):
-                best, one = new, other
+
+    def cost(controller: Any, some: dict[str, Verdict]) -> float:
+        return -least_margin(some) if spec.select.objective == "margin" else size_of(spec)(controller)
+
+    for _, other in does if not fails(best) and not lacking(best) else []:  # another that passes may be better
+        new = with_one(other)
+        if not fails(new) and not lacking(new) and cost(other, new) < cost(one, best):
+            best, one = new, other
     return best, one, of(one)
 
 

@@ -49,6 +49,7 @@ class ChosenPart(NamedTuple):
 
     row: NDArray[np.int64]
     checks: list[CheckColumn]
+    better: NDArray[np.bool_]  # whether one of which more is unknown adds less to the objective
 
 
 class Required(NamedTuple):
@@ -156,12 +157,13 @@ def controllers(
     usable: Usable | None = None,
     barred: NDArray[np.bool_] | None = None,
     known: NDArray[np.bool_] | None = None,
-    beaten: NDArray[np.float64] | None = None,
+    present: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None,
 ) -> ChosenPart:
     """The controller of each candidate.
 
     ``barred``: which are not to be taken, shape (controllers, candidates); ``known``: candidates whose controller must
-    have all figures; ``beaten``: smallest margin that another one has to leave more of.
+    have all figures; ``present``: controllers with which candidates pass, -1 of the others, and what margin they leave:
+    another one has to be better.
     """
     table, usable = catalog.controllers, usable or usable_controllers(spec, catalog)
     order, lowest, rms = usable.order, usable.lowest, required.rms
@@ -195,18 +197,25 @@ def controllers(
         enough &= ~barred
     if known is not None:
         enough &= ~known | (lacking == 0)
-    if beaten is not None:
-        enough &= margin > beaten
+    worth = _worth(spec, catalog, order, required, margin)
+    if present is not None:
+        row, left = present
+        place = np.zeros(len(table) + 1, np.int64)
+        place[order] = np.arange(len(order))
+        own = 1.0 / (1.0 + np.maximum(left, -0.999))
+        if spec.select.objective != "margin":
+            own = np.broadcast_to(worth, enough.shape)[place[row], np.arange(len(row))]
+        enough &= (row < 0) | (worth < own * (1.0 - 1e-9))
     otherwise = usable.nearest[motor] if barred is None else np.full(len(motor), -1)
     if required.voltage is not None and barred is None:
         otherwise = np.where(required.voltage * (1.0 + required.speed) > lowest, usable.largest[motor], otherwise)
-    row = _best(order, enough, lacking, _worth(spec, catalog, order, required, margin), otherwise)
+    row, better = _best(order, enough, lacking, worth, otherwise)
     continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
     return ChosenPart(row, [
         usable.available(motor, row),
         at_most("controller_continuous_current", rms, continuous),
         at_most("controller_peak_current", required.peak, peak),
-    ])  # fmt: skip
+    ], better)  # fmt: skip
 
 
 LAST = 1e9  # in place of a figure that is unknown: behind all that are known
@@ -255,17 +264,23 @@ def _best(
     lacking: NDArray[np.int8],
     worth: NDArray[np.float64],
     otherwise: NDArray[np.int64],
-) -> NDArray[np.int64]:
-    """Of those that are enough one of which the fewest figures are lacking: of them the best, then the first."""
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Of those that are enough one of which the fewest figures are lacking: of them the best, then the first.
+
+    And whether one of the others is better.
+    """
     if not len(order):
-        return otherwise
+        return otherwise, np.zeros(len(otherwise), bool)
     fewest = np.where(enough, lacking, np.int8(99)).min(axis=0)
     if worth.shape[1] == 1:  # the same order for all
-        rank = np.argsort(np.argsort(worth, axis=0, kind="stable"), axis=0).astype(np.int16)
-        place = np.where(enough & (lacking == fewest), rank, np.int16(len(order))).argmin(axis=0)
+        worth = np.unique(worth, return_inverse=True)[1].reshape(-1, 1).astype(np.int16)
+        last: Any = np.int16(len(order))
     else:
-        place = np.where(enough & (lacking == fewest), worth, np.inf).argmin(axis=0)
-    return np.where(fewest < 99, order[place], otherwise)
+        last = np.inf
+    own = np.where(enough & (lacking == fewest), worth, last)
+    place = own.argmin(axis=0)
+    better = np.where(enough, worth, last).min(axis=0) < own[place, np.arange(len(place))]
+    return np.where(fewest < 99, order[place], otherwise), better
 
 
 HANGING = (  # checks of a drive that hang on its controller and on its cycle, beside what ``controllers`` looks at

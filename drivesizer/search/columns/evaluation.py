@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, columns_of
+from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.results.check_columns import CheckColumn, fits, over_band
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import Requirement
@@ -40,14 +40,19 @@ _NEEDED = {"length": "length", "mass": "mass", "diameter": "diameter", "backlash
 
 
 def at_ends(problem: Problem) -> tuple[Problem, Problem]:
-    """The problem with estimated figures at the favourable and at the unfavourable end of their bands."""
+    """The problem with estimated figures at the favourable and at the unfavourable end of their bands.
+
+    But for masses of encoders and controllers: the lightest is the same one at both.
+    """
     middle = problem.catalog
 
-    def ends() -> tuple[
-        Catalog, ...
-    ]:  # encoders and controllers, which are chosen by their masses, do not hang on the end
-        same = {name: middle.table(name) for name in ("encoders", "controllers")}
-        return tuple(end.with_tables(same, {}) for end in middle.ends)
+    def ends() -> tuple[Catalog, ...]:
+        names = ("encoders", "controllers")
+        return tuple(end.with_tables({name: weighed(end, name) for name in names}, {}) for end in middle.ends)
+
+    def weighed(end: Catalog, name: str) -> Table[Any]:
+        table = end.table(name)
+        return replace(table, columns={**table.columns, "mass": middle.table(name)["mass"]})
 
     favourable, unfavourable = middle.once("both ends", ends)
     return replace(problem, catalog=favourable), replace(problem, catalog=unfavourable)

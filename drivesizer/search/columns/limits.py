@@ -153,11 +153,11 @@ def size_limits(spec: RobotSpec, motor: Figures, gearhead: Figures, brake: Figur
     """Dimensions, mass and price, where the spec limits them."""
     needs = spec.needs
     sums = {name: motor[name] + gearhead[name] for name in ("length", "mass", "price") if getattr(needs, name)}
-    more: dict[str, Any] = {}
+    counted = "motor and gearhead alone"
     if brake is not None:
-        own, more = {"length": "added_length", "mass": "mass", "price": "price"}, {"note": "with the brake"}
+        own, counted = {"length": "added_length", "mass": "mass", "price": "price"}, "motor, gearhead and brake alone"
         sums = {name: value + own_figure(brake, own[name]) for name, value in sums.items()}
-    found = [at_most(name, value, getattr(needs, name), **more) for name, value in sums.items()]
+    found = [at_most(name, value, getattr(needs, name), note=counted) for name, value in sums.items()]
     if needs.diameter:
         found.append(at_most("diameter", np.maximum(motor["diameter"], gearhead["diameter"]), needs.diameter))
     return found

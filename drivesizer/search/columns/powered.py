@@ -21,7 +21,14 @@ from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import line_frequency
 from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import HANGING, Required, controllers, no_better_than, room_on_bus
+from drivesizer.search.columns.controllers import (
+    HANGING,
+    ChosenPart,
+    Required,
+    controllers,
+    no_better_than,
+    room_on_bus,
+)
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed
 from drivesizer.search.columns.limits_over_time import (
     Exactly,
@@ -79,11 +86,12 @@ def powered(
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
     case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each)
-    chosen = case.controllers([u.cold_voltage.value for u in case.stresses])
+    first = case.controllers([u.cold_voltage.value for u in case.stresses])
+    chosen = first.row
     free = np.ones(len(chosen), bool) if parts.controller is None else parts.controller.rows == FREE
     row = chosen if parts.controller is None else np.where(free, chosen, parts.controller.rows)
     found = case.judged(row)
-    row, found = _walked(case, row, found, np.flatnonzero(free & ~case.undecided(row, found)))
+    row, found = _walked(case, row, found, np.flatnonzero(free & ~case.undecided(row, found)), first.better)
     figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
     available = offered.controllers.available(parts.motor.rows, row)
     figures = _where_known(figures, cases) | {UNDECIDED: case.undecided(row, found).astype(float)}
@@ -116,6 +124,12 @@ class _Found(NamedTuple):
         """The smallest margin of the checks that hang on the controller, or of the others."""
         some = [c for c in self.checks if (c.name in _OF_CONTROLLER or c.name in HANGING) == of_controller]
         found: Array = np.minimum.reduce([check.tightness for check in some])
+        return found
+
+    @property
+    def passes(self) -> NDArray[np.bool_]:
+        """Whether every check passes."""
+        found: NDArray[np.bool_] = np.logical_and.reduce([check.passed for check in self.checks if not check.advice])
         return found
 
     @property
@@ -163,8 +177,8 @@ class _Cases(NamedTuple):
         voltage: Sequence[Array],
         barred: NDArray[np.bool_] | None = None,
         known: NDArray[np.bool_] | None = None,
-        beaten: Array | None = None,
-    ) -> NDArray[np.int64]:
+        present: tuple[NDArray[np.int64], Array] | None = None,
+    ) -> ChosenPart:
         """The best that suffices in the worst of all cases, as far as that is known before its own limits are."""
         spec, motor, moving = self.problem.spec, self.parts.motor, self.moving
         lines = np.maximum.reduce([line_frequency(c.demand, self.parts.encoder) for c in moving])
@@ -179,10 +193,14 @@ class _Cases(NamedTuple):
             spec.margins.speed,
         )
         usable = self.offered.controllers
-        return controllers(spec, self.problem.catalog, motor.rows, required, usable, barred, known, beaten).row
+        return controllers(spec, self.problem.catalog, motor.rows, required, usable, barred, known, present)
 
     def others(
-        self, found: _Found, barred: NDArray[np.bool_], known: NDArray[np.bool_], beaten: Array | None
+        self,
+        found: _Found,
+        barred: NDArray[np.bool_],
+        known: NDArray[np.bool_],
+        present: tuple[NDArray[np.int64], Array],
     ) -> NDArray[np.int64]:
         """Of those that are not barred the best that may suffice, -1 where none may.
 
@@ -193,7 +211,7 @@ class _Cases(NamedTuple):
         volts = [np.where(opened, np.nan_to_num(high.voltage, nan=np.inf), low.voltage) for low, high in found.pairs]
         if self.problem.spec.resists:
             volts = [u.cold_voltage.value for u in self.stresses]
-        return self.controllers(volts, barred, known, beaten)
+        return self.controllers(volts, barred, known, present).row
 
     def beyond_supply(self, found: _Found) -> NDArray[np.bool_]:
         """Candidates whose motor takes more voltage than the supply has, with any controller."""
@@ -275,42 +293,39 @@ class _Cases(NamedTuple):
 
 
 def _walked(
-    case: _Cases, row: NDArray[np.int64], found: _Found, rows: NDArray[np.int64]
+    case: _Cases, row: NDArray[np.int64], found: _Found, rows: NDArray[np.int64], better: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], _Found]:
-    """Candidates whose controller does not suffice with others by rising current, each with its own limits.
+    """Candidates whose controller does not suffice, or is not the best, with others, each with its own limits.
 
-    Until one does. None is tried that no figure makes better than one that was, nor one of which something is not known
-    in place of one that only leaves a check unknown. Where all that are listed fail others may exist: it has none.
+    Until the best does. None is tried that no figure makes better than one that was, nor one of which something is not
+    known in place of one that only leaves a check unknown. Where all that are listed fail others may exist: none.
     """
     usable, table = case.offered.controllers, case.problem.catalog.controllers
     by_margin = case.problem.spec.select.objective == "margin"
-    if not len(rows := rows[_wanting(case, row, found)[rows]]):
+    if not len(rows := rows[_wanting(case, row, found, better)[rows]]):
         return row, found
     no_better, place = no_better_than(case.problem.spec, table, usable), np.zeros(len(table), np.int64)
     place[usable.order] = np.arange(len(usable.order))
     barred, one, new = np.zeros((len(usable.order), len(rows)), bool), row[rows], found.on(rows)
     while len(rows):
         full = case.full_bus(new, place[one])
-        pointless = _pointless(new, no_better, place[one], full)
-        if by_margin:  # one that passes may leave more
-            pointless &= new.failed() | (new.lacking > 0)
-        barred |= (usable.order[:, None] == one) | pointless
+        barred |= (usable.order[:, None] == one) | _pointless(new, no_better, place[one], full)
         now = found.on(rows)
-        fails = now.failed()
-        beaten = np.where(fails | (now.lacking > 0), -np.inf, now.margin(True)) if by_margin else None
-        one = case.some(rows).others(new, barred, ~fails, beaten)
+        fails, passes = now.failed(), now.passes
+        present = np.where(passes, row[rows], -1), now.margin(True) if by_margin else np.zeros(len(rows))
+        one = case.some(rows).others(new, barred, ~fails & ~passes, present)
         going = (one >= 0) | fails & usable.partial[case.parts.motor.rows[rows]]
         rows, barred, one, now, new = rows[going], barred[:, going], one[going], now.on(going), new.on(going)
         if not len(rows):
             break
         new = case.some(rows).judged(one)
         fewer = (new.failed() < now.failed()) | ~(new.failed() | now.failed()) & (new.lacking < now.lacking)
-        if by_margin:
-            equal = (new.failed() == now.failed()) & (new.lacking == now.lacking)
-            fewer |= equal & (new.margin(True) > now.margin(True) * (1.0 + 1e-9))
-        better = np.flatnonzero(fewer)
-        row, found = put(row, rows[better], one[better]), found.replaced(rows[better], new, better)
-        going = (one >= 0) & ~new.failed(others=True) & _wanting(case.some(rows), row[rows], found.on(rows))
+        both = new.passes & now.passes
+        fewer |= both & (new.margin(True) > now.margin(True) * (1.0 + 1e-9)) if by_margin else both
+        taken = np.flatnonzero(fewer)
+        row, found = put(row, rows[taken], one[taken]), found.replaced(rows[taken], new, taken)
+        going = (one >= 0) & ~new.failed(others=True)
+        going &= _wanting(case.some(rows), row[rows], found.on(rows), better[rows])
         rows, barred, one, new = rows[going], barred[:, going], one[going], new.on(going)
     return row, found
 
@@ -327,15 +342,16 @@ def _pointless(
     lacks = np.logical_and.reduce([
         no_better[check.name][:, tried] | check.passed | (full & (check.name == "bus_voltage")) for check in checks
     ])  # fmt: skip
-    barred: NDArray[np.bool_] = np.where(failed, fails, lacks)
+    barred: NDArray[np.bool_] = np.where(failed, fails, lacks & ~found.passes)  # one that passes may be bettered
     return barred
 
 
-def _wanting(case: _Cases, row: NDArray[np.int64], found: _Found) -> NDArray[np.bool_]:
-    """Candidates with whose controller a check fails or is unknown that another one may meet."""
+def _wanting(case: _Cases, row: NDArray[np.int64], found: _Found, better: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Candidates with whose controller a check fails or is unknown that another one may meet, or one is better."""
     unmet: NDArray[np.bool_] = np.logical_or.reduce([~check.passed for check in found.checks if check.name in HANGING])
     if case.problem.spec.select.objective == "margin":
-        unmet |= found.margin(True) < found.margin(False)
+        better = better | (found.margin(True) < found.margin(False))
+    unmet |= better & found.passes
     unmet &= (row >= 0) & ~found.failed(others=True) & ~case.beyond_supply(found)
     if not unmet.any():
         return unmet
