@@ -9,10 +9,9 @@ that ``check_kinds`` declares.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
-from math import inf, isclose, isinf, isnan, nan
-from operator import attrgetter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf, isclose, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -58,23 +57,23 @@ class CheckColumn:
         refuse_undeclared(self.name)
 
     @property
+    def decided(self) -> NDArray[np.bool_]:
+        """Mask of what passes, fails, or hangs on estimated figures alone; the rest is unknown."""
+        found = self.passed | self.failed
+        return found if self.opened is None else found | self.opened
+
+    @property
     def margin(self) -> NDArray[np.float64]:
         """Share by which the limit exceeds the demand; NaN where unknown, without demand or infinite.
 
         What neither passes nor fails has none, whatever its figures: they may be least ones.
         """
-        return self._margin_or(nan)
-
-    def _margin_or(self, none: float) -> NDArray[np.float64]:
-        """The margin, and another figure where there is none."""
         limit, demand = self.limit, self.demand
         if not isinstance(self.zero, float) or self.zero != 0.0:  # most count from 0
             limit, demand = limit - self.zero, demand - self.zero
         with np.errstate(all="ignore"):
             found = limit / demand - 1.0
-        decided = self.passed | self.failed if self.opened is None else self.passed | self.failed | self.opened
-        known = decided & (self.demand != self.zero)
-        return np.where(known & np.isfinite(found), found, none)
+        return np.where(self.decided & (self.demand != self.zero) & np.isfinite(found), found, nan)
 
     @property
     def doublings(self) -> NDArray[np.int64]:
@@ -94,18 +93,13 @@ class CheckColumn:
 
         Of what hangs on estimated figures the smaller one of the two ends of their bands.
         """
-        if self.advice or self.least_margin is not None:
-            return self.tight(self.margin)
-        found = self._margin_or(np.inf)
-        return np.where(self.passed, np.inf, found) if self.by_choice else found
+        return self.tight(self.margin)
 
     def tight(self, margin: NDArray[np.float64]) -> NDArray[np.float64]:
         """The tightness where the margin is at hand."""
         margin = margin if self.least_margin is None else self.least_margin
-        if self.advice:
-            return np.full(margin.shape, np.inf)
         beside = np.isnan(margin) | self.passed if self.by_choice else np.isnan(margin)
-        return np.where(beside, np.inf, margin)
+        return np.where(self.advice | beside, inf, margin)
 
     def at(
         self,
@@ -118,72 +112,44 @@ class CheckColumn:
         rotary: bool = False,
     ) -> Check:
         """The check of one candidate; ``()`` for a column that is a single figure."""
-        declared = CHECKS[method][self.name]
+        declared, one = CHECKS[method][self.name], self.on(index)
         kind, unit = declared.rotary if rotary and declared.rotary else (declared.kind, declared.unit)
-        status: Status = "pass" if self.passed[index] else "fail" if self.failed[index] else "unknown"
-        if self.opened is not None and self.opened[index]:
+        status: Status = "pass" if one.passed else "fail" if one.failed else "unknown"
+        if one.opened is not None and one.opened:
             status = "open"
-        time = at_time if self.time is None else float(self.time[index])
+        margin, time = float(one.margin), at_time if one.time is None else float(one.time)
+        lacking = self.undecided if status == "unknown" and not isnan(one.limit) else ""
+        if one.bounded is not None and one.bounded:
+            lacking = self.at_best
+        band = None
+        if one.low is not None and one.high is not None and one.least_margin is not None:
+            low, high, least = float(one.low), float(one.high), float(one.least_margin)
+            if any(x < y and not isclose(x, y) for x, y in ((low, high), (least, margin))):  # but for rounding
+                band = Band(low, high, least)
         return Check(
             name=self.name,
             title=declared.title + (" (advice)" if self.advice else ""),
             method=method,
-            case=cases[0 if self.case is None else int(self.case[index])],
-            demand=float(self.demand[index]),
-            limit=float(self.limit[index]),
+            case=cases[0 if one.case is None else int(one.case)],
+            demand=float(one.demand),
+            limit=float(one.limit),
             kind=kind,
             unit=unit,
-            margin=self._margin_at(index),
+            margin=margin,
             needed=self.needed,
             status=status,
             at_time=None if time is None or time != time else time,
             by_choice=self.by_choice,
             advice=self.advice,
-            note=note or self.note or self._lacking(index),
-            band=self._band(index),
+            note=note or self.note or lacking,
+            band=band,
         )
 
-    def _band(self, index: int | tuple[()]) -> Band | None:
-        if self.low is None or self.high is None or self.least_margin is None:
-            return None
-        band = Band(float(self.low[index]), float(self.high[index]), float(self.least_margin[index]))
-        ends = (band.low, band.high), (band.least_margin, self._margin_at(index))
-        apart = (low < high and not isclose(low, high) for low, high in ends)  # but for rounding
-        return band if any(apart) else None
-
-    def _margin_at(self, index: int | tuple[()]) -> float:
-        """The margin of one candidate."""
-        decided = self.passed[index] or self.failed[index] or (self.opened is not None and self.opened[index])
-        zero = self.zero[index] if isinstance(self.zero, np.ndarray) else self.zero
-        demand, limit = float(self.demand[index] - zero), float(self.limit[index] - zero)
-        if not decided or demand == 0.0:
-            return nan
-        found = limit / demand - 1.0
-        return nan if isinf(found) else found
-
-    def tightness_at(self, index: int) -> float:
-        """The tightness of one candidate, of which no band of estimated figures is looked at."""
-        margin = nan if self.advice or (self.by_choice and self.passed[index]) else self._margin_at(index)
-        return inf if isnan(margin) else margin
-
-    def _lacking(self, index: int | tuple[()]) -> str:
-        if self.bounded is not None and self.bounded[index]:
-            return self.at_best
-        decided = self.passed[index] or self.failed[index] or (self.opened is not None and self.opened[index])
-        return "" if decided or isnan(self.limit[index]) else self.undecided
-
-    def on(self, rows: NDArray[np.int64] | slice) -> CheckColumn:
-        """The same check of some of the candidates."""
-        if isinstance(rows, np.ndarray) and rows.dtype == bool:
-            rows = np.flatnonzero(rows)
-        taken = object.__new__(CheckColumn)  # quicker than ``replace``: a search takes some rows of many columns
-        for put, value in zip(_PUT_PLAIN, _PLAIN(self), strict=True):
-            put(taken, value)
-        for put, column in zip(_PUT_COLUMNS, _ALL_COLUMNS(self), strict=True):
-            if isinstance(column, np.ndarray):
-                column = column[rows] if isinstance(rows, slice) else column.take(rows)
-            put(taken, column)
-        return taken
+    def on(self, rows: NDArray[Any] | slice | int | tuple[()]) -> CheckColumn:
+        """The same check of some of the candidates; of one as single figures."""
+        columns: dict[str, Any] = {name: getattr(self, name) for name in (*_COLUMNS, "zero")}
+        taken: dict[str, Any] = {n: x[rows] for n, x in columns.items() if isinstance(x, np.ndarray)}
+        return replace(self, **taken)
 
     def with_rows(self, rows: NDArray[Any], some: CheckColumn) -> CheckColumn:
         """The same check with some of the candidates as another column has them."""
@@ -194,15 +160,6 @@ class CheckColumn:
                 changed[name] = old.copy()
                 changed[name][rows] = False if new is None else new  # all figures of these may be known
         return replace(self, **changed)
-
-
-def _access(names: Sequence[str]) -> tuple[Callable[[CheckColumn], tuple[Any, ...]], list[Callable[..., None]]]:
-    """Functions that read some fields at once, and put each past the guard of a frozen record."""
-    return attrgetter(*names), [getattr(CheckColumn, name).__set__ for name in names]
-
-
-_ALL_COLUMNS, _PUT_COLUMNS = _access([*_COLUMNS, "zero"])
-_PLAIN, _PUT_PLAIN = _access([field.name for field in fields(CheckColumn) if field.name not in (*_COLUMNS, "zero")])
 
 
 def _column(

@@ -186,8 +186,9 @@ class Evaluation(NamedTuple):
 
     def tightest_of(self, index: int) -> tuple[Check, ...]:
         """Of the checks of one candidate the one with the smallest margin; empty where no margin hangs on the load."""
-        found = min(self.checks, key=lambda check: check.tightness_at(index), default=None)
-        return () if found is None or found.tightness_at(index) == np.inf else (self._at(found, index),)
+        known = [(float(replace(c.on(index), least_margin=None).tightness), c) for c in self.checks]
+        tightest, found = min(known, key=lambda one: one[0], default=(np.inf, None))
+        return () if found is None or tightest == np.inf else (self._at(found, index),)
 
     def _at(self, check: CheckColumn, index: int) -> Check:
         return check.at(index, self.spec.method, cases=tuple(case.name for case in self.problem.cases))
