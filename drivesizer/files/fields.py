@@ -29,7 +29,7 @@ __all__ = [
     "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque", "SignedVelocity", "Slope", "Solid",
     "Speed", "Stiffness", "Temperature", "ThermalResistance", "Thickness", "Torque", "TorqueAbove", "Turning",
     "Velocity", "Voltage", "all_defaults", "default", "exactly_one", "left_out_before", "moment", "no_entries",
-    "read_before",
+    "optional", "read_before", "required",
 ]  # fmt: skip
 
 
@@ -173,36 +173,33 @@ def _listed(value: Any) -> Any:
     return [str(v) if isinstance(v, int) and not isinstance(v, bool) else v for v in values]
 
 
-def default(text: Any, **more: Any) -> Any:
-    """A default as a user would write it; it goes through the same reader."""
-    return Field(default=text, **more)
+def required(description: str, **more: Any) -> Any:
+    """A field that a file must give, with its help text."""
+    return Field(description=description, **more)
 
 
-def all_defaults(**more: Any) -> Any:
+def optional(description: str | None = None, **more: Any) -> Any:
+    """A field that a file may leave out: unknown then, or as its help text says."""
+    return Field(default=None, description=description, **more)
+
+
+def default(value: Any, description: str | None = None, **more: Any) -> Any:
+    """A field with a default as a user would write it; it goes through the same reader."""
+    return Field(default=value, description=description, **more)
+
+
+def all_defaults(description: str | None = None, **more: Any) -> Any:
     """A group of fields, or of entries by name, of which a file may give none: fields are then at their defaults."""
-    return Field(default_factory=_no_fields, **more)
+    return Field(default_factory=dict, description=description, **more)
 
 
-def no_entries(**more: Any) -> Any:
+def no_entries(description: str | None = None, **more: Any) -> Any:
     """A list that a file may leave out: it has no entries then."""
-    return Field(default_factory=_no_list, **more)
-
-
-# functions, and not ``dict`` and ``list``: pydantic looks how each is called, which of these takes it milliseconds
-def _no_fields() -> dict[str, Any]:
-    return {}
-
-
-def _no_list() -> list[Any]:
-    return []
+    return Field(default_factory=list, description=description, **more)
 
 
 class Section(BaseModel):
-    """A group of fields: no unknown keys, nothing converted, nothing changed later.
-
-    Its module has no ``from __future__ import annotations``: pydantic would compile the text of each annotation, a
-    quarter of the time that a class takes.
-    """
+    """A group of fields: no unknown keys, nothing converted, nothing changed later."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=True, defer_build=True)
 

@@ -7,23 +7,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, PrivateAttr, model_validator
 
-from drivesizer.files.fields import (
-    Allowance,
-    Current,
-    Duration,
-    Factor,
-    Length,
-    Mass,
-    Names,
-    Part,
-    Power,
-    Quantity,
-    Resistance,
-    Section,
-    Share,
-    Voltage,
-    default,
-)
+from drivesizer.files import fields
 
 __all__ = ["Battery", "BrakeResistor", "Consumer"]
 
@@ -31,16 +15,16 @@ __all__ = ["Battery", "BrakeResistor", "Consumer"]
 # -- Sections of a spec on its battery and on further consumers.
 
 
-Charge = Annotated[float, Quantity("charge", above=0.0)]
+Charge = Annotated[float, fields.Quantity("charge", above=0.0)]
 Count = Annotated[int, Field(ge=1, le=10_000)]
 
 
-class Run(Section):
+class Run(fields.Section):
     """One line of a discharge table: a constant current or power, and how long it lasts."""
 
-    current: Current | None = None
-    power: Power | None = None
-    time: Duration
+    current: fields.Current | None = None
+    power: fields.Power | None = None
+    time: fields.Duration
 
     @model_validator(mode="after")
     def _one_held(self) -> Self:
@@ -49,11 +33,11 @@ class Run(Section):
         return self
 
 
-class OpenCircuit(Section):
+class OpenCircuit(fields.Section):
     """Voltage of a cell or block at rest; straight between full and empty."""
 
-    full: Voltage
-    empty: Voltage
+    full: fields.Voltage
+    empty: fields.Voltage
 
     @model_validator(mode="after")
     def _falling(self) -> Self:
@@ -62,50 +46,50 @@ class OpenCircuit(Section):
         return self
 
 
-class Polarisation(Section):
+class Polarisation(fields.Section):
     """Polarisation of a cell or block under lasting current: one RC pair."""
 
-    resistance: Resistance
-    time_constant: Duration
+    resistance: fields.Resistance
+    time_constant: fields.Duration
 
 
-class Charger(Section):
+class Charger(fields.Section):
     """Charger of the whole battery, at a constant current."""
 
-    current: Current
-    efficiency: Share = Field(default=1, description="share of the charge that stays in it")
+    current: fields.Current
+    efficiency: fields.Share = fields.default(1, "share of the charge that stays in it")
 
 
-class Battery(Section):
+class Battery(fields.Section):
     """Cells or blocks in series and parallel: a part of a catalogue, its own figures, or both. Figures are of one."""
 
-    part: str | None = Field(default=None, min_length=1, description="cell or block of a catalogue")
-    series: Count = Field(default=1, description="cells or blocks in series")
-    parallel: Count = Field(default=1, description="parallel strings")
+    part: str | None = fields.optional("cell or block of a catalogue", min_length=1)
+    series: Count = fields.default(1, "cells or blocks in series")
+    parallel: Count = fields.default(1, "parallel strings")
     chemistry: Literal["lead-acid", "Li-ion", "LiFePO4"] | None = None
-    nominal_voltage: Voltage | None = None
-    charge_voltage: Voltage | None = None
-    cutoff_voltage: Voltage | None = Field(default=None, description="at which a discharge ends")
-    capacity: Charge | None = Field(default=None, description="drawn in the rated time")
-    rated_time: Duration | None = Field(default=None, description="in which the capacity is drawn, e.g. 20 h")
-    peukert_exponent: Factor | None = None
-    discharge: Annotated[list[Run], Field(min_length=2)] | None = Field(
-        default=None, description="how long constant currents, or powers, last"
+    nominal_voltage: fields.Voltage | None = None
+    charge_voltage: fields.Voltage | None = None
+    cutoff_voltage: fields.Voltage | None = fields.optional("at which a discharge ends")
+    capacity: Charge | None = fields.optional("drawn in the rated time")
+    rated_time: fields.Duration | None = fields.optional("in which the capacity is drawn, e.g. 20 h")
+    peukert_exponent: fields.Factor | None = None
+    discharge: Annotated[list[Run], Field(min_length=2)] | None = fields.optional(
+        "how long constant currents, or powers, last"
     )
-    resistance: Resistance | None = Field(default=None, description="to direct current")
+    resistance: fields.Resistance | None = fields.optional("to direct current")
     polarisation: Polarisation | None = None
-    open_circuit: OpenCircuit | None = Field(default=None, description="voltage at rest; the nominal where not given")
-    continuous_current: Current | None = None
-    peak_current: Current | None = None
-    max_charge_current: Current | None = None
-    charger: Charger | None = Field(default=None, description="of the whole battery, for the time of charging")
-    mass: Mass | None = None
-    start: Share = Field(default=1, description="share of the charge at the start of the mission")
-    usable: Share = Field(default=1, description="share of the charge that may be drawn")
-    health: Share = Field(default=1, description="share of the rated capacity that age and cold leave")
-    autonomy: Duration | None = Field(default=None, description="that is required; the mission's where not given")
-    range: Length | None = Field(default=None, description="that is required, of a vehicle")
-    reserve: Allowance = Field(default=0, description="by which autonomy and range must exceed what is required")
+    open_circuit: OpenCircuit | None = fields.optional("voltage at rest; the nominal where not given")
+    continuous_current: fields.Current | None = None
+    peak_current: fields.Current | None = None
+    max_charge_current: fields.Current | None = None
+    charger: Charger | None = fields.optional("of the whole battery, for the time of charging")
+    mass: fields.Mass | None = None
+    start: fields.Share = fields.default(1, "share of the charge at the start of the mission")
+    usable: fields.Share = fields.default(1, "share of the charge that may be drawn")
+    health: fields.Share = fields.default(1, "share of the rated capacity that age and cold leave")
+    autonomy: fields.Duration | None = fields.optional("that is required; the mission's where not given")
+    range: fields.Length | None = fields.optional("that is required, of a vehicle")
+    reserve: fields.Allowance = fields.default(0, "by which autonomy and range must exceed what is required")
 
     @model_validator(mode="after")
     def _known(self) -> Self:
@@ -122,17 +106,17 @@ class Battery(Section):
         return self
 
 
-class Consumer(Section):
+class Consumer(fields.Section):
     """Consumer beside the drive that draws from the battery."""
 
     name: str = Field(min_length=1, max_length=60)
-    power: Power = Field(description="of one, while it is on")
+    power: fields.Power = fields.required("of one, while it is on")
     number: Count = 1
-    duty: Part | None = Field(default=None, description="share of the time for which it is on; 1 where not given")
-    time: Duration | None = Field(default=None, description="for which it is on in the mission, instead of duty")
-    peak_power: Power | None = Field(default=None, description="of one; its power where not given")
-    efficiency: Share = Field(default=1, description="of the converter that supplies it")
-    assumed: bool = Field(default=False, description="whether its figures are assumed, and reported so")
+    duty: fields.Part | None = fields.optional("share of the time for which it is on; 1 where not given")
+    time: fields.Duration | None = fields.optional("for which it is on in the mission, instead of duty")
+    peak_power: fields.Power | None = fields.optional("of one; its power where not given")
+    efficiency: fields.Share = fields.default(1, "of the converter that supplies it")
+    assumed: bool = fields.default(False, "whether its figures are assumed, and reported so")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -163,24 +147,24 @@ class Consumer(Section):
 
 
 _ANY = "any"  # out of the catalogues
-Energy = Annotated[float, Quantity("energy", above=0.0)]
+Energy = Annotated[float, fields.Quantity("energy", above=0.0)]
 _OWN = ("resistance", "power", "peak_power", "pulse_energy")
 
 
-class BrakeResistor(Section):
+class BrakeResistor(fields.Section):
     """Resistor that burns regenerated energy: its figures, or out of a catalogue; `any`: the smallest that suffices."""
 
-    family: Names | None = Field(default=None, description="of a catalogue: the smallest that suffices")
-    part: Names | None = Field(default=None, description="of a catalogue, one or several")
-    resistance: Resistance | None = Field(default=None, description="of a resistor that no catalogue lists")
-    power: Power | None = Field(default=None, description="continuous")
-    peak_power: Power | None = Field(default=None, description="for as long as a braking lasts")
-    pulse_energy: Energy | None = Field(default=None, description="of a single braking")
-    chopper_voltage: Voltage | None = Field(
-        default=None, description="at which the chopper switches on; that of a shunt regulator where not given"
+    family: fields.Names | None = fields.optional("of a catalogue: the smallest that suffices")
+    part: fields.Names | None = fields.optional("of a catalogue, one or several")
+    resistance: fields.Resistance | None = fields.optional("of a resistor that no catalogue lists")
+    power: fields.Power | None = fields.optional("continuous")
+    peak_power: fields.Power | None = fields.optional("for as long as a braking lasts")
+    pulse_energy: Energy | None = fields.optional("of a single braking")
+    chopper_voltage: fields.Voltage | None = fields.optional(
+        "at which the chopper switches on; that of a shunt regulator where not given"
     )
-    chopper_current: Current | None = Field(default=None, description="that the chopper can switch")
-    averaging_time: Duration = default("60 s", description="over which the mean power counts, at its worst")
+    chopper_current: fields.Current | None = fields.optional("that the chopper can switch")
+    averaging_time: fields.Duration = fields.default("60 s", "over which the mean power counts, at its worst")
 
     _may_be_none: bool = PrivateAttr(default=False)
 

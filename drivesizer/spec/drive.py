@@ -7,30 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from drivesizer.files.fields import (
-    Angle,
-    BackEfficiency,
-    Current,
-    Duration,
-    Force,
-    Frequency,
-    Gain,
-    Inertia,
-    Length,
-    Mass,
-    Names,
-    Part,
-    Ratio,
-    Section,
-    Share,
-    Speed,
-    Stiffness,
-    Thickness,
-    Torque,
-    all_defaults,
-    default,
-    exactly_one,
-)
+from drivesizer.files import fields
 from drivesizer.loads.stage_losses import FixedGear
 
 __all__ = [
@@ -46,28 +23,28 @@ __all__ = [
 DIRECT = "direct"  # the kind of stage, and the name of direct drive in catalogues
 
 
-class GearheadStage(Section):
+class GearheadStage(fields.Section):
     """A gearhead out of the catalogues: searched; none where the catalogues list a motor for direct drive."""
 
     kind: Literal["gearhead"]
 
 
-class DirectStage(Section):
+class DirectStage(fields.Section):
     """No gearhead: any motor may drive the load directly, or the belt."""
 
     kind: Literal["direct"]
 
 
-class Pulleys(Section):
+class Pulleys(fields.Section):
     """A toothed belt and its two pulleys out of the catalogues: every ratio that they give is searched."""
 
-    profile: str = Field(min_length=1, max_length=60, description="of the teeth, as catalogues name it: HTD, GT2")
-    pitch: Length
-    width: Length = Field(description="of the belt; pulleys take it or a wider one")
-    ratio_min: Ratio = Field(description="teeth of the load's pulley per tooth of the gearhead's, at least")
-    ratio_max: Ratio = Field(description="and at most; below 1 the load turns faster")
-    centre_distance: Length | None = Field(default=None, description="of the shafts; any where not given")
-    adjustable: Thickness = default("3 mm", description="by how much the shafts may be moved, either way")
+    profile: str = fields.required("of the teeth, as catalogues name it: HTD, GT2", min_length=1, max_length=60)
+    pitch: fields.Length
+    width: fields.Length = fields.required("of the belt; pulleys take it or a wider one")
+    ratio_min: fields.Ratio = fields.required("teeth of the load's pulley per tooth of the gearhead's, at least")
+    ratio_max: fields.Ratio = fields.required("and at most; below 1 the load turns faster")
+    centre_distance: fields.Length | None = fields.optional("of the shafts; any where not given")
+    adjustable: fields.Thickness = fields.default("3 mm", "by how much the shafts may be moved, either way")
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -76,29 +53,27 @@ class Pulleys(Section):
         return self
 
 
-class BeltStage(Section):
+class BeltStage(fields.Section):
     """A belt between gearhead, or motor, and load: one ratio, several to search, or pulleys out of the catalogues."""
 
     kind: Literal["belt"]
-    ratio: Ratio | None = Field(default=None, description="gearhead turns per turn of the load; or ratios, or pulleys")
-    ratios: Annotated[list[Ratio], Field(min_length=1, max_length=1000)] | None = None
+    ratio: fields.Ratio | None = fields.optional("gearhead turns per turn of the load; or ratios, or pulleys")
+    ratios: Annotated[list[fields.Ratio], Field(min_length=1, max_length=1000)] | None = None
     pulleys: Pulleys | None = None
-    efficiency: Share = Field(description="in either direction of power")
-    inertia: Inertia = default("0 kg*m^2", description="of belt and pulleys, seen at the load's shaft")
-    friction_torque: Torque = default("0 N*m", description="of its bearings at any load, seen at the load's shaft")
-    stiffness: Stiffness | None = Field(default=None, description="of the belt, seen at the load's shaft")
-    mass: Mass | None = Field(
-        default=None, description="of belt and pulleys, where these are not out of the catalogues"
+    efficiency: fields.Share = fields.required("in either direction of power")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", "of belt and pulleys, seen at the load's shaft")
+    friction_torque: fields.Torque = fields.default("0 N*m", "of its bearings at any load, seen at the load's shaft")
+    stiffness: fields.Stiffness | None = fields.optional("of the belt, seen at the load's shaft")
+    mass: fields.Mass | None = fields.optional("of belt and pulleys, where these are not out of the catalogues")
+    pulley_diameter: fields.Length | None = fields.optional(
+        "of the load's pulley; with pulleys it follows from the teeth"
     )
-    pulley_diameter: Length | None = Field(
-        default=None, description="of the load's pulley; with pulleys it follows from the teeth"
-    )
-    max_tension: Force | None = Field(default=None, description="permitted effective tension, with a known pulley")
-    max_speed: Speed | None = Field(default=None, description="permitted belt speed, with a known pulley")
+    max_tension: fields.Force | None = fields.optional("permitted effective tension, with a known pulley")
+    max_speed: fields.Speed | None = fields.optional("permitted belt speed, with a known pulley")
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
-        exactly_one(self, "ratio", "ratios", "pulleys")
+        fields.exactly_one(self, "ratio", "ratios", "pulleys")
         if self.pulleys is not None and self.pulley_diameter is not None:
             raise ValueError("give pulleys or pulley_diameter, not both: diameters of pulleys follow from their teeth")
         if self.pulleys is None and self.pulley_diameter is None and (self.max_tension or self.max_speed):
@@ -111,26 +86,25 @@ class BeltStage(Section):
         return [self.ratio] if self.ratio is not None else sorted(set(self.ratios or []))
 
 
-class GearStage(Section):
+class GearStage(fields.Section):
     """One further stage of fixed ratio, behind or before the belt: spur or bevel gears, a chain, or a worm."""
 
     kind: Literal["gear", "bevel", "chain", "worm"]
-    ratio: Ratio = Field(description="turns of its input shaft per turn of its output shaft; below 1 it steps up")
-    efficiency: Share = Field(description="when the input shaft drives")
-    back_efficiency: BackEfficiency | None = Field(
-        default=None,
-        description="when the output shaft drives; where not given as efficiency, of a worm 2 - 1/efficiency. 0 or "
-        "below is self-locking",
+    ratio: fields.Ratio = fields.required("turns of its input shaft per turn of its output shaft; below 1 it steps up")
+    efficiency: fields.Share = fields.required("when the input shaft drives")
+    back_efficiency: fields.BackEfficiency | None = fields.optional(
+        "when the output shaft drives; where not given as efficiency, of a worm 2 - 1/efficiency. 0 or "
+        "below is self-locking"
     )
-    pinion_inertia: Inertia = default("0 kg*m^2", description="of what turns with its input shaft: pinion or worm")
-    wheel_inertia: Inertia = default("0 kg*m^2", description="of what turns with its output shaft: wheel or sprocket")
-    pinion_friction: Torque = default("0 N*m", description="of bearings and seals of the input shaft, at any load")
-    wheel_friction: Torque = default("0 N*m", description="of bearings and seals of the output shaft, at any load")
-    pinion_diameter: Length | None = Field(
-        default=None, description="pitch circle of pinion or sprocket, for its force on the shaft; bevels: the mean one"
+    pinion_inertia: fields.Inertia = fields.default("0 kg*m^2", "of what turns with its input shaft: pinion or worm")
+    wheel_inertia: fields.Inertia = fields.default("0 kg*m^2", "of what turns with its output shaft: wheel or sprocket")
+    pinion_friction: fields.Torque = fields.default("0 N*m", "of bearings and seals of the input shaft, at any load")
+    wheel_friction: fields.Torque = fields.default("0 N*m", "of bearings and seals of the output shaft, at any load")
+    pinion_diameter: fields.Length | None = fields.optional(
+        "pitch circle of pinion or sprocket, for its force on the shaft; bevels: the mean one"
     )
-    backlash: Angle | None = Field(default=None, description="at its output shaft; unknown where not given")
-    mass: Mass | None = Field(default=None, description="of the whole stage; unknown where not given")
+    backlash: fields.Angle | None = fields.optional("at its output shaft; unknown where not given")
+    mass: fields.Mass | None = fields.optional("of the whole stage; unknown where not given")
 
     @model_validator(mode="after")
     def _forces(self) -> Self:
@@ -206,11 +180,11 @@ ASSUMABLE: dict[str, tuple[str, ...]] = {  # checks that pass where a figure is 
 }
 
 
-class Choice(Section):
+class Choice(fields.Section):
     """Restricts a kind of part to some families or part numbers; * stands for any text."""
 
-    family: Names | None = Field(default=None, description='such as "EC 45 flat" or "EC*"')
-    part: Names | None = None
+    family: fields.Names | None = fields.optional('such as "EC 45 flat" or "EC*"')
+    part: fields.Names | None = None
 
     @property
     def named(self) -> dict[str, list[str]]:
@@ -221,21 +195,21 @@ class Choice(Section):
 class MotorChoice(Choice):
     """Restricts the motor."""
 
-    kind: Literal["brushed", "brushless", "stepper"] | None = Field(
-        default=None, description="stepper: of the catalogues' steppers; else they are left out"
+    kind: Literal["brushed", "brushless", "stepper"] | None = fields.optional(
+        "stepper: of the catalogues' steppers; else they are left out"
     )
 
 
 class EncoderChoice(Choice):
     """Restricts the encoder."""
 
-    min_counts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="counts per turn at least")
+    min_counts: Annotated[int, Field(ge=1)] | None = fields.optional("counts per turn at least")
 
 
 class ControllerChoice(Choice):
     """Restricts the controller."""
 
-    bus: str | None = Field(default=None, description="such as CANopen or EtherCAT")
+    bus: str | None = fields.optional("such as CANopen or EtherCAT")
 
 
 if TYPE_CHECKING:
@@ -244,33 +218,33 @@ else:
     Objective = Literal[tuple(OBJECTIVES)]
 
 
-class Weighted(Section):
+class Weighted(fields.Section):
     """One of several objectives, weighted relative to the smallest value of all drives."""
 
     objective: Objective
-    weight: Ratio
+    weight: fields.Ratio
 
 
 Ranking = str | list[Weighted]  # one objective, or several with weights
 
 
-class Select(Section):
+class Select(fields.Section):
     """Permitted parts, and the objective of the ranking."""
 
-    catalogs: Names = Field(default=["maxon"])
-    motor: MotorChoice = all_defaults()
-    gearhead: Choice = all_defaults()
-    encoder: EncoderChoice = all_defaults()
-    controller: ControllerChoice = all_defaults()
-    brake: Choice = all_defaults()
+    catalogs: fields.Names = fields.default(["maxon"])
+    motor: MotorChoice = fields.all_defaults()
+    gearhead: Choice = fields.all_defaults()
+    encoder: EncoderChoice = fields.all_defaults()
+    controller: ControllerChoice = fields.all_defaults()
+    brake: Choice = fields.all_defaults()
     objective: Objective | Annotated[list[Weighted], Field(min_length=1, max_length=8)] = "mass"
-    unknown: Literal["allow", "reject"] = Field(default="allow", description="drives with a check that is unknown")
-    assume: list[Literal["ambient_range", "backlash", "peak_time"]] = Field(
-        default=[], description="checks that pass where their figure is missing, shown as assumed"
+    unknown: Literal["allow", "reject"] = fields.default("allow", "drives with a check that is unknown")
+    assume: list[Literal["ambient_range", "backlash", "peak_time"]] = fields.default(
+        [], "checks that pass where their figure is missing, shown as assumed"
     )
 
-    estimates: Literal["on", "off"] = Field(
-        default="on", description="figures that data sheets leave out, from those of their peers"
+    estimates: Literal["on", "off"] = fields.default(
+        "on", "figures that data sheets leave out, from those of their peers"
     )
 
     @field_validator("objective")
@@ -309,82 +283,78 @@ def weights_of(objective: Ranking) -> dict[str, float]:
 # -- Sections of a spec on the closed loop: the controller's structure and gains, and the model of the machine.
 
 
-class CurrentLoop(Section):
+class CurrentLoop(fields.Section):
     """Gains of the current loop; designed where none is given."""
 
-    kp: Gain | None = Field(default=None, description="proportional gain [V/A]")
-    ki: Gain | None = Field(default=None, description="integral gain [V/(A s)]")
+    kp: fields.Gain | None = fields.optional("proportional gain [V/A]")
+    ki: fields.Gain | None = fields.optional("integral gain [V/(A s)]")
 
 
-class VelocityLoop(Section):
+class VelocityLoop(fields.Section):
     """Gains of the velocity loop, or targets of their design."""
 
-    kp: Gain | None = Field(default=None, description="proportional gain [A per rad/s at the motor]")
-    ki: Gain | None = Field(default=None, description="integral gain [A per rad]")
-    kd: Gain | None = Field(default=None, description="derivative gain [A per rad/s^2]")
-    filter_time: Duration | None = Field(default=None, description="of the derivative")
-    bandwidth: Frequency | None = Field(default=None, description="to place the poles for")
-    damping: Gain | None = Field(default=None, description="of the placed poles; 0.707 where not given")
-    phase_margin: Angle | None = Field(default=None, description="for the symmetrical optimum; 37 deg where not given")
+    kp: fields.Gain | None = fields.optional("proportional gain [A per rad/s at the motor]")
+    ki: fields.Gain | None = fields.optional("integral gain [A per rad]")
+    kd: fields.Gain | None = fields.optional("derivative gain [A per rad/s^2]")
+    filter_time: fields.Duration | None = fields.optional("of the derivative")
+    bandwidth: fields.Frequency | None = fields.optional("to place the poles for")
+    damping: fields.Gain | None = fields.optional("of the placed poles; 0.707 where not given")
+    phase_margin: fields.Angle | None = fields.optional("for the symmetrical optimum; 37 deg where not given")
 
 
-class PositionLoop(Section):
+class PositionLoop(fields.Section):
     """The position loop; without this section there is none."""
 
-    kp: Gain | None = Field(default=None, description="speed demand per position error [1/s]")
+    kp: fields.Gain | None = fields.optional("speed demand per position error [1/s]")
 
 
-class Feedforward(Section):
+class Feedforward(fields.Section):
     """Current added to the velocity loop's; from the model where not given, 0 for none."""
 
-    velocity: Gain | None = Field(default=None, description="[A per rad/s at the motor]")
-    friction: Gain | None = Field(default=None, description="[A] in the direction of the speed")
-    acceleration: Gain | None = Field(default=None, description="[A per rad/s^2 at the motor]")
+    velocity: fields.Gain | None = fields.optional("[A per rad/s at the motor]")
+    friction: fields.Gain | None = fields.optional("[A] in the direction of the speed")
+    acceleration: fields.Gain | None = fields.optional("[A per rad/s^2 at the motor]")
 
 
-class Control(Section):
+class Control(fields.Section):
     """The controller of the validation; gains are designed where none are given."""
 
-    structure: Literal["voltage_pid", "cascade"] = Field(
-        default="voltage_pid", description="one velocity loop on the voltage, or current, velocity and position loops"
+    structure: Literal["voltage_pid", "cascade"] = fields.default(
+        "voltage_pid", "one velocity loop on the voltage, or current, velocity and position loops"
     )
-    kp: Gain | None = Field(default=None, description="proportional gain of voltage_pid [V per rad/s at the motor]")
-    ki: Gain = Field(default=0, description="integral gain of voltage_pid [V per rad]")
-    kd: Gain = Field(default=0, description="derivative gain of voltage_pid [V per rad/s^2]")
-    bandwidth: Frequency | None = Field(default=None, description="closed-loop bandwidth to design voltage_pid for")
-    current: CurrentLoop = all_defaults()
-    velocity: VelocityLoop = all_defaults()
+    kp: fields.Gain | None = fields.optional("proportional gain of voltage_pid [V per rad/s at the motor]")
+    ki: fields.Gain = fields.default(0, "integral gain of voltage_pid [V per rad]")
+    kd: fields.Gain = fields.default(0, "derivative gain of voltage_pid [V per rad/s^2]")
+    bandwidth: fields.Frequency | None = fields.optional("closed-loop bandwidth to design voltage_pid for")
+    current: CurrentLoop = fields.all_defaults()
+    velocity: VelocityLoop = fields.all_defaults()
     position: PositionLoop | None = None
-    feedforward: Feedforward = all_defaults()
-    rate: Frequency | None = Field(
-        default=None, description="at which the velocity loop runs; the controller's own where not given"
+    feedforward: Feedforward = fields.all_defaults()
+    rate: fields.Frequency | None = fields.optional(
+        "at which the velocity loop runs; the controller's own where not given"
     )
-    speed_from: Literal["exact", "counts"] = Field(
-        default="counts", description="how speed is measured: by the encoder's counts where it has one, or exactly"
+    speed_from: Literal["exact", "counts"] = fields.default(
+        "counts", "how speed is measured: by the encoder's counts where it has one, or exactly"
     )
-    at_rest: Literal["drain", "hold", "brake"] = Field(
-        default="drain",
-        description="integral of the velocity loop at rest where friction alone holds the load: drained to no current, "
+    at_rest: Literal["drain", "hold", "brake"] = fields.default(
+        "drain",
+        "integral of the velocity loop at rest where friction alone holds the load: drained to no current, "
         "or kept as braking left it; or the holding brake closes at every rest: no current holds the load there, none "
         "keeps the brake released (the closed loop is simulated without the brake)",
     )
-    count_time: Duration | None = Field(
-        default=None, description="over which counts are taken for a speed; designed where not given"
+    count_time: fields.Duration | None = fields.optional(
+        "over which counts are taken for a speed; designed where not given"
     )
-    microsteps: Annotated[int, Field(ge=1)] | None = Field(
-        default=None,
-        description="of a stepper's driver, to a full step, in size and validate; its finest where not given",
+    microsteps: Annotated[int, Field(ge=1)] | None = fields.optional(
+        "of a stepper's driver, to a full step, in size and validate; its finest where not given"
     )
-    phase_current: Current | None = Field(
-        default=None, description="that a stepper's driver is set to; the stepper's rated current where not given"
+    phase_current: fields.Current | None = fields.optional(
+        "that a stepper's driver is set to; the stepper's rated current where not given"
     )
-    idle_current: Share | None = Field(
-        default=None,
-        description="of a stepper's current at rest, as a share of that in motion; all of it where not given",
+    idle_current: fields.Share | None = fields.optional(
+        "of a stepper's current at rest, as a share of that in motion; all of it where not given"
     )
-    damping_ratio: Part | None = Field(
-        default=None, description="of the swings of a stepper's rotor; 0.1 where not given"
-    )
+    damping_ratio: fields.Part | None = fields.optional("of the swings of a stepper's rotor; 0.1 where not given")
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -402,14 +372,14 @@ class Control(Section):
         return self
 
 
-class Plant(Section):
+class Plant(fields.Section):
     """Model of the machine in closed loop; rigid where not given."""
 
-    model: Literal["rigid", "two_mass"] = Field(default="rigid", description="two_mass: motor, shaft, load")
-    stiffness: Stiffness | None = Field(default=None, description="of the shaft, seen at the load; else the belt's")
-    damping_ratio: Part = Field(default=0.02, description="of the load on its shaft, the motor held")
-    backlash: Angle | None = Field(default=None, description="at the load; else the gearhead's")
-    warming: bool = Field(default=True, description="whether the winding warms along the run")
+    model: Literal["rigid", "two_mass"] = fields.default("rigid", "two_mass: motor, shaft, load")
+    stiffness: fields.Stiffness | None = fields.optional("of the shaft, seen at the load; else the belt's")
+    damping_ratio: fields.Part = fields.default(0.02, "of the load on its shaft, the motor held")
+    backlash: fields.Angle | None = fields.optional("at the load; else the gearhead's")
+    warming: bool = fields.default(True, "whether the winding warms along the run")
 
     @model_validator(mode="after")
     def _of_two_masses(self) -> Self:

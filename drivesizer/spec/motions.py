@@ -5,21 +5,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from drivesizer.files.fields import (
-    Acceleration,
-    Bearing,
-    Counterweight,
-    Distance,
-    Duration,
-    Jerk,
-    Pause,
-    Place,
-    Section,
-    SignedVelocity,
-    Turning,
-    Velocity,
-    default,
-)
+from drivesizer.files import fields
 
 __all__ = [
     "Cam", "Csv", "Harmonic", "Hold", "Motion", "Move", "SCurve", "Segment", "Segments", "Track", "Trapezoid",
@@ -30,11 +16,11 @@ __all__ = [
 _ROUNDING = 1e-9  # of a time: ramps that fill it may be rounded
 
 
-class _Repeated(Section):
-    rest_time: Pause = default("0 s", description="standing still at the end of the cycle")
-    there_and_back: bool = Field(default=False, description="the same motion back, each with its rest")
-    payload: Counterweight = default("0 kg", description="added to the load's mass, on the way out and in its rest")
-    payload_back: Counterweight | None = Field(default=None, description="on the way back; payload where not given")
+class _Repeated(fields.Section):
+    rest_time: fields.Pause = fields.default("0 s", "standing still at the end of the cycle")
+    there_and_back: bool = fields.default(False, "the same motion back, each with its rest")
+    payload: fields.Counterweight = fields.default("0 kg", "added to the load's mass, on the way out and in its rest")
+    payload_back: fields.Counterweight | None = fields.optional("on the way back; payload where not given")
 
     @model_validator(mode="after")
     def _back(self) -> Self:
@@ -52,28 +38,28 @@ class Trapezoid(_Repeated):
     """Accelerate, cruise, decelerate, rest; repeated."""
 
     profile: Literal["trapezoid"] = "trapezoid"
-    speed: Velocity = Field(description="cruising speed")
-    acceleration_time: Duration = Field(description="also the time of deceleration, where that is not given")
-    deceleration_time: Duration | None = None
-    cruise_time: Pause
+    speed: fields.Velocity = fields.required("cruising speed")
+    acceleration_time: fields.Duration = fields.required("also the time of deceleration, where that is not given")
+    deceleration_time: fields.Duration | None = None
+    cruise_time: fields.Pause
 
 
 class Triangle(_Repeated):
     """Accelerate over half the distance, decelerate over the other half, rest."""
 
     profile: Literal["triangle"]
-    distance: Distance
-    time: Duration = Field(description="of the whole move")
+    distance: fields.Distance
+    time: fields.Duration = fields.required("of the whole move")
 
 
 class SCurve(_Repeated):
     """From rest to rest over a distance, as fast as limits of speed, acceleration and jerk allow."""
 
     profile: Literal["s_curve"]
-    distance: Distance
-    speed: Velocity = Field(description="limit")
-    acceleration: Acceleration = Field(description="limit, for deceleration too")
-    jerk: Jerk = Field(description="limit")
+    distance: fields.Distance
+    speed: fields.Velocity = fields.required("limit")
+    acceleration: fields.Acceleration = fields.required("limit, for deceleration too")
+    jerk: fields.Jerk = fields.required("limit")
 
 
 class Move(_Repeated):
@@ -86,15 +72,15 @@ class Move(_Repeated):
     """
 
     profile: Literal["move"]
-    distance: Distance
-    time: Duration = Field(description="of the whole move")
+    distance: fields.Distance
+    time: fields.Duration = fields.required("of the whole move")
     law: Literal[
         "trapezoid", "triangle", "parabola", "sine", "poly5", "cycloidal", "modified_sine", "modified_trapezoid"
-    ] = Field(default="trapezoid", description="shape of the speed over time")
-    acceleration_time: Duration | None = Field(
-        default=None, description="of law: trapezoid; a third of the time where not given"
+    ] = fields.default("trapezoid", "shape of the speed over time")
+    acceleration_time: fields.Duration | None = fields.optional(
+        "of law: trapezoid; a third of the time where not given"
     )
-    deceleration_time: Duration | None = Field(default=None, description="acceleration_time where not given")
+    deceleration_time: fields.Duration | None = fields.optional("acceleration_time where not given")
 
     @model_validator(mode="after")
     def _shaped(self) -> Self:
@@ -112,41 +98,41 @@ class Move(_Repeated):
         return up, up if self.deceleration_time is None else self.deceleration_time
 
 
-class Cam(Section):
+class Cam(fields.Section):
     """A cam table: position over the angle of a master that turns evenly, one run of the table after the other."""
 
     profile: Literal["cam"]
-    file: str = Field(min_length=1, description="CSV: columns angle and position, then a row of units")
-    master_speed: Turning = Field(description="at which the angle runs")
-    smoothing: Pause = default("0 s", description="width of the window in which the position is smoothed")
+    file: str = fields.required("CSV: columns angle and position, then a row of units", min_length=1)
+    master_speed: fields.Turning = fields.required("at which the angle runs")
+    smoothing: fields.Pause = fields.default("0 s", "width of the window in which the position is smoothed")
 
 
-class Harmonic(Section):
+class Harmonic(fields.Section):
     """To and fro in a sine: position = -amplitude cos(2 pi t / period)."""
 
     profile: Literal["harmonic"]
-    amplitude: Distance = Field(description="half the travel from end to end")
-    period: Duration
+    amplitude: fields.Distance = fields.required("half the travel from end to end")
+    period: fields.Duration
 
 
-class Hold(Section):
+class Hold(fields.Section):
     """Standing still under load; repeated, so that it lasts."""
 
     profile: Literal["hold"]
-    time: Duration = Field(description="for which energy and, in closed loop, control are computed")
+    time: fields.Duration = fields.required("for which energy and, in closed loop, control are computed")
 
 
-class Segment(Section):
+class Segment(fields.Section):
     """A straight piece: to another speed, or at the same."""
 
-    time: Duration
-    to: SignedVelocity | None = Field(default=None, description="speed at its end; the present one where not given")
-    payload: Counterweight | None = Field(
-        default=None, description="added to the load's mass; that of the piece before where not given"
+    time: fields.Duration
+    to: fields.SignedVelocity | None = fields.optional("speed at its end; the present one where not given")
+    payload: fields.Counterweight | None = fields.optional(
+        "added to the load's mass; that of the piece before where not given"
     )
 
 
-class Segments(Section):
+class Segments(fields.Section):
     """Straight pieces one after the other, from standstill to standstill; those at speed 0 are dwells."""
 
     profile: Literal["segments"]
@@ -165,33 +151,33 @@ class Segments(Section):
         return any(piece.payload is not None and np.any(piece.payload) for piece in self.segments)
 
 
-class Csv(Section):
+class Csv(fields.Section):
     """A recorded speed: a CSV file with the columns time and speed."""
 
     profile: Literal["csv"]
-    file: str = Field(min_length=1, description="CSV: columns time and speed, then a row of units")
+    file: str = fields.required("CSV: columns time and speed, then a row of units", min_length=1)
 
 
-class Track(Section):
+class Track(fields.Section):
     """A trajectory of the platform from a file: each driven wheel's load cycle follows from it."""
 
     profile: Literal["trajectory"] = "trajectory"
-    trajectory: str = Field(
-        min_length=1, description="CSV: columns t, x, y, heading; or waypoints without t; then a row of units"
+    trajectory: str = fields.required(
+        "CSV: columns t, x, y, heading; or waypoints without t; then a row of units", min_length=1
     )
-    smoothing: Pause = default("0 s", description="distance of the knots of the spline through a noisy track")
+    smoothing: fields.Pause = fields.default("0 s", "distance of the knots of the spline through a noisy track")
 
 
-class Waypoint(Section):
+class Waypoint(fields.Section):
     """A posture at which the platform stops, with or without a pause."""
 
-    x: Place
-    y: Place
-    heading: Bearing | None = Field(default=None, description="along the path where not given")
-    pause: Pause = default("0 s")
+    x: fields.Place
+    y: fields.Place
+    heading: fields.Bearing | None = fields.optional("along the path where not given")
+    pause: fields.Pause = fields.default("0 s")
 
 
-class Waypoints(Section):
+class Waypoints(fields.Section):
     """A path of the platform from point to point, as fast as the platform's limits allow."""
 
     profile: Literal["waypoints"] = "waypoints"

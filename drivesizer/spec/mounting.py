@@ -7,28 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import (
-    Consumed,
-    Duration,
-    Energy,
-    Factor,
-    Force,
-    Inertia,
-    Mass,
-    Part,
-    Pause,
-    Power,
-    Price,
-    Quantity,
-    Ratio,
-    Section,
-    ThermalResistance,
-    Thickness,
-    TorqueAbove,
-    Turning,
-    Voltage,
-    default,
-)
+from drivesizer.files import fields
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import flange_loss
@@ -129,21 +108,21 @@ _SOURCES = {
 }
 
 
-class Mounting(Section):
+class Mounting(fields.Section):
     """Mounting of the motor, as far as it carries heat away or brings it."""
 
-    kind: Literal["as_printed", "insulated", "metal_flange", "plate"] = Field(
-        default="as_printed", description="of the motor's flange; as_printed: as its maker measured"
+    kind: Literal["as_printed", "insulated", "metal_flange", "plate"] = fields.default(
+        "as_printed", "of the motor's flange; as_printed: as its maker measured"
     )
-    housing_resistance: Ratio | None = Field(
-        default=None, description="share of the printed thermal resistance from housing to ambient"
+    housing_resistance: fields.Ratio | None = fields.optional(
+        "share of the printed thermal resistance from housing to ambient"
     )
-    low: Ratio | None = Field(default=None, description="of that share, 5th percentile; exact where not given")
-    high: Ratio | None = Field(default=None, description="of that share, 95th percentile")
-    plate_resistance: ThermalResistance | None = Field(
-        default=None, description="of a plate, from the flange to ambient; beside the housing's"
+    low: fields.Ratio | None = fields.optional("of that share, 5th percentile; exact where not given")
+    high: fields.Ratio | None = fields.optional("of that share, 95th percentile")
+    plate_resistance: fields.ThermalResistance | None = fields.optional(
+        "of a plate, from the flange to ambient; beside the housing's"
     )
-    gear_loss_share: Part = default(0, description="of the gearhead's loss that heats the motor's housing")
+    gear_loss_share: fields.Part = fields.default(0, "of the gearhead's loss that heats the motor's housing")
 
     @model_validator(mode="after")
     def _one_figure(self) -> Self:
@@ -207,32 +186,28 @@ def mounting_words(spec: Any) -> tuple[str, ...]:
 # -- Section of a spec on what acts on the output shaft of gearhead or motor.
 
 
-ToothAngle = Annotated[float, Quantity("angle", least=0.0, most=math.radians(45.0))]
+ToothAngle = Annotated[float, fields.Quantity("angle", least=0.0, most=math.radians(45.0))]
 
 
-class Shaft(Section):
+class Shaft(fields.Section):
     """Overhung shaft of gearhead, or motor: pulley or pinion of the next stage, or what of the load it carries."""
 
-    distance: Thickness | None = Field(
-        default=None,
-        description="of the radial force from the mounting face of gearhead or motor; where not given that of the "
-        "maker's limit",
+    distance: fields.Thickness | None = fields.optional(
+        "of the radial force from the mounting face of gearhead or motor; where not given that of the maker's limit"
     )
-    carries_load: bool = Field(
-        default=False,
-        description="that the load's wheel, pinion, pulley, drum or screw has no bearing of its own, but this shaft's",
+    carries_load: bool = fields.default(
+        False, "that the load's wheel, pinion, pulley, drum or screw has no bearing of its own, but this shaft's"
     )
-    wheel_load: Force | None = Field(
-        default=None, description="of the floor on a carried wheel; an equal part of the weight where not given"
+    wheel_load: fields.Force | None = fields.optional(
+        "of the floor on a carried wheel; an equal part of the weight where not given"
     )
-    pressure_angle: ToothAngle = default("20 deg", description="of a pinion's teeth")
-    helix_angle: ToothAngle = default("0 deg", description="of a pinion's teeth")
-    belt_pretension: Force | None = Field(
-        default=None,
-        description="of each strand at rest; where not given only the least force of a belt is known",
+    pressure_angle: ToothAngle = fields.default("20 deg", "of a pinion's teeth")
+    helix_angle: ToothAngle = fields.default("0 deg", "of a pinion's teeth")
+    belt_pretension: fields.Force | None = fields.optional(
+        "of each strand at rest; where not given only the least force of a belt is known"
     )
-    load_factor: Factor = Field(default=1.5, description="f_w of the bearing's life: 1 smooth, 1.5, 3 with impacts")
-    static_safety: Factor = Field(default=1.5, description="of the bearing: 1.5, 2 with impacts, 3 for precision")
+    load_factor: fields.Factor = fields.default(1.5, "f_w of the bearing's life: 1 smooth, 1.5, 3 with impacts")
+    static_safety: fields.Factor = fields.default(1.5, "of the bearing: 1.5, 2 with impacts, 3 for precision")
 
 
 # -- Section of a spec on a holding brake of its own, and what is required of one.
@@ -241,25 +216,25 @@ class Shaft(Section):
 _FIGURES = {"torque": "static_torque", "voltage": "supply", "length": "added_length"}  # others have the same name
 
 
-class OwnBrake(Section):
+class OwnBrake(fields.Section):
     """A holding brake with figures of its own, in place of one out of the catalogues."""
 
-    torque: TorqueAbove = Field(description="static, that it holds at least")
-    dynamic_torque: TorqueAbove | None = Field(default=None, description="while it slips")
-    at: Literal["motor", "load"] = Field(default="motor", description="whose shaft it sits on")
-    inertia: Inertia | None = Field(default=None, description="that turns with that shaft; estimated where not given")
-    power: Power | None = Field(default=None, description="of its coil while released; estimated where not given")
-    holding_power: Consumed | None = Field(default=None, description="that keeps it released, where that is less")
-    voltage: Voltage | None = Field(default=None, description="of its coil")
-    mass: Mass | None = Field(default=None, description="estimated where not given")
-    length: Thickness | None = Field(default=None, description="that it adds to the motor")
-    price: Price | None = None
-    release_time: Duration | None = None
-    engage_time: Pause | None = Field(default=None, description="until it has its torque")
-    max_speed: Turning | None = Field(default=None, description="of its shaft")
-    energy_per_stop: Energy | None = Field(default=None, description="permitted in one emergency stop")
-    total_energy: Energy | None = Field(default=None, description="of all emergency stops in its life")
-    emergency_stops: Annotated[int, Field(ge=1)] | None = Field(default=None, description="permitted in its life")
+    torque: fields.TorqueAbove = fields.required("static, that it holds at least")
+    dynamic_torque: fields.TorqueAbove | None = fields.optional("while it slips")
+    at: Literal["motor", "load"] = fields.default("motor", "whose shaft it sits on")
+    inertia: fields.Inertia | None = fields.optional("that turns with that shaft; estimated where not given")
+    power: fields.Power | None = fields.optional("of its coil while released; estimated where not given")
+    holding_power: fields.Consumed | None = fields.optional("that keeps it released, where that is less")
+    voltage: fields.Voltage | None = fields.optional("of its coil")
+    mass: fields.Mass | None = fields.optional("estimated where not given")
+    length: fields.Thickness | None = fields.optional("that it adds to the motor")
+    price: fields.Price | None = None
+    release_time: fields.Duration | None = None
+    engage_time: fields.Pause | None = fields.optional("until it has its torque")
+    max_speed: fields.Turning | None = fields.optional("of its shaft")
+    energy_per_stop: fields.Energy | None = fields.optional("permitted in one emergency stop")
+    total_energy: fields.Energy | None = fields.optional("of all emergency stops in its life")
+    emergency_stops: Annotated[int, Field(ge=1)] | None = fields.optional("permitted in its life")
 
     @model_validator(mode="after")
     def _one_in_all(self) -> Self:

@@ -8,29 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drivesizer.files.fields import (
-    Angle,
-    Bearing,
-    Coefficient,
-    Counterweight,
-    Duration,
-    Inertia,
-    InertiaAbove,
-    Length,
-    Mass,
-    Part,
-    Place,
-    Price,
-    Quantity,
-    Section,
-    Speed,
-    Thickness,
-    TorqueAbove,
-    Turning,
-    all_defaults,
-    default,
-    no_entries,
-)
+from drivesizer.files import fields
 from drivesizer.platform.envelope import Passage, Size
 from drivesizer.platform.wheels import Misjudged, Payload, Wheel, table_wheel
 from drivesizer.platform.wheels import Platform as Record
@@ -44,21 +22,21 @@ __all__ = ["Budget", "Following", "Limits", "PassageSection", "Platform"]
 # forward, y to the left, the reference point at the origin.
 
 
-RollerAngle = Annotated[float, Quantity("angle", least=-math.radians(85.0), most=math.radians(85.0))]
+RollerAngle = Annotated[float, fields.Quantity("angle", least=-math.radians(85.0), most=math.radians(85.0))]
 Kind = Literal["mecanum", "omni", "fixed"]
 
 
-class WheelPlace(Section):
+class WheelPlace(fields.Section):
     """One wheel: its place, its direction of rolling, and whether it is driven."""
 
-    kind: Kind = Field(description="fixed: no rollers, held sideways; also one that is steered to an angle")
-    x: Place | None = Field(default=None, description="of the contact point; or give distance and alpha")
-    y: Place | None = None
-    heading: Bearing | None = Field(default=None, description="where it rolls; forward where not given")
-    distance: Length | None = Field(default=None, description="L of Table 1")
-    alpha: Bearing | None = Field(default=None, description="α of Table 1")
-    beta: Bearing | None = Field(default=None, description="β of Table 1; forward where not given")
-    roller_angle: RollerAngle | None = Field(default=None, description="γ, of a mecanum wheel")
+    kind: Kind = fields.required("fixed: no rollers, held sideways; also one that is steered to an angle")
+    x: fields.Place | None = fields.optional("of the contact point; or give distance and alpha")
+    y: fields.Place | None = None
+    heading: fields.Bearing | None = fields.optional("where it rolls; forward where not given")
+    distance: fields.Length | None = fields.optional("L of Table 1")
+    alpha: fields.Bearing | None = fields.optional("α of Table 1")
+    beta: fields.Bearing | None = fields.optional("β of Table 1; forward where not given")
+    roller_angle: RollerAngle | None = fields.optional("γ, of a mecanum wheel")
     driven: bool = True
 
     @model_validator(mode="after")
@@ -83,13 +61,13 @@ class WheelPlace(Section):
         return Wheel(x=self.x, y=self.y, radius=radius, heading=heading, roller_angle=gamma, **kind, **more)  # type: ignore[arg-type]
 
 
-class Mecanum(Section):
+class Mecanum(fields.Section):
     """Four mecanum wheels in a rectangle: front right, front left, rear left, rear right."""
 
     kind: Literal["mecanum"]
-    wheelbase: Length = Field(description="between the axles")
-    track: Length = Field(description="between the contact points of an axle")
-    roller_angle: RollerAngle = default("45 deg", description="γ of the front right and the rear left wheel")
+    wheelbase: fields.Length = fields.required("between the axles")
+    track: fields.Length = fields.required("between the contact points of an axle")
+    roller_angle: RollerAngle = fields.default("45 deg", "γ of the front right and the rear left wheel")
 
     @property
     def places(self) -> list[WheelPlace]:
@@ -105,12 +83,12 @@ class Mecanum(Section):
         return self
 
 
-class Differential(Section):
+class Differential(fields.Section):
     """Two fixed wheels on one axle, right and left; casters carry the rest."""
 
     kind: Literal["differential"]
-    track: Length = Field(description="between the contact points")
-    x: Place = default("0 mm", description="of the axle")
+    track: fields.Length = fields.required("between the contact points")
+    x: fields.Place = fields.default("0 mm", "of the axle")
 
     @property
     def places(self) -> list[WheelPlace]:
@@ -118,11 +96,11 @@ class Differential(Section):
         return [_place("fixed", self.x, y) for y in (-self.track / 2, self.track / 2)]
 
 
-class Omni(Section):
+class Omni(fields.Section):
     """Omni wheels on a circle, each rolling along it; the first in front."""
 
     kind: Literal["omni"]
-    radius: Length = Field(description="of the circle, from the reference point to a contact point")
+    radius: fields.Length = fields.required("of the circle, from the reference point to a contact point")
     number: Annotated[int, Field(ge=3, le=12)] = 3
 
     @property
@@ -142,42 +120,42 @@ def _place(kind: Kind, x: float, y: float, gamma: float | None = None, heading: 
 Layout = Annotated[Mecanum | Differential | Omni, Field(discriminator="kind")]
 
 
-class CasterPlace(Section):
+class CasterPlace(fields.Section):
     """A caster."""
 
-    x: Place
-    y: Place
-    rolling_resistance: Part | None = Field(default=None, description="C_rr; that of the wheels if not given")
+    x: fields.Place
+    y: fields.Place
+    rolling_resistance: fields.Part | None = fields.optional("C_rr; that of the wheels if not given")
 
 
 # -- Section of a spec on errors of the robot model of a platform.
 
 
-Off = Annotated[float, Quantity("dimensionless", least=-0.9, most=9.0)]
+Off = Annotated[float, fields.Quantity("dimensionless", least=-0.9, most=9.0)]
 Each = Annotated[list[Off], Field(min_length=1, max_length=100)]
 
 
-class UnknownPayload(Section):
+class UnknownPayload(fields.Section):
     """Something on the platform that the robot model does not know."""
 
-    mass: Mass
-    x: Place = default("0 mm")
-    y: Place = default("0 mm")
-    height: Thickness = default("0 mm")
+    mass: fields.Mass
+    x: fields.Place = fields.default("0 mm")
+    y: fields.Place = fields.default("0 mm")
+    height: fields.Thickness = fields.default("0 mm")
 
 
-class Unknown(Section):
+class Unknown(fields.Section):
     """Differences of the true platform from its robot model, for path following."""
 
-    radius: Off | Each = Field(default=0, description="share by which wheels are larger, of all or of each")
-    lever: Off = Field(default=0, description="share by which the wheels stand farther out")
-    toe: Bearing = default("0 deg", description="added to the heading of the wheels")
-    mass: Off = Field(default=0, description="share by which it is heavier")
+    radius: Off | Each = fields.default(0, "share by which wheels are larger, of all or of each")
+    lever: Off = fields.default(0, "share by which the wheels stand farther out")
+    toe: fields.Bearing = fields.default("0 deg", "added to the heading of the wheels")
+    mass: Off = fields.default(0, "share by which it is heavier")
     inertia: Off = 0.0
     payload: UnknownPayload | None = None
-    rolling_resistance: Off = Field(default=0, description="added to C_rr")
-    roller_resistance: Off = Field(default=0, description="added to that of the rollers")
-    motor: Off | Each = Field(default=0, description="share by which motors are stronger; -5 % is weak")
+    rolling_resistance: Off = fields.default(0, "added to C_rr")
+    roller_resistance: Off = fields.default(0, "added to that of the rollers")
+    motor: Off | Each = fields.default(0, "share by which motors are stronger; -5 % is weak")
 
     @property
     def record(self) -> Misjudged:
@@ -194,40 +172,39 @@ class Unknown(Section):
 # -- Sections of a spec on path following: controllers, floor and measured errors.
 
 
-Damping = Annotated[float, Quantity("damping", above=0.0)]
-Restoring = Annotated[float, Quantity("torsional_stiffness", least=0.0)]
+Damping = Annotated[float, fields.Quantity("damping", above=0.0)]
+Restoring = Annotated[float, fields.Quantity("torsional_stiffness", least=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 
 
-class Measured(Section):
+class Measured(fields.Section):
     """Largest errors measured with a real robot on the path, printed beside the simulated ones."""
 
     name: Name
-    position: Length
-    heading: Angle
+    position: fields.Length
+    heading: fields.Angle
 
 
-class Following(Section):
+class Following(fields.Section):
     """Controllers, floor and comparisons for `drivesizer drive --follow`."""
 
-    speed_loop: Literal["PI", "P"] = Field(default="PI", description="of each driven wheel")
-    speed_gain: Damping | None = Field(default=None, description="at a wheel; designed where not given")
-    speed_integral: Restoring | None = Field(default=None, description="at a wheel, of PI; designed where not given")
-    period: Duration = default("1 ms", description="of the speed loops")
-    pose_period: Duration = default("50 ms", description="between two poses that are fed back")
-    torque_limit: TorqueAbove | None = Field(
-        default=None,
-        description="at a wheel; what the controller's peak current and the gearhead give, where not given",
+    speed_loop: Literal["PI", "P"] = fields.default("PI", "of each driven wheel")
+    speed_gain: Damping | None = fields.optional("at a wheel; designed where not given")
+    speed_integral: Restoring | None = fields.optional("at a wheel, of PI; designed where not given")
+    period: fields.Duration = fields.default("1 ms", "of the speed loops")
+    pose_period: fields.Duration = fields.default("50 ms", "between two poses that are fed back")
+    torque_limit: fields.TorqueAbove | None = fields.optional(
+        "at a wheel; what the controller's peak current and the gearhead give, where not given"
     )
-    rotor_inertia: Inertia | None = Field(
-        default=None, description="of motor and gearhead at a wheel; that of the drive where not given"
+    rotor_inertia: fields.Inertia | None = fields.optional(
+        "of motor and gearhead at a wheel; that of the drive where not given"
     )
-    slip_speed: Speed = default("10 mm/s", description="at which a wheel's slip would meet the grip, at rest")
-    creep: Coefficient = Field(default=0, description="what rolling adds to it, as a share of the rolling speed")
-    compare: bool = Field(
-        default=False, description="whether both models are driven with either loop, with and without what is misjudged"
+    slip_speed: fields.Speed = fields.default("10 mm/s", "at which a wheel's slip would meet the grip, at rest")
+    creep: fields.Coefficient = fields.default(0, "what rolling adds to it, as a share of the rolling speed")
+    compare: bool = fields.default(
+        False, "whether both models are driven with either loop, with and without what is misjudged"
     )
-    measured: Annotated[list[Measured], Field(max_length=20)] = no_entries()
+    measured: Annotated[list[Measured], Field(max_length=20)] = fields.no_entries()
 
     @model_validator(mode="after")
     def _of_its_loop(self) -> Self:
@@ -244,44 +221,44 @@ class Following(Section):
 # in the world.
 
 
-AccelerationLimit = Annotated[float, Quantity("acceleration", above=0.0)]
-JerkLimit = Annotated[float, Quantity("jerk", above=0.0)]
-TurningAcceleration = Annotated[float, Quantity("angular_acceleration", above=0.0)]
-TurningJerk = Annotated[float, Quantity("angular_jerk", above=0.0)]
-Slip = Annotated[float, Quantity("dimensionless", least=0.0, most=0.9)]
-Small = Annotated[float, Quantity("angle", least=0.0, most=math.pi / 2)]
+AccelerationLimit = Annotated[float, fields.Quantity("acceleration", above=0.0)]
+JerkLimit = Annotated[float, fields.Quantity("jerk", above=0.0)]
+TurningAcceleration = Annotated[float, fields.Quantity("angular_acceleration", above=0.0)]
+TurningJerk = Annotated[float, fields.Quantity("angular_jerk", above=0.0)]
+Slip = Annotated[float, fields.Quantity("dimensionless", least=0.0, most=0.9)]
+Small = Annotated[float, fields.Quantity("angle", least=0.0, most=math.pi / 2)]
 
 
 # --- mass and size ----------------------------------------------------------------------------------------------------
 
 
-class CentreOfMass(Section):
+class CentreOfMass(fields.Section):
     """Of the robot without its payloads."""
 
-    x: Place = default("0 mm")
-    y: Place = default("0 mm")
-    height: Thickness | None = Field(default=None, description="above the floor; unknown where not given")
+    x: fields.Place = fields.default("0 mm")
+    y: fields.Place = fields.default("0 mm")
+    height: fields.Thickness | None = fields.optional("above the floor; unknown where not given")
 
 
-class PayloadSection(Section):
+class PayloadSection(fields.Section):
     """Something that the load's mass includes, where it is carried."""
 
     name: Name
-    mass: Mass
-    x: Place = default("0 mm", description="of its centre of mass")
-    y: Place = default("0 mm")
-    height: Thickness | None = Field(default=None, description="above the floor; unknown where not given")
-    inertia: Inertia = default("0 kg*m^2", description="about the vertical through its centre of mass")
+    mass: fields.Mass
+    x: fields.Place = fields.default("0 mm", "of its centre of mass")
+    y: fields.Place = fields.default("0 mm")
+    height: fields.Thickness | None = fields.optional("above the floor; unknown where not given")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", "about the vertical through its centre of mass")
 
 
-class SizeSection(Section):
+class SizeSection(fields.Section):
     """The box that the robot takes up."""
 
-    length: Length = Field(description="along its heading")
-    width: Length
-    height: Length = Field(description="above the floor, payload included")
-    x: Place = default("0 mm", description="of the box's middle")
-    y: Place = default("0 mm")
+    length: fields.Length = fields.required("along its heading")
+    width: fields.Length
+    height: fields.Length = fields.required("above the floor, payload included")
+    x: fields.Place = fields.default("0 mm", "of the box's middle")
+    y: fields.Place = fields.default("0 mm")
 
     @property
     def record(self) -> Size:
@@ -289,20 +266,20 @@ class SizeSection(Section):
         return Size(length=self.length, width=self.width, height=self.height, x=self.x, y=self.y)
 
 
-class PassageSection(Section):
+class PassageSection(fields.Section):
     """A door or corridor that the robot must fit through."""
 
     name: Name
-    width: Length = Field(description="between the jambs")
-    height: Length | None = Field(default=None, description="open above where not given")
-    depth: Thickness = default("0 mm", description="in the direction of passage; 0 is a thin wall")
-    heading_error: Small = default("0 deg", description="with which the robot must still fit")
-    aside: Thickness = default("0 mm", description="by which it may run beside the middle")
-    turns: bool = Field(default=False, description="whether it turns on the spot there")
-    corner: Length | None = Field(default=None, description="width of a corridor at right angles into which it turns")
-    x: Place | None = Field(default=None, description="of its middle in the world, for a trajectory")
-    y: Place | None = None
-    direction: Bearing = default("0 deg", description="of passage, in the world")
+    width: fields.Length = fields.required("between the jambs")
+    height: fields.Length | None = fields.optional("open above where not given")
+    depth: fields.Thickness = fields.default("0 mm", "in the direction of passage; 0 is a thin wall")
+    heading_error: Small = fields.default("0 deg", "with which the robot must still fit")
+    aside: fields.Thickness = fields.default("0 mm", "by which it may run beside the middle")
+    turns: bool = fields.default(False, "whether it turns on the spot there")
+    corner: fields.Length | None = fields.optional("width of a corridor at right angles into which it turns")
+    x: fields.Place | None = fields.optional("of its middle in the world, for a trajectory")
+    y: fields.Place | None = None
+    direction: fields.Bearing = fields.default("0 deg", "of passage, in the world")
 
     @model_validator(mode="after")
     def _somewhere(self) -> Self:
@@ -317,13 +294,13 @@ class PassageSection(Section):
         return Passage(name=self.name, width=self.width, height=self.height, depth=self.depth, **place)
 
 
-class Limits(Section):
+class Limits(fields.Section):
     """Limits of a motion of the robot."""
 
-    speed: Speed | None = None
+    speed: fields.Speed | None = None
     acceleration: AccelerationLimit | None = None
     jerk: JerkLimit | None = None
-    turning_speed: Turning | None = None
+    turning_speed: fields.Turning | None = None
     turning_acceleration: TurningAcceleration | None = None
     turning_jerk: TurningJerk | None = None
 
@@ -336,37 +313,34 @@ def _distinct(names: Sequence[str], what: str) -> None:
         raise ValueError(f"expected {what} with names of their own")
 
 
-class Platform(Section):
+class Platform(fields.Section):
     """A robot on wheels: where they stand, where the mass is, and what it must fit through."""
 
     wheels: Annotated[list[WheelPlace], Field(min_length=1, max_length=100)] | None = None
-    layout: Layout | None = Field(default=None, description="of the wheels, instead of one by one")
-    casters: Annotated[list[CasterPlace], Field(max_length=100)] = no_entries()
-    roller_resistance: Coefficient = Field(default=0, description="C_rr of rollers on their pins")
-    slip: Slip = Field(
-        default=0, description="share of the wheels' travel that is lost by slip on the floor: of the battery's energy"
+    layout: Layout | None = fields.optional("of the wheels, instead of one by one")
+    casters: Annotated[list[CasterPlace], Field(max_length=100)] = fields.no_entries()
+    roller_resistance: fields.Coefficient = fields.default(0, "C_rr of rollers on their pins")
+    slip: Slip = fields.default(
+        0, "share of the wheels' travel that is lost by slip on the floor: of the battery's energy"
     )
-    inertia: InertiaAbove | None = Field(
-        default=None,
-        description="about the vertical through the centre of mass, without payloads; of a homogeneous box of the "
-        "size where not given",
+    inertia: fields.InertiaAbove | None = fields.optional(
+        "about the vertical through the centre of mass, without payloads; of a homogeneous box of the "
+        "size where not given"
     )
-    centre_of_mass: CentreOfMass = all_defaults()
-    payloads: Annotated[list[PayloadSection], Field(max_length=100)] = no_entries(
-        description="part of the load's mass; inertia and centre_of_mass are without them"
+    centre_of_mass: CentreOfMass = fields.all_defaults()
+    payloads: Annotated[list[PayloadSection], Field(max_length=100)] = fields.no_entries(
+        "part of the load's mass; inertia and centre_of_mass are without them"
     )
     size: SizeSection | None = None
-    passages: Annotated[list[PassageSection], Field(max_length=100)] = no_entries()
-    limits: Limits = all_defaults()
-    uphill: Bearing = default("0 deg", description="direction of the load's slope in the world")
-    failed: Annotated[list[Annotated[int, Field(ge=1)]], Field(max_length=100)] = no_entries(
-        description="wheels whose motor has failed, by number: for a load case"
+    passages: Annotated[list[PassageSection], Field(max_length=100)] = fields.no_entries()
+    limits: Limits = fields.all_defaults()
+    uphill: fields.Bearing = fields.default("0 deg", "direction of the load's slope in the world")
+    failed: Annotated[list[Annotated[int, Field(ge=1)]], Field(max_length=100)] = fields.no_entries(
+        "wheels whose motor has failed, by number: for a load case"
     )
-    blocked: bool = Field(
-        default=False, description="whether those are held by brake or gear; they turn freely otherwise"
-    )
-    misjudged: Unknown = all_defaults(description="for `drivesizer drive --follow`")
-    following: Following = all_defaults(description="for `drivesizer drive --follow`")
+    blocked: bool = fields.default(False, "whether those are held by brake or gear; they turn freely otherwise")
+    misjudged: Unknown = fields.all_defaults("for `drivesizer drive --follow`")
+    following: Following = fields.all_defaults("for `drivesizer drive --follow`")
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
@@ -405,26 +379,23 @@ class Platform(Section):
         return self.centre_of_mass.height is not None and all(p.height is not None for p in self.payloads)
 
 
-class Item(Section):
+class Item(fields.Section):
     """Something that is carried and has a mass."""
 
     name: Name
-    mass: Counterweight = Field(description="of one")
+    mass: fields.Counterweight = fields.required("of one")
     number: Annotated[int, Field(ge=1, le=10_000)] = 1
 
 
-class Budget(Section):
+class Budget(fields.Section):
     """Permitted mass and price of the machine, and masses beside the drive's parts and the payloads."""
 
-    mass: Mass | None = Field(default=None, description="permitted total")
-    price: Price | None = Field(
-        default=None,
-        description="permitted, of all drives, power supply and brake resistor together",
-    )
-    structure: Mass | None = Field(default=None, description="frame, wheels, covers; unknown where not given")
-    others: Annotated[list[Item], Field(max_length=1000)] = no_entries(description="equipment")
-    drive_counts: bool = Field(
-        default=False, description="whether the moved mass follows from the budget, including the drive's own"
+    mass: fields.Mass | None = fields.optional("permitted total")
+    price: fields.Price | None = fields.optional("permitted, of all drives, power supply and brake resistor together")
+    structure: fields.Mass | None = fields.optional("frame, wheels, covers; unknown where not given")
+    others: Annotated[list[Item], Field(max_length=1000)] = fields.no_entries("equipment")
+    drive_counts: bool = fields.default(
+        False, "whether the moved mass follows from the budget, including the drive's own"
     )
 
     @property

@@ -12,20 +12,7 @@ from pydantic import Field, field_validator, model_validator
 from pydantic_core import core_schema
 
 from drivesizer.errors import InputError
-from drivesizer.files.fields import (
-    Bearing,
-    Counterweight,
-    Duration,
-    Length,
-    Mass,
-    Pause,
-    Place,
-    Section,
-    all_defaults,
-    default,
-    exactly_one,
-    no_entries,
-)
+from drivesizer.files import fields
 from drivesizer.units import KINDS, label, noun, to_si
 
 __all__ = [
@@ -80,7 +67,7 @@ Fastest = Annotated[JointFigure, Either("rotary_speed", "speed", above=0.0)]
 Quickest = Annotated[JointFigure, Either("angular_acceleration", "acceleration", above=0.0)]
 Jerkiest = Annotated[JointFigure, Either("angular_jerk", "jerk", above=0.0)]
 Name = Annotated[str, Field(min_length=1, max_length=200)]
-Point = Annotated[list[Place], Field(min_length=3, max_length=3)]
+Point = Annotated[list[fields.Place], Field(min_length=3, max_length=3)]
 
 
 def _or_mass(schema: dict[str, Any]) -> None:
@@ -91,71 +78,68 @@ def _or_mass(schema: dict[str, Any]) -> None:
 _ORIGIN = ["0 mm", "0 mm", "0 mm"]
 
 
-class JointLimits(Section):
+class JointLimits(fields.Section):
     """Limits of one joint for moves between waypoints."""
 
-    speed: Fastest | None = Field(default=None, description="that of the description where not given")
+    speed: Fastest | None = fields.optional("that of the description where not given")
     acceleration: Quickest | None = None
-    jerk: Jerkiest | None = Field(default=None, description="unlimited where not given")
+    jerk: Jerkiest | None = fields.optional("unlimited where not given")
 
 
-class JointWaypoint(Section):
+class JointWaypoint(fields.Section):
     """Positions of joints at which the robot is at rest."""
 
-    positions: dict[Name, Position] = Field(description="by joint; one that is not named stays where it was")
-    pause: Pause = default("0 s", description="at this waypoint")
+    positions: dict[Name, Position] = fields.required("by joint; one that is not named stays where it was")
+    pause: fields.Pause = fields.default("0 s", "at this waypoint")
 
 
-class Hold(Section):
+class Hold(fields.Section):
     """A pose that the drives hold, as a load case."""
 
     name: Name
-    positions: dict[Name, Position] = Field(
-        description="by joint; one that is not named is where the trajectory starts"
-    )
-    time: Duration = default("60 s", description="for which it is held")
-    payload: Counterweight | None = Field(default=None, description="that of the robot where not given")
+    positions: dict[Name, Position] = fields.required("by joint; one that is not named is where the trajectory starts")
+    time: fields.Duration = fields.default("60 s", "for which it is held")
+    payload: fields.Counterweight | None = fields.optional("that of the robot where not given")
 
 
-class PointMass(Section):
+class PointMass(fields.Section):
     """A payload as a mass at a point of a link."""
 
-    mass: Mass
-    link: Name | None = Field(default=None, description="that it hangs on; the last one where there is one only")
-    at: Point = default(_ORIGIN, description="x, y, z in the frame of the link")
+    mass: fields.Mass
+    link: Name | None = fields.optional("that it hangs on; the last one where there is one only")
+    at: Point = fields.default(_ORIGIN, "x, y, z in the frame of the link")
 
 
-class PayloadCase(Section):
+class PayloadCase(fields.Section):
     """Another payload at the same point, as a load case of the whole trajectory."""
 
     name: Name
-    mass: Counterweight
+    mass: fields.Counterweight
 
 
-class Mounting(Section):
+class Mounting(fields.Section):
     """Turns of the robot's base against the world, whose z points up: about its fixed axes x, y and z, one by one."""
 
-    roll: Bearing = default("0 deg")
-    pitch: Bearing = default("0 deg")
-    yaw: Bearing = default("0 deg")
+    roll: fields.Bearing = fields.default("0 deg")
+    pitch: fields.Bearing = fields.default("0 deg")
+    yaw: fields.Bearing = fields.default("0 deg")
 
 
-class DrivePlace(Section):
+class DrivePlace(fields.Section):
     """Place of the drive of one joint, whose mass the joints before it carry."""
 
-    on: Literal["link_before", "base", "link"] = Field(
-        default="link_before",
-        description="link_before: at the joint, on the link before it; base: no joint carries it; link: as named, "
+    on: Literal["link_before", "base", "link"] = fields.default(
+        "link_before",
+        "link_before: at the joint, on the link before it; base: no joint carries it; link: as named, "
         "also one that the joint moves: then the drive is load of its own joint",
     )
-    link: Name | None = Field(default=None, description="with on: link")
-    at: Point | None = Field(default=None, description="x, y, z in the frame of its link; on the joint's axis else")
-    belt_passes: bool = Field(
-        default=False,
-        description="whether a belt over the axes between makes it turn by the sum of their angles and its joint's",
+    link: Name | None = fields.optional("with on: link")
+    at: Point | None = fields.optional("x, y, z in the frame of its link; on the joint's axis else")
+    belt_passes: bool = fields.default(
+        False, "whether a belt over the axes between makes it turn by the sum of their angles and its joint's"
     )
-    travel_per_turn: Length | None = Field(
-        default=None, description="of a joint that slides, per turn of the shaft that the drive turns"
+    travel_per_turn: fields.Length | None = fields.optional(
+        "of a joint that slides, per turn of the shaft that the drive turns"
     )
 
     @model_validator(mode="after")
@@ -169,38 +153,33 @@ class DrivePlace(Section):
         return self
 
 
-class RobotSection(Section):
+class RobotSection(fields.Section):
     """Joints of a robot description, each an axis of the machine."""
 
-    description: str = Field(min_length=1, description="URDF or MJCF file")
-    trajectory: str | None = Field(
-        default=None, min_length=1, description="CSV: columns time and joints by name; then a row of units"
-    )
-    smoothing: Pause = default("0 s", description="least time between knots of the curve through the trajectory")
+    description: str = fields.required("URDF or MJCF file", min_length=1)
+    trajectory: str | None = fields.optional("CSV: columns time and joints by name; then a row of units", min_length=1)
+    smoothing: fields.Pause = fields.default("0 s", "least time between knots of the curve through the trajectory")
     waypoints: Annotated[list[JointWaypoint], Field(min_length=2, max_length=10_000)] | None = None
-    law: Literal["fastest", "poly5"] = Field(
-        default="fastest", description="of moves between waypoints: fastest within limits, or a polynomial of 5th order"
+    law: Literal["fastest", "poly5"] = fields.default(
+        "fastest", "of moves between waypoints: fastest within limits, or a polynomial of 5th order"
     )
-    limits: dict[Name, JointLimits] = all_defaults(
-        description="of moves between waypoints, by joint; `all` for those that are not named"
+    limits: dict[Name, JointLimits] = fields.all_defaults(
+        "of moves between waypoints, by joint; `all` for those that are not named"
     )
-    held: dict[Name, Position] = all_defaults(description="positions of joints that do not move; 0 where not given")
-    payload: PointMass | None = Field(default=None, description="or its mass alone", json_schema_extra=_or_mass)
-    payloads: Annotated[list[PayloadCase], Field(max_length=100)] = no_entries(
-        description="other payloads at the same point, as load cases"
+    held: dict[Name, Position] = fields.all_defaults("positions of joints that do not move; 0 where not given")
+    payload: PointMass | None = fields.optional("or its mass alone", json_schema_extra=_or_mass)
+    payloads: Annotated[list[PayloadCase], Field(max_length=100)] = fields.no_entries(
+        "other payloads at the same point, as load cases"
     )
-    holds: Annotated[list[Hold], Field(max_length=100)] = no_entries(description="poses that are held, as load cases")
-    mounting: Mounting = all_defaults(description="of the base; upright where not given")
-    friction: Literal["keep", "leave"] = Field(
-        default="keep", description="of the joints in the description: kept as that of bearings, or left out"
+    holds: Annotated[list[Hold], Field(max_length=100)] = fields.no_entries("poses that are held, as load cases")
+    mounting: Mounting = fields.all_defaults("of the base; upright where not given")
+    friction: Literal["keep", "leave"] = fields.default(
+        "keep", "of the joints in the description: kept as that of bearings, or left out"
     )
-    masses: Literal["without", "with_drives"] = Field(
-        default="without",
-        description="of the links: without the drives, which are added where they ride, or with_drives already",
+    masses: Literal["without", "with_drives"] = fields.default(
+        "without", "of the links: without the drives, which are added where they ride, or with_drives already"
     )
-    drives: dict[Name, DrivePlace] = all_defaults(
-        description="by joint; at the joint on the link before it where not given"
-    )
+    drives: dict[Name, DrivePlace] = fields.all_defaults("by joint; at the joint on the link before it where not given")
 
     @field_validator("payload", mode="before")
     @classmethod
@@ -210,7 +189,7 @@ class RobotSection(Section):
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
-        exactly_one(self, "trajectory", "waypoints")
+        fields.exactly_one(self, "trajectory", "waypoints")
         if self.payloads and self.payload is None:
             raise ValueError("payloads: they hang where payload does; expected payload with its link")
         if self.payload is None and any(hold.payload is not None for hold in self.holds):

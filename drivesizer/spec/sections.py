@@ -6,39 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from drivesizer.files.fields import (
-    Allowance,
-    Altitude,
-    Angle,
-    Capacitance,
-    Consumed,
-    Current,
-    Drop,
-    Duration,
-    Factor,
-    Force,
-    Frequency,
-    Gravity,
-    Length,
-    Mass,
-    Part,
-    Power,
-    Price,
-    Quantity,
-    Ratio,
-    Resistance,
-    Section,
-    Share,
-    Temperature,
-    Torque,
-    TorqueAbove,
-    Turning,
-    Velocity,
-    Voltage,
-    all_defaults,
-    default,
-    no_entries,
-)
+from drivesizer.files import fields
 
 __all__ = [
     "Case", "Environment", "Lives", "Margins", "Mission", "Needs", "PaperFactors", "PowerStage", "Requirements",
@@ -52,12 +20,12 @@ __all__ = [
 LifeOf = Literal["screw", "gearhead", "output_bearing"]
 
 
-class Lives(Section):
+class Lives(fields.Section):
     """Life of parts by name, in hours of the cycle, rests included; of the others none is required."""
 
-    screw: Duration | None = Field(default=None, description="of a ball screw")
-    gearhead: Duration | None = Field(default=None, description="of its gears, by its rated life")
-    output_bearing: Duration | None = Field(default=None, description="of the gearhead's output, under section shaft")
+    screw: fields.Duration | None = fields.optional("of a ball screw")
+    gearhead: fields.Duration | None = fields.optional("of its gears, by its rated life")
+    output_bearing: fields.Duration | None = fields.optional("of the gearhead's output, under section shaft")
 
     @model_validator(mode="after")
     def _some(self) -> Self:
@@ -67,7 +35,7 @@ class Lives(Section):
 
 
 Life = Annotated[
-    Annotated[Duration, Tag("of all")] | Annotated[Lives, Tag("by part")],
+    Annotated[fields.Duration, Tag("of all")] | Annotated[Lives, Tag("by part")],
     Discriminator(lambda given: "by part" if isinstance(given, dict | Lives) else "of all"),
 ]
 
@@ -86,20 +54,20 @@ def required_life(life: Any, part: LifeOf) -> Any:
 # -- Section of a spec on what the machine is for, as far as no other section has it.
 
 
-class Travel(Section):
+class Travel(fields.Section):
     """A distance that a vehicle must cover in a time."""
 
-    distance: Length
-    within: Duration
+    distance: fields.Length
+    within: fields.Duration
 
 
-class Requirements(Section):
+class Requirements(fields.Section):
     """Requirements on the machine; autonomy and range stand in `battery`, doors in `platform`, the mass in `budget`."""
 
-    travel: Travel | None = Field(default=None, description="by a vehicle, at the mean speed of its motion")
-    speed: Velocity | None = Field(default=None, description="that the motion must reach")
-    devices: Annotated[list[Annotated[str, Field(min_length=1, max_length=60)]], Field(max_length=100)] = no_entries(
-        description="that it must carry: names of `equipment`, of `others` of `budget` or of payloads"
+    travel: Travel | None = fields.optional("by a vehicle, at the mean speed of its motion")
+    speed: fields.Velocity | None = fields.optional("that the motion must reach")
+    devices: Annotated[list[Annotated[str, Field(min_length=1, max_length=60)]], Field(max_length=100)] = (
+        fields.no_entries("that it must carry: names of `equipment`, of `others` of `budget` or of payloads")
     )
 
     @model_validator(mode="after")
@@ -114,56 +82,51 @@ class Requirements(Section):
 # -- The sections of robot.yaml that are not load, motion, transmission, loop, choice, battery or platform.
 
 
-class PaperFactors(Section):
+class PaperFactors(fields.Section):
     """The paper's factors; it gives no values for them."""
 
-    speed_reserve: Share = Field(default=1, description="η of (1)")
-    bearing: Share = Field(default=1, description="δ of (2)")
-    robot_efficiency: Share = Field(default=1, description="η of (10)")
-    confidence: Share = Field(default=1, description="κ of (7)")
-    oversize: Factor = Field(default=1, description="PF of (7) and (10)")
+    speed_reserve: fields.Share = fields.default(1, "η of (1)")
+    bearing: fields.Share = fields.default(1, "δ of (2)")
+    robot_efficiency: fields.Share = fields.default(1, "η of (10)")
+    confidence: fields.Share = fields.default(1, "κ of (7)")
+    oversize: fields.Factor = fields.default(1, "PF of (7) and (10)")
 
 
-class Supply(Section):
+class Supply(fields.Section):
     """The electrical supply of the motor controllers."""
 
-    kind: Literal["power_supply", "battery", "drive_bus"] | None = Field(
-        default=None,
-        description="power_supply: a unit that takes nothing back; battery: takes all; drive_bus: the rectified bus of "
-        "drives, whose capacitors store; only the other fields count where not given",
+    kind: Literal["power_supply", "battery", "drive_bus"] | None = fields.optional(
+        "power_supply: a unit that takes nothing back; battery: takes all; drive_bus: the rectified bus of "
+        "drives, whose capacitors store; only the other fields count where not given"
     )
-    part: str | None = Field(default=None, min_length=1, description="power supply of a catalogue, one for the machine")
-    nominal: Voltage = Field(
-        description="direct voltage at the controllers; of drives at the mains that of their bus: 325 V at 230 V"
+    part: str | None = fields.optional("power supply of a catalogue, one for the machine", min_length=1)
+    nominal: fields.Voltage = fields.required(
+        "direct voltage at the controllers; of drives at the mains that of their bus: 325 V at 230 V"
     )
-    min: Voltage | None = Field(default=None, description="lowest voltage; nominal where not given")
-    max: Voltage | None = Field(default=None, description="highest voltage; nominal where not given")
-    resistance: Resistance | None = Field(
-        default=None, description="of the source and all cables; of the cables alone where a section battery is"
+    min: fields.Voltage | None = fields.optional("lowest voltage; nominal where not given")
+    max: fields.Voltage | None = fields.optional("highest voltage; nominal where not given")
+    resistance: fields.Resistance | None = fields.optional(
+        "of the source and all cables; of the cables alone where a section battery is"
     )
-    current: Current | None = Field(default=None, description="that the supply can deliver to all drives")
-    power: Power | None = Field(default=None, description="that the supply can deliver to all drives")
-    peak_current: Current | None = Field(
-        default=None, description="that it can deliver for peak_time; current is then the continuous one"
+    current: fields.Current | None = fields.optional("that the supply can deliver to all drives")
+    power: fields.Power | None = fields.optional("that the supply can deliver to all drives")
+    peak_current: fields.Current | None = fields.optional(
+        "that it can deliver for peak_time; current is then the continuous one"
     )
-    peak_time: Duration | None = None
-    overvoltage_trip: Voltage | None = Field(
-        default=None, description="at which it switches off, or that it withstands from outside"
+    peak_time: fields.Duration | None = None
+    overvoltage_trip: fields.Voltage | None = fields.optional(
+        "at which it switches off, or that it withstands from outside"
     )
-    regeneration: Part = Field(
-        default=0, description="share of regenerated energy that is stored and used again; 0 none"
+    regeneration: fields.Part = fields.default(0, "share of regenerated energy that is stored and used again; 0 none")
+    accepts: Literal["all", "share"] | None = fields.optional(
+        "all: the rest of it is lost as heat, in a battery or a brake resistor, as where a section battery "
+        "is; share: the rest stays on the bus, as of a power supply unit"
     )
-    accepts: Literal["all", "share"] | None = Field(
-        default=None,
-        description="all: the rest of it is lost as heat, in a battery or a brake resistor, as where a section battery "
-        "is; share: the rest stays on the bus, as of a power supply unit",
-    )
-    capacitance: Capacitance | None = Field(default=None, description="of the bus, where what is not accepted stays")
+    capacitance: fields.Capacitance | None = fields.optional("of the bus, where what is not accepted stays")
 
-    brakes: Voltage | None = Field(
-        default=None,
-        description="that holding brakes are fed with, as nominal where they share this supply; where not given "
-        "brakes of another voltage have a supply of their own",
+    brakes: fields.Voltage | None = fields.optional(
+        "that holding brakes are fed with, as nominal where they share this supply; where not given "
+        "brakes of another voltage have a supply of their own"
     )
 
     @model_validator(mode="after")
@@ -214,78 +177,76 @@ class Supply(Section):
         return self.nominal if self.max is None else self.max
 
 
-class PowerStage(Section):
+class PowerStage(fields.Section):
     """Losses of each controller, in place of what its catalogue prints or the program assumes; not inside actuators."""
 
-    voltage_drop: Drop | None = Field(
-        default=None, description="of the voltage that reaches the motor, and lost per ampere at any current"
+    voltage_drop: fields.Drop | None = fields.optional(
+        "of the voltage that reaches the motor, and lost per ampere at any current"
     )
-    resistance: Resistance | None = Field(default=None, description="in series with the winding; none where not given")
-    standby: Consumed | None = Field(default=None, description="that each draws at any time; also inside actuators")
+    resistance: fields.Resistance | None = fields.optional("in series with the winding; none where not given")
+    standby: fields.Consumed | None = fields.optional("that each draws at any time; also inside actuators")
 
 
-class Environment(Section):
+class Environment(fields.Section):
     """Surroundings in which the machine works."""
 
-    ambient: Temperature = default("25 degC")
-    altitude: Altitude = default("0 m", description="above sea level: thin air cools less above 1000 m; at most 4000 m")
-    gravity: Gravity = default("9.80665 m/s^2")
+    ambient: fields.Temperature = fields.default("25 degC")
+    altitude: fields.Altitude = fields.default(
+        "0 m", "above sea level: thin air cools less above 1000 m; at most 4000 m"
+    )
+    gravity: fields.Gravity = fields.default("9.80665 m/s^2")
 
 
-class Margins(Section):
+class Margins(fields.Section):
     """Margins by which every limit must exceed the demand, by physics; the paper has its own factors."""
 
-    torque: Allowance = Field(default=0, description="of gearhead torques, currents, traction, loads of a screw")
-    speed: Allowance = Field(default=0, description="of motor, gearhead, encoder and screw speeds, and of voltage")
-    temperature: Allowance = Field(default=0, description="of the winding's permitted rise over the ambient")
-    pull_out: Factor = Field(default=2, description="a stepper's pull-out torque over the load's, at each speed")
+    torque: fields.Allowance = fields.default(0, "of gearhead torques, currents, traction, loads of a screw")
+    speed: fields.Allowance = fields.default(0, "of motor, gearhead, encoder and screw speeds, and of voltage")
+    temperature: fields.Allowance = fields.default(0, "of the winding's permitted rise over the ambient")
+    pull_out: fields.Factor = fields.default(2, "a stepper's pull-out torque over the load's, at each speed")
 
 
-class Mission(Section):
+class Mission(fields.Section):
     """Use of the motion, for the closed loop."""
 
-    duration: Duration = Field(description="for which the cycle is repeated, rounded up to whole cycles")
+    duration: fields.Duration = fields.required("for which the cycle is repeated, rounded up to whole cycles")
 
 
-class Needs(Section):
+class Needs(fields.Section):
     """Requirements on the drive beyond moving the load."""
 
-    encoder_counts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="counts per motor turn")
-    backlash_at_load: Angle | None = Field(default=None, description="lost motion of the gearhead, seen at the load")
-    bandwidth: Frequency | None = Field(default=None, description="of the closed velocity loop")
-    resolution_at_load: Angle | None = Field(default=None, description="angle of the load per edge of the encoder")
-    inertia_ratio: Ratio | None = Field(default=None, description="load's inertia over the motor's, at most")
-    start_speed: Turning | None = Field(
-        default=None, description="of the motor: a stepper's to which it jumps without a ramp"
+    encoder_counts: Annotated[int, Field(ge=1)] | None = fields.optional("counts per motor turn")
+    backlash_at_load: fields.Angle | None = fields.optional("lost motion of the gearhead, seen at the load")
+    bandwidth: fields.Frequency | None = fields.optional("of the closed velocity loop")
+    resolution_at_load: fields.Angle | None = fields.optional("angle of the load per edge of the encoder")
+    inertia_ratio: fields.Ratio | None = fields.optional("load's inertia over the motor's, at most")
+    start_speed: fields.Turning | None = fields.optional("of the motor: a stepper's to which it jumps without a ramp")
+    resonance: fields.Frequency | None = fields.optional("of motor and load on the belt, at least")
+    hold_unpowered: bool = fields.default(False, "the load must stay where it is without power")
+    life: Life | None = fields.optional(
+        "of gearhead, its output bearing and ball screw: hours of the cycle, rests included; or of some"
     )
-    resonance: Frequency | None = Field(default=None, description="of motor and load on the belt, at least")
-    hold_unpowered: bool = Field(default=False, description="the load must stay where it is without power")
-    life: Life | None = Field(
-        default=None,
-        description="of gearhead, its output bearing and ball screw: hours of the cycle, rests included; or of some",
+    shock_torque: fields.TorqueAbove | None = fields.optional(
+        "at the load's shaft, in an emergency stop or a collision"
     )
-    shock_torque: TorqueAbove | None = Field(
-        default=None, description="at the load's shaft, in an emergency stop or a collision"
+    holding_factor: fields.Factor = fields.default(2, "of a brake's torque over that of the load at rest")
+    holding_friction: Literal["ignored", "counted"] = fields.default(
+        "ignored", "printed friction and detent torque of the motor, beside the brake's torque"
     )
-    holding_factor: Factor = Field(default=2, description="of a brake's torque over that of the load at rest")
-    holding_friction: Literal["ignored", "counted"] = Field(
-        default="ignored", description="printed friction and detent torque of the motor, beside the brake's torque"
+    emergency_stops: Annotated[int, Field(ge=1)] | None = fields.optional(
+        "stops by the brake from the highest speed, in the machine's life"
     )
-    emergency_stops: Annotated[int, Field(ge=1)] | None = Field(
-        default=None, description="stops by the brake from the highest speed, in the machine's life"
+    radial_load: fields.Force | None = fields.optional(
+        "on the gearhead's shaft, or the motor's without one; added to the load of section shaft"
     )
-    radial_load: Force | None = Field(
-        default=None,
-        description="on the gearhead's shaft, or the motor's without one; added to the load of section shaft",
+    axial_load: fields.Force | None = fields.optional("on the same shaft, added to that of section shaft")
+    tilting_moment: fields.Torque | None = fields.optional(
+        "on the gearhead's output, beside that of the radial load at its distance"
     )
-    axial_load: Force | None = Field(default=None, description="on the same shaft, added to that of section shaft")
-    tilting_moment: Torque | None = Field(
-        default=None, description="on the gearhead's output, beside that of the radial load at its distance"
-    )
-    diameter: Length | None = Field(default=None, description="of motor and gearhead, at most")
-    length: Length | None = Field(default=None, description="of motor, gearhead and brake together, at most")
-    mass: Mass | None = Field(default=None, description="of motor, gearhead and brake together, at most")
-    price: Price | None = Field(default=None, description="of motor, gearhead and brake together, at most")
+    diameter: fields.Length | None = fields.optional("of motor and gearhead, at most")
+    length: fields.Length | None = fields.optional("of motor, gearhead and brake together, at most")
+    mass: fields.Mass | None = fields.optional("of motor, gearhead and brake together, at most")
+    price: fields.Price | None = fields.optional("of motor, gearhead and brake together, at most")
 
     @model_validator(mode="after")
     def _held(self) -> Self:
@@ -294,7 +255,7 @@ class Needs(Section):
         return self
 
 
-class Case(Section):
+class Case(fields.Section):
     """Changes of a further load case; everything else is as in the spec."""
 
     @model_validator(mode="after")
@@ -306,28 +267,27 @@ class Case(Section):
         return self
 
     name: str = Field(min_length=1, max_length=60)
-    share: Annotated[float, Quantity("dimensionless", above=0.0, most=0.99)] | None = Field(
-        default=None,
-        description="of the time: cycles of the case alternate with those as specified, for heat, energy and battery "
-        "too; without it the machine is sized as if the case were continuous",
+    share: Annotated[float, fields.Quantity("dimensionless", above=0.0, most=0.99)] | None = fields.optional(
+        "of the time: cycles of the case alternate with those as specified, for heat, energy and battery "
+        "too; without it the machine is sized as if the case were continuous"
     )
-    lasting: Duration | None = Field(
-        default=None, description="of a case with a share, uninterrupted; one cycle where not given"
+    lasting: fields.Duration | None = fields.optional(
+        "of a case with a share, uninterrupted; one cycle where not given"
     )
-    load: dict[str, Any] = all_defaults()
-    motion: dict[str, Any] = all_defaults()
-    supply: dict[str, Any] = all_defaults()
-    environment: dict[str, Any] = all_defaults()
-    platform: dict[str, Any] = all_defaults()
+    load: dict[str, Any] = fields.all_defaults()
+    motion: dict[str, Any] = fields.all_defaults()
+    supply: dict[str, Any] = fields.all_defaults()
+    environment: dict[str, Any] = fields.all_defaults()
+    platform: dict[str, Any] = fields.all_defaults()
 
 
 _Line = Annotated[str, Field(min_length=1, max_length=200)]
 
 
-class TitleBlock(Section):
+class TitleBlock(fields.Section):
     """Whom a report is for, and whose it is."""
 
     customer: _Line | None = None
     project: _Line | None = None
     author: _Line | None = None
-    revision: _Line | None = Field(default=None, description='such as "B" or "2.1"; quoted where it is a number')
+    revision: _Line | None = fields.optional('such as "B" or "2.1"; quoted where it is a number')
